@@ -13,6 +13,7 @@ from stepwell.statics.following import (
     RUNS_AWAY,
     STABILITY,
     STALLED,
+    STROKE,
 )
 
 
@@ -56,6 +57,7 @@ def refuse_failure(status: int, chain: Chain, travels: Floats, force: float) -> 
 _BROKEN = {
     EQUILIBRIUM: "the cells are out of balance by {by:.3g} N where forces reach {scale:.3g} N",
     STABILITY: "the place where a snap lands is unstable, by {by:.3g} N/m",
+    STROKE: "the travels of the cells and the drive differ by {by:.3g} of it",
     ENERGY: "energy is out of balance by {mJ:.3g} mJ where forces reach {scale:.3g} N",
 }
 

@@ -329,7 +329,7 @@ class Path(ByValue, Drawn):
 
     def segments(self) -> Iterator[Segment]:
         """Every segment of the path in order: holds, smooth moves, snaps."""
-        return segments_of(self._log)
+        return segments_of(self._log, self.start, lambda: self._problem)
 
     @property
     def start_force(self) -> float:

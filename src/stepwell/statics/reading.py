@@ -1,6 +1,6 @@
 """Reading segments off the log of the follower, and switches and snaps off segments."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
-from stepwell.statics.following import log as logged
+from stepwell.statics.following import Problem, log as logged, moved
 
 # A drift moves cells of constant force.
 _KINDS = {
@@ -20,15 +20,25 @@ _KINDS = {
 _CAUSES = {logged.RELEASE: Cause.RELEASE, logged.ENDS: Cause.END}
 
 
-def segments_of(log: logged.Log) -> Iterator[Segment]:
-    """Every segment of a log in order."""
-    rows, first = log.segments[: log.used[0]].tolist(), log.first.tolist()
-    movers = log.movers[: log.used[1]]
-    cells = movers[:, logged.CELL].astype(int).tolist()
-    before, after = movers[:, logged.TRAVEL_0].tolist(), movers[:, logged.TRAVEL_1].tolist()
-    sheets = movers[:, [logged.SHEET_0, logged.SHEET_1]].astype(int).T.tolist()
+def segments_of(
+    log: logged.Log, start: tuple[float, ...], problem: Callable[[], Problem]
+) -> Iterator[Segment]:
+    """Every segment of a log in order.
+
+    Args:
+        log: of the path.
+        start: (N,) travels at its beginning [m].
+        problem: makes what was followed, where a segment has cells without a row.
+    """
+    rows, now = log.segments[: log.used[0]].tolist(), np.array(start)
     for k, row in enumerate(rows):
-        those = slice(first[k], first[k + 1])
+        movers = log.movers[log.first[k] : log.first[k + 1]]
+        if row[logged.FOLLOW]:
+            movers = moved(problem(), log, k, now)
+        whole = movers[:, [logged.CELL, logged.SHEET_0, logged.SHEET_1]].astype(int)
+        cells, sheet_0, sheet_1 = whole.T.tolist()
+        before, after = movers[:, logged.TRAVEL_0], movers[:, logged.TRAVEL_1]
+        now[cells] = after
         kind, cause = _KINDS[int(row[logged.KIND])], None
         if kind is SegmentKind.SNAP:
             cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
@@ -37,11 +47,11 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
             int(row[logged.DIRECTION]),
             (row[logged.DRIVE_0], row[logged.DRIVE_1]),
             (row[logged.FORCE_0], row[logged.FORCE_1]),
-            tuple(cells[those]),
-            tuple(before[those]),
-            tuple(after[those]),
-            tuple(sheets[0][those]),
-            tuple(sheets[1][those]),
+            tuple(cells),
+            tuple(before.tolist()),
+            tuple(after.tolist()),
+            tuple(sheet_0),
+            tuple(sheet_1),
             row[logged.RELEASED],
             row[logged.TIE_A] >= 0,
             cause,

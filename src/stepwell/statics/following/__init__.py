@@ -10,10 +10,12 @@ from stepwell.statics.following.certificate import (
     FORCE_SLACK,
     KEPT,
     STABILITY,
+    STROKE,
     audit,
 )
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.landing import LANDED, STOPPED
+from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,

@@ -10,7 +10,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import Laws, law
-from stepwell.statics.following.pieces import Pieces, invert, invert_near
+from stepwell.statics.following.pieces import Pieces, invert, invert_near, piece_along
 from stepwell.statics.following.state import Movers, Problem
 
 
@@ -108,17 +108,24 @@ def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> fl
 
 @kernel
 def point_at(
-    problem: Problem, movers: Movers, begin: float, end: float, drive: float, out: Floats
+    problem: Problem,
+    movers: Movers,
+    begin: float,
+    end: float,
+    drive: float,
+    out: Floats,
+    joints: bool,
 ) -> float:
     """Force λ at which a branch between `begin` and `end` has U = `drive`; travels into `out`.
 
-    U is monotone on a stable branch.
+    U is monotone on a stable branch. With `joints` the movers pass on to the pieces that their
+    branches go on with, which are written into them.
     """
     low, high = begin, end
     # The same answer whatever was there.
     out[:] = np.nan
-    u_low = _drive_at(problem, movers, low, out)
-    u_high = _drive_at(problem, movers, high, out)
+    u_low = _drive_at(problem, movers, low, out, joints)
+    u_high = _drive_at(problem, movers, high, out, joints)
     rising = u_high > u_low
     force = high
     for step in range(200):
@@ -129,14 +136,14 @@ def point_at(
             force = 0.5 * (low + high)
             if force == low or force == high:
                 break
-        u = _drive_at(problem, movers, force, out)
+        u = _drive_at(problem, movers, force, out, joints)
         if u == drive:
             break
         if (u < drive) == rising:
             low, u_low = force, u
         else:
             high, u_high = force, u
-    _drive_at(problem, movers, force, out)
+    _drive_at(problem, movers, force, out, joints)
     # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
     # the actuator is softer still.
     laws, pieces = problem.laws, problem.pieces
@@ -158,11 +165,15 @@ def point_at(
 
 
 @leaf
-def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
+def _drive_at(
+    problem: Problem, movers: Movers, force: float, out: Floats, joints: bool
+) -> float:
     """U of a branch where its force is `force`; travels into `out`, from those there on."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     total = movers.held
     for m in range(len(movers.cell)):
+        if joints:
+            movers.piece[m] = piece_along(pieces, movers.cell[m], movers.piece[m], force)
         cell, piece = movers.cell[m], movers.piece[m]
         out[m] = invert_near(laws, pieces, cell, piece, force - movers.offset[m], out[m])
         total += out[m]

@@ -4,11 +4,12 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, law, stored
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,
     DRIVE_1,
+    FOLLOW,
     FORCE_1,
     KIND,
     OFFSET,
@@ -20,10 +21,11 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
+from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, stand_all_on, stand_on
 from stepwell.statics.following.state import Movers, Problem, nobody
 
-KEPT, EQUILIBRIUM, STABILITY, ENERGY = 0, 1, 2, 3
+KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 # Shares of the largest force, and of what that force does or resists over a full travel. The
 # engine keeps them a hundred times better; what breaks them has lost its digits.
 FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
@@ -46,11 +48,11 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
         slides = slides or laws.friction[cell] > 0.0
     slopes = np.empty(n)
     free = 0
+    place = np.full(n, -1)
+    for j in range(len(movers.cell)):
+        place[movers.cell[j]] = j
     for i in range(n):
-        mine = -1
-        for j in range(len(movers.cell)):
-            if movers.cell[j] == i:
-                mine = j
+        mine = place[i]
         known = mine >= 0 and movers.piece[mine] >= 0
         piece = movers.piece[mine] if known else find_piece(pieces, i, travel[i], 0)
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
@@ -98,7 +100,9 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
     what each moving cell stores in addition lies between the bounds that its forces at the ends
     and in the middle set, its force being convex or concave there; a snap sets energy free, and
-    the last of several at one drive ends in a place that is stable. [N], [N/m] or [J].
+    the last of several at one drive ends in a place that is stable. [N], [N/m] or [J]. Where cells
+    follow the force without rows of their own, all of them are looked at, and their travels added
+    up, at the last such segment and at about 64 before it; at the others the cells with rows are.
     """
     laws, pieces, scale = problem.laws, problem.pieces, problem.scale
     n = len(start)
@@ -110,22 +114,33 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     for i in range(n):
         _stands(problem, i, -1, now[i], lowest, highest)
     size = np.max(laws.full)
-    for k in range(log.used[0]):
+    count = log.used[0]
+    every = max(1, count // 64)
+    for k in range(count):
         if overspent(problem.effort, 1):
             break
         row = log.segments[k]
         force = row[FORCE_1]
         jumps = int(row[KIND]) == SNAP
         gap = 0.0
-        for j in range(log.first[k], log.first[k + 1]):
-            mover = log.movers[j]
+        follow = row[FOLLOW] != 0.0
+        ends_here = k + 1 == count or log.segments[k + 1, FOLLOW] == 0.0
+        whole = not follow or ends_here or k % every == 0
+        movers = log.movers[log.first[k] : log.first[k + 1]]
+        if whole:
+            movers = moved(problem, log, k, now)
+        for j in range(len(movers)):
+            mover = movers[j]
             i, piece = int(mover[CELL]), int(mover[PIECE])
             before, now[i] = now[i], mover[TRAVEL_1]
             if sheet_of(problem.sheets, i) != int(mover[SHEET_1]):
                 stand_on(laws, problem.sheets, pieces, i, int(mover[SHEET_1]))
             begun = before == mover[TRAVEL_0] and seen[i] == piece
             value = _stands(problem, i, piece, now[i], lowest, highest)
-            if piece >= 0:
+            seen[i] = -1
+            # One that passes a joint on the way has no such bounds.
+            if piece >= 0 and pieces.left[piece] <= mover[TRAVEL_0] <= pieces.right[piece]:
+                seen[i] = piece
                 picked, begin = pieces.picked[piece], mover[TRAVEL_0]
                 held = energy[i] if begun else stored(laws, i, picked, begin)
                 pushed = pushes[i] if begun else law(laws, i, picked, begin)[0]
@@ -137,8 +152,12 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
                 )
                 if not miss <= ENERGY_SLACK * scale * size:
                     return k, ENERGY, miss
-            seen[i] = piece
-        gap = max(gap, np.max(lowest) - force, force - np.min(highest))
+        if whole:
+            gap = max(gap, np.max(lowest) - force, force - np.min(highest))
+        if follow and whole:
+            lost = abs(problem.alpha * summed(now) + problem.beta * force - row[DRIVE_1])
+            if not lost <= 1e-9 * (problem.alpha * summed(laws.full) + problem.beta * scale):
+                return k, STROKE, lost
         if not gap <= FORCE_SLACK * scale:
             return k, EQUILIBRIUM, gap
         if jumps:
@@ -146,7 +165,7 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
                 return k, ENERGY, -row[RELEASED]
             # Alike cells can creep into a saddle together, or stand on their tops under the same
             # force; they leave by another snap at the same drive.
-            if _snaps_again(log, k):
+            if not whole or _snaps_again(log, k):
                 continue
             least = certify(problem, now, force, nobody())[1]
             if not least >= -STIFFNESS_SLACK * scale / size:

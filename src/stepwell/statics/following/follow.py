@@ -11,6 +11,7 @@ from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
+from stepwell.statics.following.series import advance, is_regular
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -54,6 +55,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
     goes = np.zeros(n, np.int64)
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)
+    regular = is_regular(problem)
     for turn in range(1, len(turning)):
         target = turning[turn]
         if target == turning[turn - 1] or turn < state.stroke[0]:
@@ -70,6 +72,12 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
             target = direction * np.inf
         furthest, idle, status = np.nan, 0, GOES_ON
         while status == GOES_ON:
+            if regular and state.next_snap[DUE] == 0:
+                status = advance(problem, state, direction, target, slack)
+                if status == LOG_FULL:
+                    return LOG_FULL
+                if status != GOES_ON:
+                    break
             drive = drive_of(problem, state.travel, state.force[0])
             if direction * (target - drive) <= slack:
                 status = DONE

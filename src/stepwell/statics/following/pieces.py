@@ -392,6 +392,19 @@ def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
 
 
 @leaf
+def piece_along(pieces: Pieces, cell: int, piece: int, force: float) -> int:
+    """The piece with a force, of those next to each other on which κ has the sign of `piece`."""
+    first, last = pieces.among[cell, 0], pieces.among[cell, 1]
+    sign, left, right = pieces.sign, pieces.force_left, pieces.force_right
+    way = sign[piece]
+    while piece < last and sign[piece + 1] == way and way * (force - right[piece]) > 0.0:
+        piece += 1
+    while piece > first and sign[piece - 1] == way and way * (force - left[piece]) < 0.0:
+        piece -= 1
+    return piece
+
+
+@leaf
 def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
     """The piece on which `cell` rests at `travel`; where its force turns, the one that rises."""
     piece = find_piece(pieces, cell, travel, 0)

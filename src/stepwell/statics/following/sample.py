@@ -15,6 +15,7 @@ from stepwell.statics.following.log import (
     DRIFT,
     DRIVE_0,
     DRIVE_1,
+    FOLLOW,
     FORCE_0,
     FORCE_1,
     HOLD,
@@ -28,8 +29,10 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
+from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import (
     find_piece,
+    piece_along,
     sheet_of,
     sheets_of,
     stand_all_on,
@@ -84,8 +87,8 @@ def sample(
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]
-        kind, toward = int(row[KIND]), int(row[DIRECTION])
-        rows = log.movers[log.first[k] : log.first[k + 1]]
+        kind, toward, follow = int(row[KIND]), int(row[DIRECTION]), row[FOLLOW] != 0.0
+        rows = moved(problem, log, k, now)
         m = len(rows)
         movers = _movers(rows, summed(now))
         moving = nobody() if kind == SNAP else movers
@@ -109,7 +112,7 @@ def sample(
                         places[j] = rows[j, TRAVEL_1]
                 if last:
                     level, u = row[FORCE_1], row[DRIVE_1]
-            elif m == 1 and beta == 0.0:
+            elif m == 1 and beta == 0.0 and not follow:
                 cell, piece = movers.cell[0], movers.piece[0]
                 places[0] = u / alpha - movers.held
                 if piece < 0:
@@ -117,9 +120,12 @@ def sample(
                 places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
                 level = law(laws, cell, pieces.picked[piece], places[0])[0] + movers.offset[0]
             else:
-                level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places)
+                level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places, follow)
             for j in range(m):
                 now[movers.cell[j]] = places[j]
+                if follow and movers.piece[j] >= 0:
+                    piece = movers.piece[j]
+                    movers.piece[j] = piece_along(pieces, movers.cell[j], piece, level)
                 if sheet_of(problem.sheets, movers.cell[j]) != int(rows[j, SHEET_1]):
                     stand_on(laws, problem.sheets, pieces, movers.cell[j], int(rows[j, SHEET_1]))
             stands = drive[at - 1] == u and force[at - 1] == level

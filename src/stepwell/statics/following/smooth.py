@@ -434,7 +434,7 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
             picked = pieces.picked[movers.piece[0]]
             level = law(laws, movers.cell[0], picked, places[0])[0] + movers.offset[0]
         else:
-            level = point_at(problem, movers, begun.force, level, target, places)
+            level = point_at(problem, movers, begun.force, level, target, places, False)
     friction_work = 0.0
     moves = level != begun.force or drive != begun.drive
     for m in range(count):

@@ -10,10 +10,12 @@ from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, b
 from stepwell.statics.following.log import (
     CAUSE,
     CELL,
+    DECIDED,
     DIRECTION,
     DRIVE_0,
     DRIVE_1,
     ENDS,
+    FOLLOW,
     FORCE_0,
     FORCE_1,
     HEADING,
@@ -157,6 +159,36 @@ def nobody() -> Movers:
 
 
 @leaf
+def write_row(
+    state: State,
+    kind: int,
+    direction: int,
+    drive: tuple[float, float],
+    force: tuple[float, float],
+    heat: tuple[float, float],
+) -> None:
+    """Append the row of a segment without movers, and forget the tie that it tells of.
+
+    `heat` is what the snap released and what friction took [J].
+    """
+    log = state.log
+    k = log.used[0]
+    row = log.segments[k]
+    row[KIND], row[DIRECTION] = kind, direction
+    row[DRIVE_0], row[DRIVE_1] = drive
+    row[FORCE_0], row[FORCE_1] = force
+    row[RELEASED], row[RUBBED] = heat
+    row[CAUSE] = state.next_snap[WHY] if kind == SNAP else 0
+    row[LEADER] = state.next_snap[TRIGGER] if kind == SNAP else -1
+    row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
+    row[TIE_A], row[TIE_B] = state.tie
+    row[DECIDED] = row[FOLLOW] = 0.0
+    state.tie[:] = -1
+    log.used[0] = k + 1
+    log.first[k + 1] = log.used[1]
+
+
+@leaf
 def write(
     problem: Problem,
     state: State,
@@ -166,31 +198,24 @@ def write(
     heat: tuple[float, float],
     drive: float,
 ) -> None:
-    """Append the segment that ends here at `drive`, and forget the tie that it tells of.
-
-    `heat` is what the snap released and what friction took [J].
-    """
-    log = state.log
-    k, m = log.used
-    row = log.segments[k]
-    row[KIND], row[DIRECTION] = kind, begun.direction
-    row[DRIVE_0], row[DRIVE_1] = begun.drive, drive
-    row[FORCE_0], row[FORCE_1] = begun.force, state.force[0]
-    row[RELEASED], row[RUBBED] = heat
-    row[CAUSE] = state.next_snap[WHY] if kind == SNAP else 0
-    row[LEADER] = state.next_snap[TRIGGER] if kind == SNAP else -1
-    row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
-    row[TIE_A], row[TIE_B] = state.tie
-    state.tie[:] = -1
+    """Append the segment that ends here at `drive`, with a row for every mover."""
+    log, m = state.log, state.log.used[1]
+    write_row(
+        state,
+        kind,
+        begun.direction,
+        (begun.drive, drive),
+        (begun.force, state.force[0]),
+        heat,
+    )
     for j in range(len(movers.cell)):
         i = movers.cell[j]
         mover = log.movers[m + j]
         mover[CELL], mover[PIECE], mover[OFFSET] = i, movers.piece[j], movers.offset[j]
         mover[TRAVEL_0], mover[TRAVEL_1] = begun.travel[i], state.travel[i]
         mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
-    log.used[0] = k + 1
     log.used[1] = m + len(movers.cell)
-    log.first[k + 1] = m + len(movers.cell)
+    log.first[log.used[0]] = log.used[1]
 
 
 @leaf

@@ -18,6 +18,7 @@ from stepwell.statics.following import (
     find_piece,
     hold,
     log as logged,
+    moved,
     resting_piece,
     set_snap,
     stand_all_on,
@@ -70,7 +71,7 @@ def snaps_of(problem: Problem, log: logged.Log, travel: Floats, sheet: Ints) -> 
         start = None
         if snaps and pending is None:
             start = _start(problem, log, k, now, on)
-        movers = log.movers[log.first[k] : log.first[k + 1]]
+        movers = moved(problem, log, k, now)
         cells = movers[:, logged.CELL].astype(int)
         now[cells], on[cells] = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
         if start is not None:

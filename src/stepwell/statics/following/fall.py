@@ -1,0 +1,311 @@
+"""Where a snap lands if one cell falls and all others stay on their branches: without flow.
+
+A cell j that comes to the end of its branch at λ0 falls along its curve. As long as no other cell
+leaves its branch, overdamped flow ends in the first equilibrium on the way, which is the first
+root of x + Σ s_i(F_j(x)) = u: one scalar equation instead of a race in N unknowns. This file says
+when that is proved (theory page, "Landing without flow") and solves the equation.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats
+from stepwell.kernels import kernel, leaf, overspent
+from stepwell.mechanism import law, summed
+from stepwell.statics.following.branch import inverse_slope, point_at
+from stepwell.statics.following.pieces import invert, invert_near
+from stepwell.statics.following.queues import first_key
+from stepwell.statics.following.rising import (
+    END_DOWN,
+    END_UP,
+    JOINT_DOWN,
+    JOINT_UP,
+    Rising,
+    compliance_of,
+    count_work,
+    is_straight,
+    mobility_of,
+    offset_of,
+    pass_joint,
+    stroke_at,
+)
+from stepwell.statics.following.state import TIE, Movers, Problem, State
+
+# No landing is looked for while the force has fallen by less than this share of the largest one:
+# next to a fold the equation has a double root, and its sign is rounding.
+_NEAR = 1e-9
+# Into so many parts a curved rising piece is cut to bound what happens on it.
+_PARTS = 8
+
+
+class Falling(NamedTuple):
+    """The cell that falls, where it is, and where the others are."""
+
+    cell: int
+    piece: int
+    travel: float
+    force: float  # λ
+    direction: int  # of its motion, and of the drive
+
+
+@leaf
+def floor_of(
+    problem: Problem, rising: Rising, falling: Falling, heaviest: float
+) -> tuple[bool, float]:
+    """Whether the fall is decided, and the force below which no other cell comes, times direction.
+
+    `heaviest` is the largest m κ of any cell on a rising branch.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    j, p, travel, force, d = falling
+    own, others = problem.mobility[j], mobility_of(rising)
+    begin, picked = d * force, pieces.picked
+    edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
+    # Of d F: its valley, and the least that the mean of all forces by mobility can be.
+    valley, mean, way = begin, np.inf, 0.0
+    at = travel
+    while True:
+        end = pieces.right[p] if d > 0 else pieces.left[p]
+        level = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
+        if pieces.sign[p] == 0:
+            return False, begin
+        if pieces.sign[p] < 0:
+            way = abs(end - travel)
+            valley = min(valley, level)
+            mean = min(mean, others * begin + own * level - heaviest * way)
+        else:
+            over = level >= begin
+            if over:
+                end, level = invert(laws, pieces, j, p, force), begin
+            straight = is_straight(laws, pieces, j, p)
+            parts = 1 if straight else _PARTS
+            before = d * law(laws, j, picked[p], at)[0]
+            for part in range(1, parts + 1):
+                here = at + (end - at) * part / parts
+                value = level if part == parts else d * law(laws, j, picked[p], here)[0]
+                ahead = abs(here - travel)
+                least = others * begin + own * (value if straight else min(before, value))
+                mean = min(mean, least - heaviest * ahead)
+                before = value
+            way = abs(end - travel)
+            if over:
+                break
+            if p != edge and pieces.sign[p + d] <= 0:
+                # Its next peak is lower: past that the others need not move one way only.
+                return False, begin
+        if p == edge:
+            break
+        at = end
+        p += d
+    if problem.beta > 0.0:
+        least = begin - way / problem.beta
+    else:
+        least = mean / (others + own)
+    floor = max(valley, least)
+    leaves = -first_key(rising.queues, END_DOWN if d > 0 else END_UP)
+    return bool(leaves < floor - TIE * problem.scale), float(floor)
+
+
+@kernel
+def softened(problem: Problem, rising: Rising) -> Problem:
+    """The problem of the other cells, with those of straight force as a part of the actuator."""
+    laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort = problem
+    beta = beta + alpha * compliance_of(rising)
+    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort)
+
+
+@kernel
+def with_curved(state: State, rising: Rising, cell: int, piece: int, apart: float) -> Movers:
+    """The cells of curved force that rise, and before them `cell` unless it is -1.
+
+    `apart` is the travel of what is neither in these nor in the sums.
+    """
+    count, one = rising.count[0], 0 if cell < 0 else 1
+    cells, on = np.empty(count + one, np.int64), np.empty(count + one, np.int64)
+    if one > 0:
+        cells[0], on[0] = cell, piece
+    for k in range(count):
+        i = rising.curved[k]
+        cells[one + k], on[one + k] = i, state.piece[i]
+    return Movers(cells, on, np.zeros(count + one), offset_of(rising) + apart)
+
+
+@leaf
+def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> tuple[float, float]:
+    """Drive and dU/dλ with all movers at λ = `force`; their travels into `out`."""
+    laws, pieces = problem.laws, problem.pieces
+    total, soft = 0.0, problem.beta
+    for m in range(len(out)):
+        cell, piece = movers.cell[m], movers.piece[m]
+        out[m] = invert_near(laws, pieces, cell, piece, force, out[m])
+        total += out[m]
+        soft += problem.alpha * inverse_slope(laws, pieces, cell, piece, out[m])
+    return problem.alpha * (total + movers.held) + problem.beta * force, soft
+
+
+@leaf
+def _softest(
+    problem: Problem, movers: Movers, one: Floats, two: Floats
+) -> tuple[float, float]:
+    """Bounds of dU/dλ between two places on the same pieces, on which κ is monotone."""
+    laws, pieces = problem.laws, problem.pieces
+    low = high = problem.beta
+    for m in range(len(one)):
+        cell, piece = movers.cell[m], movers.piece[m]
+        a = problem.alpha * inverse_slope(laws, pieces, cell, piece, one[m])
+        b = problem.alpha * inverse_slope(laws, pieces, cell, piece, two[m])
+        low += min(a, b)
+        high += max(a, b)
+    return low, high
+
+
+@kernel
+def _first_return(
+    problem: Problem, movers: Movers, ends: tuple[float, float], goal: float, direction: int
+) -> tuple[float, float, float]:
+    """First λ on the way between `ends` at which U is back at `goal` from beyond it, or NaN.
+
+    Then the travel of the first of the movers, which is the falling cell, and how far from the goal
+    U stays where it turns on the way [drive]. All movers stay on their pieces.
+    """
+    count = len(movers.cell)
+    a_places, b_places = np.full(count, np.nan), np.full(count, np.nan)
+    one, two = np.empty(128), np.empty(128)
+    one[0], two[0] = ends
+    waiting, nearest = 1, np.inf
+    near = _NEAR * problem.scale
+    while waiting > 0:
+        waiting -= 1
+        a, b = one[waiting], two[waiting]
+        if overspent(problem.effort, 8 * count):
+            break
+        u_a, _ = _place(problem, movers, a, a_places)
+        u_b, _ = _place(problem, movers, b, b_places)
+        low, high = _softest(problem, movers, a_places, b_places)
+        if low >= 0.0:
+            # U goes on away from the goal.
+            continue
+        short = direction * (goal - u_b)
+        if high <= 0.0:
+            if short <= 0.0:
+                root = point_at(problem, movers, a, b, goal, b_places, False)
+                return root, b_places[0], nearest
+            nearest = min(nearest, short)
+            continue
+        middle = 0.5 * (a + b)
+        if abs(b - a) <= near or middle == a or middle == b:
+            if abs(a - ends[0]) > near:
+                nearest = min(nearest, abs(short))
+            continue
+        one[waiting], two[waiting] = middle, b
+        one[waiting + 1], two[waiting + 1] = a, middle
+        waiting += 2
+    return np.nan, np.nan, nearest
+
+
+class Landing(NamedTuple):
+    """Where a fall ends."""
+
+    found: bool
+    force: float  # λ
+    piece: int  # of the cell that fell
+    travel: float  # of it
+    missed: float  # by how much of the drive it missed an equilibrium before
+
+
+@kernel
+def land_after(
+    problem: Problem, state: State, rising: Rising, falling: Falling, floor: float, drive: float
+) -> Landing:
+    """The first equilibrium on the way of the cell that falls, at a fixed drive.
+
+    The rising cells follow: where one is found they are on the pieces that they have there.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    j, p, _, force, d = falling
+    queues, begin = rising.queues, d * force
+    ahead, behind = (JOINT_UP, JOINT_DOWN) if d > 0 else (JOINT_DOWN, JOINT_UP)
+    edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
+    level, missed, stopped = begin, np.inf, False
+    while True:
+        end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
+        # Below the floor there is no equilibrium: the others do not come there.
+        joint = -first_key(queues, behind)
+        following = max(end, floor, joint)
+        if following < level:
+            soft = softened(problem, rising)
+            movers = with_curved(state, rising, j, p, 0.0)
+            root, travel, near = _first_return(
+                soft, movers, (d * level, d * following), drive, d
+            )
+            missed = min(missed, near)
+            if not np.isnan(root):
+                count_work(rising, d * level, root)
+                return Landing(True, root, p, travel, missed)
+            count_work(rising, d * level, d * following)
+            level = following
+        if joint >= level:
+            pass_joint(problem, state, rising, -d)
+        elif end >= floor:
+            if p == edge:
+                stopped = True
+                break
+            p += d
+            if pieces.sign[p] > 0:
+                break
+        else:
+            break
+    while not stopped and not (
+        pieces.sign[p] > 0
+        and d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) > level
+    ):
+        if p == edge:
+            stopped = True
+        else:
+            p += d
+    stop = pieces.right[p] if d > 0 else pieces.left[p]
+    while level <= begin:
+        end = np.inf if stopped else d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
+        joint = first_key(queues, ahead)
+        following = min(end, joint, begin)
+        at = stop if stopped else invert(laws, pieces, j, p, d * following)
+        there = at + stroke_at(problem, state, rising, d * following)
+        if d * (problem.alpha * there + problem.beta * d * following - drive) >= 0.0:
+            soft = softened(problem, rising)
+            movers = with_curved(state, rising, -1 if stopped else j, p, stop if stopped else 0.0)
+            places = np.full(len(movers.cell), np.nan)
+            root = point_at(soft, movers, d * level, d * following, drive, places, False)
+            count_work(rising, d * level, root)
+            at = stop if stopped else places[0]
+            return Landing(True, root, p, at, missed)
+        count_work(rising, d * level, d * following)
+        level = following
+        if joint <= level:
+            pass_joint(problem, state, rising, d)
+        elif end <= level:
+            if p == edge:
+                stopped = True
+            else:
+                p += d
+                stop = pieces.right[p] if d > 0 else pieces.left[p]
+        else:
+            break
+    # Rounding has it that there is none: back to where it began.
+    while first_key(queues, ahead) < begin:
+        pass_joint(problem, state, rising, d)
+    return Landing(False, force, p, falling.travel, missed)
+
+
+@kernel
+def heaviest_of(problem: Problem) -> float:
+    """The largest m κ of any cell on a rising piece [N/m]."""
+    laws, pieces = problem.laws, problem.pieces
+    most = 0.0
+    for i in range(len(problem.mobility)):
+        for p in range(pieces.among[i, 0], pieces.among[i, 1] + 1):
+            if pieces.sign[p] > 0:
+                for travel in (pieces.left[p], pieces.right[p]):
+                    slope = law(laws, i, pieces.picked[p], travel)[1]
+                    most = max(most, problem.mobility[i] * abs(slope))
+    return float(most)

@@ -1,0 +1,274 @@
+"""The cells of a long chain that follow the common force, kept as one spring and four queues.
+
+Cells in series share λ, so those on rising branches act as one spring in series with the actuator.
+Where their forces are straight its length is C λ + O, with two sums that change by one cell at a
+time; a cell whose force is curved is looked at by itself. The queues hold the forces at which
+something happens to a cell, so the next event is found without looking at the others.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import kernel, leaf
+from stepwell.mechanism import HIGH, LOW, Laws, stored
+from stepwell.statics.following.branch import inverse_slope
+from stepwell.statics.following.pieces import Pieces, find_piece, invert, invert_near, piece_along
+from stepwell.statics.following.queues import Queues, drop, empty_queues, put
+from stepwell.statics.following.state import FREE, Problem, State, hold
+
+# Queues of the next joint of two rising pieces, and of the end of a rising branch or the release
+# of a held cell; each with λ rising (key λ) and falling (key -λ).
+JOINT_UP, JOINT_DOWN, END_UP, END_DOWN = range(4)
+# What a cell is here: held at a stop or the one that leads, straight, or curved.
+_APART, _STRAIGHT, _CURVED = 0, 1, 2
+# Sums, each with what rounding left out of it: C [m/N], O with all held travels [m], mobilities,
+# and what the cells of straight force have stored since it was set to 0 [J].
+_COMPLIANCE, _OFFSET, _MOBILITY, _STORED = 0, 2, 4, 6
+
+
+class Rising(NamedTuple):
+    """The cells on rising branches; N cells in the chain."""
+
+    queues: Queues
+    kind: Ints  # (N,)
+    curved: Ints  # (N,) the cells of curved force, the first count[0]
+    place: Ints  # (N,) where each of these is in `curved`
+    count: Ints  # (2,) cells of curved force, and all
+    sums: Floats  # (8,)
+
+
+@kernel
+def no_rising(cells: int) -> Rising:
+    """No cell yet, in a chain of so many."""
+    return Rising(
+        empty_queues(4, cells),
+        np.zeros(cells, np.int64),
+        np.zeros(cells, np.int64),
+        np.zeros(cells, np.int64),
+        np.zeros(2, np.int64),
+        np.zeros(8),
+    )
+
+
+@leaf
+def _add(sums: Floats, at: int, value: float) -> None:
+    """Add to a sum without losing digits (Neumaier 1974)."""
+    before = sums[at]
+    after = before + value
+    if abs(before) >= abs(value):
+        sums[at + 1] += (before - after) + value
+    else:
+        sums[at + 1] += (value - after) + before
+    sums[at] = after
+
+
+@leaf
+def compliance_of(rising: Rising) -> float:
+    """C [m/N] of the cells of straight force."""
+    return float(rising.sums[_COMPLIANCE] + rising.sums[_COMPLIANCE + 1])
+
+
+@leaf
+def offset_of(rising: Rising) -> float:
+    """O [m]: their travel without C λ, and the travels of all held cells."""
+    return float(rising.sums[_OFFSET] + rising.sums[_OFFSET + 1])
+
+
+@leaf
+def mobility_of(rising: Rising) -> float:
+    """The sum of their mobilities."""
+    return float(rising.sums[_MOBILITY] + rising.sums[_MOBILITY + 1])
+
+
+@leaf
+def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
+    """Whether the force of a cell is a straight line over its travel on a piece."""
+    if laws.band_first[cell + 1] > laws.band_first[cell]:
+        return False
+    row = pieces.picked[piece, 0]
+    return bool(row >= 0 and laws.rows[row, 3] == 0.0 and laws.rows[row, 4] == 0.0)
+
+
+@leaf
+def _count_in(problem: Problem, rising: Rising, i: int, piece: int, sign: float) -> None:
+    """Add a straight piece to the sums, or take it out."""
+    row = problem.laws.rows[problem.pieces.picked[piece, 0]]
+    soft = 1.0 / row[2]
+    _add(rising.sums, _COMPLIANCE, sign * soft)
+    _add(rising.sums, _OFFSET, sign * (row[0] - row[1] * soft))
+
+
+@leaf
+def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
+    """Take cell i in on a piece, and queue the joints at the ends of that piece."""
+    pieces, queues = problem.pieces, rising.queues
+    if is_straight(problem.laws, pieces, i, piece):
+        rising.kind[i] = _STRAIGHT
+        _count_in(problem, rising, i, piece, 1.0)
+    else:
+        rising.kind[i] = _CURVED
+        last = rising.count[0]
+        rising.curved[last], rising.place[i] = i, last
+        rising.count[0] = last + 1
+    first, last = pieces.among[i, 0], pieces.among[i, 1]
+    if piece < last and pieces.sign[piece + 1] > 0:
+        put(queues, JOINT_UP, i, pieces.force_right[piece])
+    else:
+        drop(queues, JOINT_UP, i)
+    if piece > first and pieces.sign[piece - 1] > 0:
+        put(queues, JOINT_DOWN, i, -pieces.force_left[piece])
+    else:
+        drop(queues, JOINT_DOWN, i)
+
+
+@leaf
+def _exit(problem: Problem, rising: Rising, i: int, piece: int) -> None:
+    """Take cell i out of the sums."""
+    if rising.kind[i] == _STRAIGHT:
+        _count_in(problem, rising, i, piece, -1.0)
+    else:
+        at, last = rising.place[i], rising.count[0] - 1
+        rising.curved[at] = rising.curved[last]
+        rising.place[rising.curved[at]] = at
+        rising.count[0] = last
+    rising.kind[i] = _APART
+
+
+@leaf
+def rise(problem: Problem, state: State, rising: Rising, i: int, piece: int) -> None:
+    """Let cell i follow λ from now on, on a rising piece."""
+    pieces = problem.pieces
+    state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
+    _enter(problem, rising, i, piece)
+    rising.count[1] += 1
+    _add(rising.sums, _MOBILITY, problem.mobility[i])
+    first, last = pieces.among[i, 0], pieces.among[i, 1]
+    low = high = piece
+    while high < last and pieces.sign[high + 1] > 0:
+        high += 1
+    while low > first and pieces.sign[low - 1] > 0:
+        low -= 1
+    put(rising.queues, END_UP, i, pieces.force_right[high])
+    put(rising.queues, END_DOWN, i, -pieces.force_left[low])
+
+
+@leaf
+def rise_no_more(problem: Problem, state: State, rising: Rising, i: int) -> None:
+    """Take cell i out: it has come to the end of its rising branch."""
+    _exit(problem, rising, i, state.piece[i])
+    rising.count[1] -= 1
+    _add(rising.sums, _MOBILITY, -problem.mobility[i])
+    for q in range(4):
+        drop(rising.queues, q, i)
+
+
+@leaf
+def pass_joint(problem: Problem, state: State, rising: Rising, toward: int) -> None:
+    """Let the cell that is first at a joint, λ going `toward`, go on to the next piece."""
+    laws, pieces = problem.laws, problem.pieces
+    i = rising.queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
+    piece, kind = state.piece[i], rising.kind[i]
+    joint = pieces.right[piece] if toward > 0 else pieces.left[piece]
+    _exit(problem, rising, i, piece)
+    state.piece[i], state.travel[i] = piece + toward, joint
+    _enter(problem, rising, i, piece + toward)
+    if kind != rising.kind[i]:
+        held = stored(laws, i, pieces.picked[piece], joint)
+        _add(rising.sums, _STORED, held if kind == _CURVED else -held)
+
+
+@leaf
+def rest(problem: Problem, state: State, rising: Rising, i: int) -> None:
+    """Hold cell i at the stop where it is, until λ releases it."""
+    hold(problem, state, i)
+    travel, ends = state.travel[i], problem.sheets.ends
+    _add(rising.sums, _OFFSET, travel)
+    if travel < ends[i, HIGH]:
+        put(rising.queues, END_UP, i, state.at_rest[i])
+    if travel > ends[i, LOW]:
+        put(rising.queues, END_DOWN, i, -state.at_rest[i])
+
+
+@leaf
+def rest_no_more(state: State, rising: Rising, i: int) -> None:
+    """Take a held cell out: it moves."""
+    _add(rising.sums, _OFFSET, -state.travel[i])
+    drop(rising.queues, END_UP, i)
+    drop(rising.queues, END_DOWN, i)
+
+
+@leaf
+def past_end(problem: Problem, state: State, rising: Rising, i: int, toward: int) -> int:
+    """What comes for a cell that is at the end of its branch or released, λ going `toward`.
+
+    The sign of its κ there, or 2 for a stop.
+    """
+    pieces = problem.pieces
+    if rising.kind[i] == _APART:
+        return int(pieces.sign[find_piece(pieces, i, state.travel[i], toward)])
+    edge = pieces.among[i, 1] if toward > 0 else pieces.among[i, 0]
+    return 2 if state.piece[i] == edge else int(pieces.sign[state.piece[i] + toward])
+
+
+@leaf
+def is_held(rising: Rising, i: int) -> bool:
+    """Whether a queued cell rests at a stop."""
+    return bool(rising.kind[i] == _APART)
+
+
+@leaf
+def travel_at_force(problem: Problem, state: State, i: int, force: float) -> float:
+    """Travel of a rising cell at a force on its branch [m]."""
+    pieces = problem.pieces
+    piece = piece_along(pieces, i, state.piece[i], force)
+    return invert(problem.laws, pieces, i, piece, force)
+
+
+@leaf
+def stroke_at(problem: Problem, state: State, rising: Rising, force: float) -> float:
+    """Σ s of all cells but the one that leads, at λ = `force` between two joints [m].
+
+    Leaves the cells of curved force where they are there.
+    """
+    total = compliance_of(rising) * force + offset_of(rising)
+    laws, pieces, travel = problem.laws, problem.pieces, state.travel
+    for k in range(rising.count[0]):
+        i = rising.curved[k]
+        travel[i] = invert_near(laws, pieces, i, state.piece[i], force, travel[i])
+        total += travel[i]
+    return float(total)
+
+
+@leaf
+def softness_at(problem: Problem, state: State, rising: Rising) -> float:
+    """dΣs/dλ of the rising cells where those of curved force are [m/N]."""
+    total = compliance_of(rising)
+    for k in range(rising.count[0]):
+        i = rising.curved[k]
+        total += inverse_slope(problem.laws, problem.pieces, i, state.piece[i], state.travel[i])
+    return float(total)
+
+
+@leaf
+def count_from_here(rising: Rising) -> None:
+    """Set what the cells of straight force have stored to 0."""
+    rising.sums[_STORED] = rising.sums[_STORED + 1] = 0.0
+
+
+@leaf
+def count_work(rising: Rising, before: float, after: float) -> None:
+    """Count what the cells of straight force store while λ goes from one value to another."""
+    _add(rising.sums, _STORED, 0.5 * compliance_of(rising) * (after - before) * (after + before))
+
+
+@leaf
+def energy_in(problem: Problem, state: State, rising: Rising) -> float:
+    """What the rising cells store, but for a constant [J]; those of curved force where they are."""
+    total = rising.sums[_STORED] + rising.sums[_STORED + 1]
+    for k in range(rising.count[0]):
+        i = rising.curved[k]
+        picked = problem.pieces.picked[state.piece[i]]
+        total += stored(problem.laws, i, picked, state.travel[i])
+    return float(total)

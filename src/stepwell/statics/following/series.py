@@ -1,0 +1,480 @@
+"""Following long chains: events out of queues and landings out of one equation.
+
+What `follow` does event by event over all cells is done here for the cells that an event concerns,
+so that a cycle grows as N log N. Cells without friction whose curves do not fold back, on a stroke
+or behind a spring. Whatever else comes up (a race, constant forces, a release against the drive)
+goes back to `follow`, which does one event and hands over again.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import kernel, leaf, overspent
+from stepwell.mechanism import stored
+from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
+from stepwell.statics.following.fall import (
+    Falling,
+    floor_of,
+    heaviest_of,
+    land_after,
+    softened,
+    with_curved,
+)
+from stepwell.statics.following.log import (
+    BY_EQUATION,
+    CELL,
+    DECIDED,
+    FOLD,
+    FOLLOW,
+    FORCE_0,
+    HOLD,
+    KIND,
+    KINK,
+    MOVE,
+    OFFSET,
+    PIECE,
+    RELEASE,
+    SHEET_0,
+    SHEET_1,
+    SNAP,
+    TRAVEL_0,
+    TRAVEL_1,
+)
+from stepwell.statics.following.pieces import find_piece, invert
+from stepwell.statics.following.queues import Queues, first_key, second
+from stepwell.statics.following.rising import (
+    END_DOWN,
+    END_UP,
+    JOINT_DOWN,
+    JOINT_UP,
+    Rising,
+    count_from_here,
+    energy_in,
+    is_held,
+    is_straight,
+    no_rising,
+    pass_joint,
+    past_end,
+    rest,
+    rest_no_more,
+    rise,
+    rise_no_more,
+    softness_at,
+    stroke_at,
+    travel_at_force,
+)
+from stepwell.statics.following.state import (
+    DONE,
+    DUE,
+    FREE,
+    GAVE_UP,
+    GOES_ON,
+    HELD,
+    LOG_FULL,
+    TIE,
+    TRIGGER,
+    WHY,
+    Problem,
+    State,
+    set_snap,
+    set_tie,
+    write_row,
+)
+
+# With fewer pieces in all, looking at every cell is as quick as queues.
+_WORTH = 64
+
+
+class Segment(NamedTuple):
+    """The segment that is being followed, and the cells that its row has to name.
+
+    All others between their stops follow λ on their branches, which needs no row.
+    """
+
+    begin: Floats  # (2,) drive and λ where it began
+    cell: Ints  # (N,) the first count[0]
+    travel: Floats  # (N,) where these were then
+    named: Ints  # (N,) 1 for these
+    count: Ints  # (2,) how many, and the row of the segment before or -1
+
+
+@kernel
+def is_regular(problem: Problem) -> bool:
+    """Whether long stretches of the path of a chain can be followed here."""
+    laws, sheets = problem.laws, problem.sheets
+    return bool(
+        problem.alpha == 1.0
+        and len(problem.pieces.left) >= _WORTH
+        and len(sheets.table) == len(sheets.now)
+        and np.max(laws.friction) == 0.0
+        and np.min(problem.rank) == np.max(problem.rank)
+    )
+
+
+@leaf
+def _gather(problem: Problem, state: State, rising: Rising, direction: int) -> tuple[bool, int]:
+    """Put every cell where it belongs; whether all do, and the cell of falling force or -1."""
+    leader = -1
+    for i in range(len(state.mode)):
+        if state.mode[i] == HELD:
+            rest(problem, state, rising, i)
+            continue
+        if state.mode[i] != FREE and state.sense[i] != direction:
+            return False, -1
+        sign = problem.pieces.sign[state.piece[i]]
+        if sign > 0:
+            rise(problem, state, rising, i, state.piece[i])
+        elif sign < 0 and leader < 0:
+            leader = i
+        else:
+            return False, -1
+    trigger = state.next_snap[TRIGGER]
+    return trigger < 0 or trigger == leader, leader
+
+
+@leaf
+def _name(segment: Segment, i: int, travel: float) -> None:
+    """Let the row of the segment name cell i, which was at `travel` when it began."""
+    if segment.named[i] == 0:
+        k = segment.count[0]
+        segment.cell[k], segment.travel[k], segment.named[i] = i, travel, 1
+        segment.count[0] = k + 1
+
+
+@leaf
+def _mover(state: State, i: int, piece: int, before: float, after: float) -> None:
+    """Append a row for cell i to the segment written last."""
+    log = state.log
+    m = log.used[1]
+    row = log.movers[m]
+    row[CELL], row[PIECE], row[OFFSET] = i, piece, 0.0
+    row[TRAVEL_0], row[TRAVEL_1], row[SHEET_0], row[SHEET_1] = before, after, 0, 0
+    log.used[1] = m + 1
+    log.first[log.used[0]] = m + 1
+
+
+@leaf
+def _end_segment(
+    problem: Problem,
+    state: State,
+    rising: Rising,
+    segment: Segment,
+    kind: int,
+    direction: int,
+    drive: float,
+    released: float,
+) -> None:
+    """Write the segment that ends here, if anything has changed since it began."""
+    force, begin = state.force[0], segment.begin
+    if kind != SNAP and force == begin[1] and drive == begin[0]:
+        return
+    write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (released, 0.0))
+    row = state.log.used[0] - 1
+    state.log.segments[row, FOLLOW] = 1.0
+    if kind == SNAP:
+        state.log.segments[row, DECIDED] = BY_EQUATION
+    for k in range(segment.count[0]):
+        i = segment.cell[k]
+        piece = -1 if kind == SNAP else state.piece[i]
+        follows = not is_held(rising, i)
+        after = travel_at_force(problem, state, i, force) if follows else state.travel[i]
+        _mover(state, i, piece, segment.travel[k], after)
+        segment.named[i] = 0
+    segment.count[0], segment.count[1] = 0, row
+    begin[0], begin[1] = drive, force
+
+
+@leaf
+def _leave_branch(
+    problem: Problem, state: State, rising: Rising, segment: Segment, i: int, toward: int
+) -> None:
+    """Take a cell off its branch at the end that λ going `toward` leads to; its row is due."""
+    pieces, log = problem.pieces, state.log
+    force, piece = segment.begin[1], state.piece[i]
+    end = pieces.right[piece] if toward > 0 else pieces.left[piece]
+    if state.force[0] != force:
+        _name(segment, i, travel_at_force(problem, state, i, force))
+    elif segment.count[1] >= 0 and segment.named[i] == 0:
+        # Nothing has moved since the row before, which did not name it.
+        before = log.segments[segment.count[1], FORCE_0]
+        _mover(state, i, piece, travel_at_force(problem, state, i, before), end)
+    rise_no_more(problem, state, rising, i)
+    state.travel[i] = end
+
+
+@kernel
+def _stop_here(
+    problem: Problem,
+    state: State,
+    rising: Rising,
+    segment: Segment,
+    direction: int,
+    drive: float,
+    closes: bool,
+) -> None:
+    """Bring every cell to where it is now, and name all that the row written last did not.
+
+    Where it `closes`, the softest cell takes up what rounding left of the stroke.
+    """
+    pieces, laws, force = problem.pieces, problem.laws, state.force[0]
+    kind = MOVE if rising.count[1] > 0 or segment.count[0] > 0 else HOLD
+    _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
+    softest, most, total = -1, 0.0, 0.0
+    for i in range(len(state.mode)):
+        if not is_held(rising, i):
+            state.travel[i] = travel_at_force(problem, state, i, force)
+            soft = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+            if soft > most:
+                softest, most = i, soft
+        total += state.travel[i]
+    if closes and softest >= 0 and most > problem.beta:
+        left = drive - problem.beta * force - total
+        on = state.piece[softest]
+        at = state.travel[softest] + left
+        state.travel[softest] = min(max(at, pieces.left[on]), pieces.right[on])
+    row = segment.count[1]
+    if row < 0:
+        return
+    log = state.log
+    for m in range(log.first[row], log.first[row + 1]):
+        mover = log.movers[m]
+        i = int(mover[CELL])
+        segment.named[i] = 1
+        if not is_held(rising, i):
+            mover[TRAVEL_1] = state.travel[i]
+    before = log.segments[row, FORCE_0]
+    snapped = int(log.segments[row, KIND]) == SNAP
+    for i in range(len(state.mode)):
+        if not is_held(rising, i) and segment.named[i] == 0:
+            piece = -1 if snapped else state.piece[i]
+            was = travel_at_force(problem, state, i, before)
+            _mover(state, i, piece, was, state.travel[i])
+
+
+@leaf
+def _ties(queues: Queues, q: int, within: float) -> bool:
+    """Whether the first two cells of a queue are nearer to each other than `within`."""
+    other = second(queues, q)
+    return bool(other >= 0 and queues.key[q, other] - first_key(queues, q) <= within)
+
+
+@leaf
+def _next_cell(problem: Problem, state: State, rising: Rising, q: int, toward: int) -> int:
+    """The cell to which something happens first; a tie is noted where it decides which one falls.
+
+    Of several within the tolerance those that rest or begin to rise come first, then the innermost.
+    """
+    queues = rising.queues
+    within = TIE * problem.scale
+    if not _ties(queues, q, within):
+        return int(queues.heap[q, 0])
+    limit = first_key(queues, q) + within
+    falls, other, goes = -1, -1, -1
+    for i in range(len(state.mode)):
+        if queues.place[q, i] < 0 or queues.key[q, i] > limit:
+            continue
+        if past_end(problem, state, rising, i, toward) != -1:
+            goes = i if goes < 0 else goes
+        elif falls < 0:
+            falls = i
+        else:
+            other = i
+    if goes >= 0:
+        if falls >= 0:
+            set_tie(state.tie, goes, falls)
+        return goes
+    set_tie(state.tie, falls, other)
+    return falls
+
+
+@kernel
+def advance(problem: Problem, state: State, direction: int, target: float, slack: float) -> int:
+    """Follow a chain towards a target; GOES_ON where something comes up that is not for queues.
+
+    The state is then one from which `follow` can go on.
+    """
+    laws, pieces, d = problem.laws, problem.pieces, direction
+    n = len(state.mode)
+    rising = no_rising(n)
+    regular, leader = _gather(problem, state, rising, d)
+    if not regular:
+        return GOES_ON
+    queues = rising.queues
+    joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
+    joint_back, end_back = (JOINT_DOWN, END_DOWN) if d > 0 else (JOINT_UP, END_UP)
+    force = state.force[0]
+    apart = state.travel[leader] if leader >= 0 else 0.0
+    drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
+    segment = Segment(
+        np.array([drive, force]),
+        np.zeros(n, np.int64),
+        np.zeros(n),
+        np.zeros(n, np.int64),
+        np.array([0, -1]),
+    )
+    why = FOLD
+    if leader >= 0 and state.next_snap[TRIGGER] >= 0:
+        why = int(state.next_snap[WHY])
+    heaviest, log, status = -1.0, state.log, GOES_ON
+    while True:
+        if d * (target - drive) <= slack:
+            status = DONE
+            break
+        if log.used[0] + 6 > len(log.segments) or log.used[1] + 4 * n + 16 > len(log.movers):
+            status = LOG_FULL
+            break
+        if overspent(problem.effort, 4 + rising.count[0]):
+            status = GAVE_UP
+            break
+        if leader < 0:
+            joint_key, end_key = first_key(queues, joint), first_key(queues, end)
+            key = min(joint_key, end_key)
+            if key == np.inf:
+                break
+            there = stroke_at(problem, state, rising, d * key) + problem.beta * d * key
+            if d * (there - target) > slack:
+                soft = softened(problem, rising)
+                movers = with_curved(state, rising, -1, 0, 0.0)
+                places = np.full(len(movers.cell), np.nan)
+                state.force[0] = point_at(soft, movers, force, d * key, target, places, False)
+                drive, status = target, DONE
+                break
+            if joint_key <= end_key:
+                pass_joint(problem, state, rising, d)
+                state.force[0] = force = d * key
+                drive = there
+                continue
+            i = _next_cell(problem, state, rising, end, d)
+            past = past_end(problem, state, rising, i, d)
+            if past == 0:
+                break
+            kind = MOVE if rising.count[1] > 0 else HOLD
+            state.force[0] = force = d * key
+            drive = there
+            state.next_snap[TRIGGER] = -1
+            if is_held(rising, i):
+                _end_segment(problem, state, rising, segment, kind, d, drive, 0.0)
+                rest_no_more(state, rising, i)
+                piece = find_piece(pieces, i, state.travel[i], d)
+                if past > 0:
+                    _name(segment, i, state.travel[i])
+                    rise(problem, state, rising, i, piece)
+                    continue
+                why = RELEASE
+            else:
+                piece = state.piece[i] + d
+                _leave_branch(problem, state, rising, segment, i, d)
+                _end_segment(problem, state, rising, segment, kind, d, drive, 0.0)
+                if past == 2:
+                    rest(problem, state, rising, i)
+                    continue
+                why = KINK
+            leader = i
+            state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
+            continue
+        # One cell falls: with λ going back while that is stable.
+        piece, travel = state.piece[leader], state.travel[leader]
+        own = inverse_slope(laws, pieces, leader, piece, travel)
+        stable = own + softness_at(problem, state, rising) + problem.beta < 0.0
+        if stable:
+            last = d * (pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
+            joint_level, end_level = -first_key(queues, joint_back), -first_key(queues, end_back)
+            level = max(last, joint_level, end_level)
+            soft = softened(problem, rising)
+            movers = with_curved(state, rising, leader, piece, 0.0)
+            fold = np.nan
+            if rising.count[0] > 0 or not is_straight(laws, pieces, leader, piece):
+                fold = first_fold(soft, movers, force, d * level)
+            following = d * level if np.isnan(fold) else fold
+            place = invert(laws, pieces, leader, piece, following)
+            there = stroke_at(problem, state, rising, following) + place
+            there += problem.beta * following
+            _name(segment, leader, travel)
+            if d * (there - target) > slack:
+                places = np.full(len(movers.cell), np.nan)
+                state.force[0] = point_at(soft, movers, force, following, target, places, False)
+                state.travel[leader] = places[0]
+                drive, status = target, DONE
+                break
+            state.force[0] = force = following
+            state.travel[leader], drive = place, there
+            why = FOLD
+            state.next_snap[TRIGGER] = -1
+            if not np.isnan(fold):
+                stable = False
+            elif level == last:
+                edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
+                state.travel[leader] = pieces.right[piece] if d > 0 else pieces.left[piece]
+                sign = 2 if piece == edge else pieces.sign[piece + d]
+                if sign == -1:
+                    state.piece[leader] = piece + d
+                    continue
+                if sign == 0:
+                    break
+                _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+                if sign == 2:
+                    rest(problem, state, rising, leader)
+                else:
+                    rise(problem, state, rising, leader, piece + d)
+                leader = -1
+                continue
+            elif joint_level >= end_level:
+                pass_joint(problem, state, rising, -d)
+                continue
+            else:
+                i = int(queues.heap[end_back, 0])
+                if is_held(rising, i) or past_end(problem, state, rising, i, -d) != 2:
+                    break
+                if _ties(queues, end_back, TIE * problem.scale):
+                    break
+                _leave_branch(problem, state, rising, segment, i, -d)
+                _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+                rest(problem, state, rising, i)
+                continue
+        # It falls on by itself, at a fixed drive.
+        _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+        set_snap(state.next_snap, leader, d, why)
+        if heaviest < 0.0:
+            heaviest = heaviest_of(problem)
+        travel = state.travel[leader]
+        falling = Falling(leader, piece, travel, force, d)
+        decided, floor = floor_of(problem, rising, falling, heaviest)
+        if not decided:
+            break
+        count_from_here(rising)
+        stroke_at(problem, state, rising, force)
+        before = energy_in(problem, state, rising)
+        before += stored(laws, leader, pieces.picked[piece], travel)
+        landing = land_after(problem, state, rising, falling, floor, drive)
+        if not landing.found:
+            break
+        _name(segment, leader, travel)
+        stroke_at(problem, state, rising, landing.force)
+        after = energy_in(problem, state, rising)
+        after += stored(laws, leader, pieces.picked[landing.piece], landing.travel)
+        # Behind a spring Σ s goes up by β (λ - λ').
+        spring = 0.5 * problem.beta * (force - landing.force) * (force + landing.force)
+        soft_there = softness_at(problem, state, rising) + problem.beta
+        if landing.missed < TIE * problem.scale * soft_there:
+            set_tie(state.tie, leader, leader)
+        state.force[0] = force = landing.force
+        state.travel[leader], state.piece[leader] = landing.travel, landing.piece
+        _end_segment(
+            problem, state, rising, segment, SNAP, d, drive, before - after + spring
+        )
+        set_snap(state.next_snap, -1, d, FOLD)
+        why = FOLD
+        edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
+        stop = pieces.right[edge] if d > 0 else pieces.left[edge]
+        if landing.piece == edge and landing.travel == stop:
+            rest(problem, state, rising, leader)
+            leader = -1
+        elif pieces.sign[landing.piece] > 0:
+            rise(problem, state, rising, leader, landing.piece)
+            leader = -1
+    _stop_here(problem, state, rising, segment, d, drive, status == DONE)
+    if status == GOES_ON and leader >= 0 and state.next_snap[TRIGGER] == leader and why == FOLD:
+        state.next_snap[DUE] = 1
+    return status
