@@ -215,8 +215,8 @@ class States:
     def phases(self, codes: Ints) -> Digits:
         """(S, N) the phase of every cell in each of these states."""
         found = np.empty((len(codes), len(self.sizes)), np.uint8)
-        for cell in range(len(self.sizes)):
-            found[:, cell] = self.digit(codes, cell)
+        for cell, size in reversed(list(enumerate(self.sizes))):
+            codes, found[:, cell] = np.divmod(codes, size)
         return found
 
     def labels(self, codes: Ints) -> list[str]:

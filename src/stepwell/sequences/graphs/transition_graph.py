@@ -93,6 +93,10 @@ class TransitionGraph(ByValue, Drawn):
     ties: tuple[Tie, ...] = ()
     fields: Floats | None = None
 
+    def __post_init__(self):
+        for array in (self.target, self.number):
+            array.setflags(write=False)
+
     @classmethod
     def of(
         cls, nodes: Sequence[Node], ways: Iterable[tuple[str, str, Transition]], **about: Any

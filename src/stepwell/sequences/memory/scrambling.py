@@ -62,12 +62,12 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
     found: list[Scrambling] = []
     for direction in (+1, -1):
         order = _Order(graph, cell, step, direction)
-        known = np.zeros((len(cell),) * 2, bool)
-        for part, reachable in ((reached, True), (vertices, False)):
-            # before[i, j]: whether flip i is before flip j somewhere.
-            before = order.before(part)
+        # before[i, j]: whether flip i is before flip j somewhere.
+        known = before = np.zeros((len(cell),) * 2, bool)
+        for part, more, reachable in ((reached, reached, True), (vertices, others, False)):
+            before = before | order.before(more)
             scrambled = before & before.T & ~known
-            known |= scrambled
+            known = known | scrambled
             for i, j in np.argwhere(np.triu(scrambled)).tolist():
                 i_first, j_first = (
                     graph.nodes.label(order.example(part, *pair)) for pair in ((i, j), (j, i))
