@@ -73,7 +73,7 @@ def test_the_suffix_says_how_it_is_written(stepwell, tmp_path, suffix):
     if suffix == ".graphml":
         assert set(nx.read_graphml(file)) == set(graph)
     if suffix == ".json":
-        assert set(from_json(file.read_text("utf-8")).edges) == set(graph.edges)
+        assert set(from_json(file.read_text("utf-8")).transitions()) == set(graph.transitions())
 
 
 def test_json_names_the_file_that_was_written(stepwell):

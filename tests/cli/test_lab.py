@@ -1,6 +1,7 @@
 """`stepwell lab`: thin commands over the room, files whole, advice instead of tracebacks."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -54,6 +55,24 @@ def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp
     record = json.loads(stepwell("lab", "read", "data", "--json").stdout)
     assert record["schema"] == "stepwell.lab.read/1"
     assert [r["problem"][:9] for r in record["refused"]] == ["is binary"]
+
+
+@pytest.mark.parametrize(
+    ("points", "shown"),
+    [
+        ([0.0, 20.0], "0 to 20"),
+        ([0.0, 19.9, 0.0], "0 to 19.9 to 0"),
+        ([0.0, 9.0, 1.0, 8.0], "0 to 9 to 1 to 8"),
+        ([0.0, 9.0, 1.0] + [8.0, 2.0] * 4, "0 to 9 to 1 to ... to 8 to 2"),
+    ],
+)
+def test_a_stroke_is_shown_with_the_points_where_it_turned(stepwell, tmp_path, points, shown):
+    stroke = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(points)])
+    stroke = [*stroke.tolist(), points[-1]]
+    rows = [f"{k},{mm},0.1" for k, mm in enumerate(stroke)]
+    (tmp_path / "pull.csv").write_text("\n".join(["time_s,stroke_mm,force_N", *rows]), "utf-8")
+    said = stepwell("lab", "read", "pull.csv").stdout
+    assert f" {shown} " in said.replace("\n", " ")
 
 
 def test_nothing_to_read_is_an_error_that_is_told(stepwell):

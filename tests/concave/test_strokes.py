@@ -51,9 +51,7 @@ def chain_of(numbers):
 def ways_of(chain, drive):
     graph = chain.graph(DRIVES[drive])
     return sorted(
-        (a, b, one.direction, one.kind is TransitionKind.SNAP)
-        for a, b, together in graph.edges(data="transitions")
-        for one in together
+        (a, b, one.direction, one.kind is TransitionKind.SNAP) for a, b, one in graph.transitions()
     )
 
 

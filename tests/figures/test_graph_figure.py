@@ -112,9 +112,7 @@ def test_loading_and_unloading_differ_in_colour_and_line():
 @pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 4", "nested 6", "force 6"])
 def test_every_snap_is_marked(name):
     graph = graph_of(name)
-    snaps = sum(
-        t.kind is TransitionKind.SNAP for *_, ts in graph.edges(data="transitions") for t in ts
-    )
+    snaps = sum(one.kind is TransitionKind.SNAP for *_, one in graph.transitions())
     assert marks(figures.transition_graph(graph), "snaps") == snaps > 0
 
 
@@ -240,15 +238,11 @@ def test_a_way_past_a_whole_column_goes_round_the_states_in_it():
     # Made by hand: 00 jumps to 11 past 10, which stands half-way between them.
     states = ("00", "10", "11")
     ways = [("00", "11", 1), ("11", "10", -1), ("10", "00", -1), ("10", "11", 1)]
-    graph = TransitionGraph()
-    for k, state in enumerate(states):
-        graph.add_node(state, node=Node(state, state, k - 1.0, k + 1.0, 0, 0, (), (), k))
-    for a, b, direction in ways:
-        jump = Transition(TransitionKind.SNAP, direction, 0.5, (0,))
-        graph.add_edge(a, b, transitions=(jump,))
-    graph.graph.update(
-        chain=None, names=("a", "b"), actuator="field", unit="", ties=(), start=None, method=""
-    )
+    graph = TransitionGraph.of(
+        [Node(s, s, k - 1.0, k + 1.0, 0, 0, (), (), k) for k, s in enumerate(states)],
+        [(a, b, Transition(TransitionKind.SNAP, way, 0.5, (0,))) for a, b, way in ways],
+        chain=None, names=("a", "b"), actuator="field", unit="", start=None, method="",
+    )  # fmt: skip
     figure = figures.transition_graph(graph)
     at = np.array(places(figure)["10"])
     drawn = [points(line) for line in lines(figure, "loading")]

@@ -1,5 +1,6 @@
 """Interpreted or compiled, on a sound cache, a damaged one or none: the same answers."""
 
+import itertools
 import math
 import os
 import shutil
@@ -17,7 +18,7 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.kernels import beside, compiler, entry, in_blocks, kernel, store
+from stepwell.kernels import beside, compiler, entry, in_blocks, kernel, store, threads
 from stepwell.kernels.entry import Entry
 from stepwell.kernels.fingerprint import fingerprint
 from stepwell.statics.following.flow import _smooth_rates
@@ -307,6 +308,45 @@ def test_what_stays_takes_machine_code_that_is_on_disk_at_once(tmp_path):
     assert said(staying, **settings).stdout == "False\n"
 
 
+@pytest.fixture
+def on_disk(monkeypatch):
+    """An entry whose machine code is on disk, in a process that has interpreted nothing yet."""
+    rules = import_module("stepwell.kernels.entry")
+    monkeypatch.setenv("STEPWELL_KERNELS", "auto")
+    monkeypatch.setattr(rules, "_interpreted_for", 0.0)
+    monkeypatch.delitem(sys.modules, "stepwell.kernels.machine", raising=False)
+
+    def made(function, clock=None) -> Entry:
+        one = entry()(function)
+        monkeypatch.setattr(one, "ready", lambda: True)
+        monkeypatch.setattr(one, "compiled", lambda: lambda *_: "compiled")
+        if clock is not None:
+            monkeypatch.setattr(rules, "thread_time", clock)
+        return one
+
+    return made
+
+
+def test_a_busy_machine_loads_no_compiler_for_milliseconds_of_work(on_disk):
+    # The clock on the wall runs on while another process has the core.
+    waits = on_disk(lambda: time.sleep(0.3))
+    assert [waits() for _ in range(3)] == [None] * 3
+
+
+def test_the_compiler_is_loaded_after_as_much_work_as_loading_it_takes(on_disk):
+    clock = itertools.count(step=0.1).__next__
+    one, other = on_disk(lambda: 1, clock), on_disk(lambda: 2, clock)
+    told = [kernel() for _ in range(4) for kernel in (one, other)]
+    # Two clock readings a call: five calls of a tenth of a second each, whichever entry it is.
+    assert told == [1, 2, 1, 2, 1, "compiled", "compiled", "compiled"]
+
+
+def test_once_the_compiler_is_loaded_an_entry_goes_over_sooner(on_disk, monkeypatch):
+    monkeypatch.setitem(sys.modules, "stepwell.kernels.machine", None)
+    one = on_disk(lambda: 1, itertools.count(step=0.06).__next__)
+    assert [one() for _ in range(3)] == [1, 1, "compiled"]
+
+
 def test_a_fingerprint_tells_what_is_computed_and_not_where_or_when(tmp_path, monkeypatch):
     def made(text: str) -> str:
         place = tmp_path / str(len(list(tmp_path.iterdir())))
@@ -385,12 +425,29 @@ def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
     def fail(begin, end):
         begun.append(begin)
         time.sleep(0.01)
-        if begin == 14:
+        if len(begun) == 3:
             raise TimeoutError("its own")
 
     with pytest.raises(TimeoutError, match="its own"):
         in_blocks(fail, 100_000, 7)
     assert len(begun) < 1000
+
+
+@pytest.mark.parametrize("count", [20_000, 40_000, 1_000_000])
+def test_every_core_has_a_block_at_once_also_where_few_would_do(monkeypatch, count):
+    monkeypatch.setattr(threads, "cores", lambda: 3)
+    first: list[int] = []
+    together, met = threading.Barrier(3), threading.Event()
+
+    def meet(begin, end):
+        if not first:
+            first.append(end)
+        elif not met.is_set():
+            together.wait(20)  # BrokenBarrierError where no three of them run at once
+            met.set()
+
+    in_blocks(meet, count, 20_000)
+    assert met.is_set() and first == [1250]
 
 
 def test_a_flow_in_which_no_cell_moves_divides_by_nothing():

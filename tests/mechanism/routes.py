@@ -240,14 +240,14 @@ def _():
 @route("fields of the graph of relays", FORCE)
 def _():
     graph = PAIR.graph("force")
-    drives = [t.drive for *_, edge in graph.edges(data=True) for t in edge["transitions"]]
+    drives = [one.drive for *_, one in graph.transitions()]
     return sorted(drives)
 
 
 @route("drives of the graph that is followed", PLACE)
 def _():
     graph = PAIR.graph("stroke")
-    drives = [t.drive for *_, edge in graph.edges(data=True) for t in edge["transitions"]]
+    drives = [one.drive for *_, one in graph.transitions()]
     # But for those of a whole travel.
     return [drive for drive in sorted(drives) if 1e-3 < abs(drive - 0.02) < 0.019]
 

@@ -24,9 +24,7 @@ STIFF = st.floats(8, math.log10(STIFFEST))
 def edges(found: TransitionGraph) -> set[tuple[str, str, int]]:
     """From a state to a state, and which way the drive goes."""
     return {
-        (found.node(a).state, found.node(b).state, t.direction)
-        for a, b, together in found.edges(data="transitions")
-        for t in together
+        (found.node(a).state, found.node(b).state, t.direction) for a, b, t in found.transitions()
     }
 
 

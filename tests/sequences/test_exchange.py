@@ -47,8 +47,8 @@ def states(n: int) -> list[tuple[int, ...]]:
 
 def same(one: TransitionGraph, other: TransitionGraph) -> bool:
     return (
-        list(one.nodes(data="node")) == list(other.nodes(data="node"))
-        and list(one.edges(data="transitions")) == list(other.edges(data="transitions"))
+        one.nodes == other.nodes
+        and list(one.transitions()) == list(other.transitions())
         and (one.names, one.actuator, one.unit, one.ties, one.method, one.is_whole)
         == (other.names, other.actuator, other.unit, other.ties, other.method, other.is_whole)
     )

@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +29,12 @@ DRIVES = st.one_of(st.sampled_from(["stroke", "force"]), st.floats(5, 3000))
 def straight(*d_x: float) -> sw.Chain:
     """Cells of the paper's band, anchored d_x [mm] apart."""
     return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (x / 1e3, 0.0))) for x in d_x])
+
+
+def stacked(count: int) -> sw.Chain:
+    """Cells that come back in the order in which they went, so that few states are reached."""
+    heights = np.linspace(-0.015, 0.015, count).tolist()
+    return sw.Chain([sw.Cell(sw.Band((-0.010, 0.0), (0.010, y))) for y in heights])
 
 
 def drawn(seed: int, cells: int, drive, kind=any_chain) -> TransitionGraph:
@@ -118,8 +126,10 @@ def middle(found: TransitionGraph, node: Node) -> list[float]:
             continue  # that end is a fold, where an equilibrium is only just stable
         if state_at(found.chain, path.end) == node.state:
             return path.end.tolist()
-    for label, _, transitions in found.in_edges(node.label, data="transitions"):
-        before, way = found.node(label), transitions[0]
+    for label, target, way in found.transitions():
+        if target != node.label:
+            continue
+        before = found.node(label)
         beyond = way.drive + 1e-3 * ((node.high if way.direction > 0 else node.low) - way.drive)
         points = [within(before, 0.5), beyond, goal]
         path = found.chain.path(points, start=middle(found, before))
@@ -208,7 +218,7 @@ def test_concave_cells_under_a_force_have_the_engines_graph_in_closed_form(seed,
     assert fields is not None
     ours, engine = preisach(chain, fields), by_engine(chain)
     assert list(ours) == list(engine)
-    assert set(ours.edges) == set(engine.edges)
+    assert set(ours.networkx.edges) == set(engine.networkx.edges)
     for label in ours:
         a, b = ours.node(label), engine.node(label)
         assert (a.state, a.branch, a.travel_low, a.travel_high) == (
@@ -444,8 +454,65 @@ def test_a_graph_tells_what_it_is_of():
 def test_a_graph_cannot_be_changed():
     import networkx
 
+    found = graph(straight(10), "force")
     with pytest.raises(networkx.NetworkXError, match="rozen"):
-        graph(straight(10), "force").add_node("2")
+        found.networkx.add_node("2")
+    with pytest.raises(ValueError, match="read-only"):
+        found.target[0, 0] = 1
+
+
+@pytest.mark.parametrize("drive", ["stroke", "force", 50.0])
+def test_its_graph_of_networkx_holds_the_same_nodes_and_transitions(drive):
+    found = graph(straight(10, 20, 15), drive)
+    net = found.networkx
+    assert list(net) == list(found)
+    assert [net.nodes[label]["node"] for label in net] == list(found.nodes)
+    told = {(a, b, one) for a, b, together in net.edges(data="transitions") for one in together}
+    assert told == set(found.transitions()) and len(told) == found.transition_count
+    for label in found:
+        assert found.node(label).label == label
+        for direction in (+1, -1):
+            way = found.transition(label, direction)
+            out = [one for a, b, one in told if a == label and one.direction == direction]
+            assert out == ([] if way is None else [way[1]])
+            assert way is None or way[0] in net[label]
+    with pytest.raises(KeyError, match="nowhere"):
+        found.node("nowhere")
+
+
+def test_a_graph_of_sixty_thousand_states_is_small_until_its_nodes_are_asked_for():
+    x = np.random.default_rng(0).permutation(np.linspace(10, 30, 16))
+    chain = sw.Chain(straight(*x).cells, actuator_stiffness=0.0)
+    fields = relays(chain)
+    assert fields is not None
+    tracemalloc.start()
+    found = preisach(chain, fields)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found) == 2**16 and most < 200 * 2**16  # bytes a state
+    state = "0110100110010110"
+    assert found.node(state).state == state and "networkx" not in vars(found)
+
+
+@pytest.mark.parametrize("cells", [1, 5, 8])
+def test_what_is_reached_under_a_force_is_listed_without_the_rest(cells):
+    rng = np.random.default_rng(cells)
+    chain = sw.Chain(concave_chain(rng, cells).cells, actuator_stiffness=0.0)
+    whole, part = graph(chain), graph(chain, start="0" * cells)
+    assert set(part) == whole.reachable() and not part.is_whole
+    for label in part:
+        one, other = part.node(label), whole.node(label)
+        assert replace(one, branch=0) == replace(other, branch=0)
+        assert part.transition(label, +1) == whole.transition(label, +1)
+        assert part.transition(label, -1) == whole.transition(label, -1)
+
+
+def test_of_more_cells_than_can_be_listed_what_is_reached_from_one_state_is():
+    chain = stacked(24)
+    found = graph(chain, "force", start="0" * 24)
+    assert len(found) == chain.implicit_graph("force").reached_count == 25
+    with pytest.raises(ValueError, match=r"24 cells.*at most 20"):
+        graph(chain, "force")
 
 
 def test_what_has_no_graph_is_refused_with_advice():
@@ -463,8 +530,8 @@ def test_what_has_no_graph_is_refused_with_advice():
         graph(sw.Chain([pushes, pulls, sw.Cell(sw.Band((0, 0), (0.010, 0.015)))]), start="001")
     with pytest.raises(ValueError, match=r"11 cells.*at most 10.*start="):
         graph(straight(*range(10, 21)))
-    with pytest.raises(ValueError, match=r"17 cells.*at most 16.*start="):
-        graph(straight(*range(10, 27)), "force")
+    with pytest.raises(ValueError, match=r"21 cells.*at most 20.*start="):
+        graph(straight(*range(10, 31)), "force")
 
 
 def test_progress_is_told():
@@ -492,10 +559,9 @@ def test_a_fold_that_rounding_finds_twice_is_left_by_one_snap():
     # The engine's path has a snap of some nanometres there, and one at the same drive after it.
     chain = any_chain(np.random.default_rng(1366), 3, friction=False)
     found = graph(chain)
-    for _, _, transitions in found.edges(data="transitions"):
-        for transition in transitions:
-            if transition.kind is TransitionKind.SNAP:
-                assert transition.released > 1e-12
+    for _, _, transition in found.transitions():
+        if transition.kind is TransitionKind.SNAP:
+            assert transition.released > 1e-12
 
 
 def test_slack_cells_come_back_to_other_places_of_their_branch():

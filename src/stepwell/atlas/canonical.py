@@ -16,9 +16,7 @@ _NAME = 8  # hex digits
 def ways_of(graph: TransitionGraph) -> tuple[Way, ...]:
     """The ways of a graph: from, to, direction of the drive, whether it snaps."""
     return tuple(
-        (a, b, one.direction, one.kind is TransitionKind.SNAP)
-        for a, b, together in graph.edges(data="transitions")
-        for one in together
+        (a, b, one.direction, one.kind is TransitionKind.SNAP) for a, b, one in graph.transitions()
     )
 
 

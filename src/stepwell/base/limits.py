@@ -44,7 +44,7 @@ LIMITS = {
     "readings": Limit(200_000_000, "readings of a simulated run"),
     "frames": Limit(5000, "frames of a video"),
     "graph_cells": Limit(10, "cells of which all 2^N states are followed"),
-    "relays": Limit(16, "cells of which all 2^N states are sorted"),
+    "relays": Limit(20, "cells of which all 2^N states are sorted"),
     "walked": Limit(1_000_000, "nodes of a walk"),
     "branches": Limit(5000, "branches of a transition graph"),
 }

@@ -159,9 +159,9 @@ def _graph(graph: TransitionGraph) -> Card:
     told = {
         "driven by": graph.actuator,
         "cells": ", ".join(graph.names[:_FEW]) + ", …" * (graph.cells > _FEW),
-        "states with all cells at rest": str(len(graph.vertices)),
+        "states with all cells at rest": str(len(graph.nodes.vertices)),
         "nodes": str(len(graph)),
-        "ways": str(graph.number_of_edges()),
+        "ways": str(graph.transition_count),
     }
     return Card(title, [*tie_notes(graph.ties, chain)], told)
 

@@ -5,9 +5,11 @@ import math
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure, check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 
+@kept
 def balloon(
     radius: float = 0.020,
     thickness: float = 0.0002,

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import Floats, check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 # Symmetric modes past the first, o = 3, 5 … of shape 1 - cos 2πoX, and the sum of o⁻⁴ over those
@@ -19,6 +20,7 @@ _HALVINGS = 60
 _PAST = 0.1
 
 
+@kept
 def curved_beam(
     span: float = 0.080,
     height: float = 0.005,

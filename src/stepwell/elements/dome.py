@@ -1,6 +1,7 @@
 """A rubber dome as it was measured: pressed, it collapses, and then it lands on its base."""
 
 from stepwell.base import check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 # Displacement [mm] and force [gf] while pressed, read off the raw recording at the steps where the
@@ -50,6 +51,7 @@ _PRESSED = (
 _GRAM_FORCE = 9.80665e-3
 
 
+@kept
 def dome(count: int = 1, name: str = "rubber dome") -> Element:
     """A rubber dome of a keyboard switch, from a table of measured numbers.
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from stepwell.base import Floats, InputError, check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 # Halvings of the half turn in which the twist lies: down to the last digit.
@@ -13,6 +14,7 @@ _HALVINGS = 55
 _PAST = 0.1
 
 
+@kept
 def kresling(
     sides: int = 6,
     radius: float = 0.030,

@@ -1,9 +1,11 @@
 """The plainest bistable element: two straight rising branches with a falling one between them."""
 
 from stepwell.base import InputError, Vec2, check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 
+@kept
 def trilinear(
     peak: Vec2 = (0.004, 1.0),
     valley: Vec2 = (0.012, -1.0),

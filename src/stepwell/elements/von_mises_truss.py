@@ -3,9 +3,11 @@
 import numpy as np
 
 from stepwell.base import Floats, check
+from stepwell.elements.kept import kept
 from stepwell.mechanism import Element
 
 
+@kept
 def von_mises_truss(
     half_width: float = 0.030,
     height: float = 0.012,

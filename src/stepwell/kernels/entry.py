@@ -3,8 +3,9 @@
 import functools
 import os
 import pickle
+import sys
 from collections.abc import Callable
-from time import monotonic, perf_counter
+from time import monotonic, thread_time
 from types import FunctionType
 from typing import Any, Generic, ParamSpec, TypeVar
 
@@ -16,15 +17,21 @@ from stepwell.kernels.fingerprint import kernel, kernel_of, stem
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# An entry that has been interpreted for so long goes over to machine code that is on disk ...
-_WORTH_LOADING = 0.1  # s
-# ... for so long has it compiled in the background ...
+# Times of the processor: on a busy machine the clock on the wall runs on where nothing is done.
+# Loading the compiler, which machine code on disk needs too, takes as long as this. Entries that
+# have been interpreted for so long together load it ...
+WORTH_LOADING = 0.5  # s
+# ... another one goes over to machine code that is on disk after this once it is loaded ...
+_WORTH_CHANGING = 0.1  # s
+# ... for so long interpreted, an entry is compiled in the background ...
 _WORTH_COMPILING = 1.0  # s
 # ... and one call that would take longer than this waits for the compiler instead.
 _WORTH_WAITING = 5.0  # s
 _LOOK_AGAIN = 0.25  # s
 # What answers for long is better off with machine code from its first call on.
 _long_lived = False
+# How long all entries together have been interpreted [s].
+_interpreted_for = 0.0
 
 AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
 
@@ -59,13 +66,13 @@ class Entry(Generic[P, R]):
             return self._machine(*args, **kwargs)
         if self._pays(*args):
             return self.compiled()(*args, **kwargs)
-        begun = perf_counter()
+        begun = thread_time()
         try:
             # Machine code divides by zero as IEEE arithmetic does, without a word.
             with np.errstate(all="ignore"):
                 return _plain(self.function(*args, **kwargs))
         finally:
-            self._spent += perf_counter() - begun
+            self._count(thread_time() - begun)
 
     @property
     def interpreted(self) -> bool:
@@ -110,6 +117,12 @@ class Entry(Generic[P, R]):
         kinds = pickle.dumps(tuple(_example(value) for value in args))
         self._tries -= _compiler.begin(_function(self), kinds)
 
+    def _count(self, seconds: float) -> None:
+        """Add to how long it has been interpreted."""
+        global _interpreted_for
+        self._spent += seconds
+        _interpreted_for += seconds
+
     def _pays(self, *args: Any) -> bool:
         wanted = _wanted()
         if wanted != AUTO:
@@ -118,8 +131,13 @@ class Entry(Generic[P, R]):
         for place, field in self._sized:
             array = args[place]
             price *= (getattr(array, field) if field else array).size
-        if self._spent + price < _WORTH_LOADING and not _long_lived:
-            return False
+        if not _long_lived:
+            loaded = "stepwell.kernels.machine" in sys.modules
+            spent, least = self._spent, _WORTH_CHANGING
+            if not loaded:
+                spent, least = _interpreted_for, WORTH_LOADING
+            if spent + price < least:
+                return False
         if price > _WORTH_WAITING or self.ready():
             return True
         if self._spent > _WORTH_COMPILING:
@@ -136,9 +154,10 @@ def stay() -> None:
 def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P, R]]:
     """Mark a kernel as one that the rest of the program calls.
 
-    Its first calls are interpreted. It goes over to machine code when it has been interpreted
-    for a tenth of a second and the code is on disk, and asks for it to be compiled in the
-    background after a second. Interpreted and compiled, it gives the same bits.
+    Its first calls are interpreted. It goes over to machine code on disk when entries have been
+    interpreted for as long as loading the compiler takes, half a second of processor time, and
+    asks for machine code to be made in the background after a second. Interpreted and compiled,
+    it gives the same bits.
 
     Args:
         seconds: how long the interpreter takes for each element of the arrays named [s], where

@@ -8,6 +8,8 @@ from typing import TypeVar
 R = TypeVar("R")
 
 _LOOK_AFTER = 0.1  # s; a wait without an end would not hear Ctrl-C everywhere
+# Blocks for each core, as long as none is shorter than this share of the longest.
+_BLOCKS_A_CORE, _SHARES = 8, 16
 
 
 def cores() -> int:
@@ -52,16 +54,21 @@ def in_blocks(
     Args:
         run: works on the stretch from `begin` to before `end`; stretches run in any order.
         count: how many there are.
-        size: how many one call takes; Ctrl-C waits for the calls that have begun.
+        size: how many one call takes at most; Ctrl-C waits for the calls that have begun. Less
+            than a sixteenth of that is not worth a thread.
         progress: called now and then with (done, count).
     """
-    # The first one runs here: what has to be compiled is compiled once, where Ctrl-C is heard.
-    run(0, min(size, count))
-    if count <= size:
+    # The first one runs here: what has to be compiled is compiled once, where Ctrl-C is heard. The
+    # other cores wait for it, so it is the shortest.
+    least = max(1, size // _SHARES)
+    run(0, min(least, count))
+    if count <= least:
         return
     with ThreadPoolExecutor(cores()) as pool:
-        ends = range(2 * size, count + size, size)
-        runs = [pool.submit(run, end - size, min(end, count)) for end in ends]
+        # Several a core: one that is slow, or busy elsewhere, leaves the rest to the others.
+        step = min(size, max(least, -(-(count - least) // (_BLOCKS_A_CORE * cores()))))
+        ends = range(least + step, count + step, step)
+        runs = [pool.submit(run, end - step, min(end, count)) for end in ends]
         try:
             for running, end in zip(runs, ends, strict=True):
                 _result(running)

@@ -1,15 +1,17 @@
 """Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
 
-from collections.abc import Iterable, Sequence
-from itertools import accumulate, chain as flatten, pairwise
+import math
+from collections.abc import Mapping, Sequence
+from itertools import accumulate, chain as flatten
 from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Floats, Ints, Vec2
 from stepwell.kernels import kernel, leaf
+from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
-from stepwell.mechanism.cubics import cubic, cubic_area
+from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
 from stepwell.mechanism.elements import Element
 from stepwell.mechanism.geometry import (
     band_energy,
@@ -17,6 +19,7 @@ from stepwell.mechanism.geometry import (
     force_slopes,
     length_slopes,
     sine_at,
+    travel_of,
 )
 
 
@@ -189,72 +192,102 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
 
 def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     """The laws of the cells, inner first, and where they end, each on its first sheet."""
-    bands = [() if isinstance(cell, Element) else cell.bands for cell in cells]
-    flat = list(flatten.from_iterable(bands))
-    curves = [band.law.pieces() for band in flat]
-    reach = _reach(cells)
-    loads = [_loads(cell, reach) for cell in cells]
-    first = list(accumulate((len(c) for c in curves), initial=0))
-    all_rows = [rows for load in loads for rows, *_ in load]
-    load_first = list(accumulate((len(rows) for rows in all_rows), initial=first[-1]))
-    begin = list(accumulate((len(load) for load in loads), initial=0))
-    own = [k for k, load in zip(begin, loads, strict=False) for _ in load]
-    told = [tail for load in loads for _, *tail in load]
-    table = np.array(
-        [
-            (*ends, *rows, *(one if one < 0 else one + k for one in leads), k)
-            for (ends, leads), rows, k in zip(told, pairwise(load_first), own, strict=True)
-        ],
-        float,
-    )
-    now = np.array(begin[:-1])
-    sin_limit = np.array([0.0 if isinstance(cell, Element) else cell.sin_limit for cell in cells])
-    # No band asks an element for its lever; this one leaves sine and cosine finite.
-    lever = np.array([np.inf if isinstance(cell, Element) else cell.lever for cell in cells])
+    # A chain may have very many cells: every attribute of them is read once, without a call.
+    n = len(cells)
+    elements = {i: cell for i, cell in enumerate(cells) if isinstance(cell, Element)}
+    lever = np.array([1.0 if isinstance(cell, Element) else cell.lever for cell in cells])
+    limits = (0.0 if isinstance(cell, Element) else cell.limit for cell in cells)
+    sin_limit = np.array(list(map(math.sin, limits)))
+    full = travel_of(sin_limit, lever, sin_limit)
+    for i, element in elements.items():
+        # No band asks an element for its lever; this one leaves sine and cosine finite.
+        lever[i], full[i] = np.inf, element.full_travel
+
+    held = [() if isinstance(cell, Element) else cell.band for cell in cells]
+    own = [1 if isinstance(one, Band) else len(one) for one in held]
+    flat = [b for one in held for b in ((one,) if isinstance(one, Band) else one)]
+    band = np.empty((len(flat), 4))
+    band[:, :2] = _plane([b.q for b in flat]) - _plane([b.p for b in flat])
+    band[:, 2], band[:, 3] = [b.stiffness for b in flat], [b.rest_length for b in flat]
+    # Most bands share one law, so each law is asked once for its rows.
+    laws_of = [b.law for b in flat]
+    known = dict(zip(map(id, laws_of), laws_of, strict=True))
+    pieces = {name: law.pieces() for name, law in known.items()}
+    curves = list(map(pieces.__getitem__, map(id, laws_of)))
+    band_rows = _starts(list(map(len, curves)))
+
+    # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
+    others = _sheets_of(elements, _reach(cells) if elements else 0.0) | {
+        i: [(cell.load.pieces(), (0.0, full[i], 0.0, full[i]), (-1, -1))]
+        for i, cell in enumerate(cells)
+        if not isinstance(cell, Element) and cell.load is not None
+    }
+    counts = [1] * n
+    for i, sheets in others.items():
+        counts[i] = len(sheets)
+    now = _starts(counts)[:-1]
+    table = np.zeros((sum(counts), FIRST + 1))
+    table[:, FIRST] = np.repeat(now, counts)
+    table[:, HIGH] = table[:, CURVE_HIGH] = np.repeat(full, counts)
+    table[:, BELOW : ABOVE + 1] = -1
+    heights = [0] * len(table)
+    for i in sorted(others):
+        for k, (curve, ends, leads) in enumerate(others[i], int(now[i])):
+            curves.append(curve)
+            heights[k] = len(curve)
+            table[k, LOW : CURVE_HIGH + 1] = ends
+            table[k, BELOW : ABOVE + 1] = [one if one < 0 else one + now[i] for one in leads]
+    first = band_rows[-1] + _starts(heights)
+    table[:, ROWS], table[:, ROWS_END] = first[:-1], first[1:]
     laws = Laws(
         lever=lever,
         sin_limit=sin_limit,
-        full=np.array([cell.full_travel for cell in cells]),
+        full=full,
         friction=np.array([cell.friction for cell in cells]),
-        band_first=np.array(list(accumulate((len(b) for b in bands), initial=0))),
-        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]).reshape(-1, 4),
-        two_sided=np.array([int(b.two_sided) for b in flat], dtype=int),
-        band_rows=np.array(first),
+        band_first=_starts(own),
+        band=band,
+        two_sided=np.array([b.two_sided for b in flat], int),
+        band_rows=band_rows,
         load_rows=table[now, ROWS : ROWS_END + 1].astype(int),
-        rows=np.concatenate([*curves, *all_rows]),
+        rows=np.concatenate([np.empty((0, COLUMNS)), *curves]),
     )
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
     sheets = Sheets(table[now[:, None], [LOW, HIGH, LOW, HIGH]], now, table)
-    for i, cell in enumerate(cells):
-        if isinstance(cell, Element):
-            change_sheet(laws, sheets, i, now[i])
+    for i in elements:
+        change_sheet(laws, sheets, i, now[i])
     return laws, sheets
+
+
+def _plane(points: Sequence[Vec2]) -> Floats:
+    """Points of the plane as (n, 2)."""
+    return np.fromiter(flatten.from_iterable(points), float, 2 * len(points)).reshape(-1, 2)
+
+
+def _starts(sizes: Sequence[int]) -> Ints:
+    """Where stretches of these sizes begin, and where the last one ends."""
+    return np.fromiter(accumulate(sizes, initial=0), int, len(sizes) + 1)
 
 
 # Rows; their ends, and those of the curve itself; where the sheet leads from below and above.
 _Sheet = tuple[Floats, tuple[float, float, float, float], tuple[int, int]]
 
 
-def _loads(cell: Cell | Element, reach: float) -> list[_Sheet]:
-    """Every sheet of a cell."""
-    if not isinstance(cell, Element):
-        rows = np.empty((0, 6)) if cell.load is None else cell.load.pieces()
-        full = cell.full_travel
-        return [(rows, (0.0, full, 0.0, full), (-1, -1))]
-    found: list[_Sheet] = []
-    for sheet, rows in zip(cell.laws, cell.reaching(reach), strict=True):
-        low, high = float(rows[0, 0]), sheet.end
-        if rows[-1, 0] == sheet.end:
-            # An open end: straight on, as far as any force of the chain can pull it.
-            high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * cell.full_travel)
-        below, above = (-1 if one is None else one for one in (sheet.below, sheet.above))
-        found.append((rows, (low, high, sheet.begin, sheet.end), (below, above)))
+def _sheets_of(elements: Mapping[int, Element], reach: float) -> dict[int, list[_Sheet]]:
+    """Every sheet of each of these elements."""
+    found: dict[int, list[_Sheet]] = {i: [] for i in elements}
+    for i, element in elements.items():
+        for sheet, rows in zip(element.laws, element.reaching(reach), strict=True):
+            low, high = float(rows[0, 0]), sheet.end
+            if rows[-1, 0] == sheet.end:
+                # An open end: straight on, as far as any force of the chain can pull it.
+                high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * element.full_travel)
+            below, above = (-1 if one is None else one for one in (sheet.below, sheet.above))
+            found[i].append((rows, (low, high, sheet.begin, sheet.end), (below, above)))
     return found
 
 
-def _reach(cells: Iterable[Cell | Element]) -> float:
+def _reach(cells: Sequence[Cell | Element]) -> float:
     """A force above all that the cells of a chain offer [N]; 0 where no curve is open."""
-    cells = tuple(cells)
     if all(all(cell.stopped) for cell in cells):
         return 0.0
     return 4.0 * max(cell.largest_force + cell.friction for cell in cells)

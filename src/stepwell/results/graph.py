@@ -61,7 +61,7 @@ def graph_record(graph: TransitionGraph, *, design: str | None = None) -> dict[s
         "actuator": graph.actuator,
         "cells": list(graph.names),
         "method": graph.method,
-        "vertices": len(graph.vertices),
+        "vertices": len(graph.nodes.vertices),
         "nodes": len(graph),
         "branches": reading.branches,
         "main_loop": loop(reading.main_loop),

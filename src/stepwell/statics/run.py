@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Sequence
-from time import monotonic
+from time import process_time
 
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure, told_in
-from stepwell.kernels import MOST, UNLIMITED, beside, end_early, watched
+from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics.following import (
     DONE,
@@ -39,7 +39,7 @@ _MANY_SEGMENTS = 10_000
 _SHORT, _MOST_LOOKS = 16, 20_000_000
 # A run that looks no oftener than this, compiled or not, is over before anyone asks for it.
 _UNWATCHED, _UNWATCHED_INTERPRETED = 1_000_000, 50_000
-_ASK_AFTER = 1.0  # s
+_ASK_AFTER = 1.0  # s of the processor
 Progress = Callable[[float, float], None]
 
 
@@ -141,16 +141,17 @@ def _follow_from(
 def _watched(problem: Problem, turning: Floats, state: State, progress: Progress | None) -> int:
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
 
-    An interpreted run is given up for a compiled one as soon as there is machine code.
+    An interpreted run that takes long is given up for a compiled one once there is machine code.
     """
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
-    interpreted, patience = follow.interpreted, monotonic() + _ASK_AFTER
+    interpreted, begun = follow.interpreted, process_time()
 
     def look() -> None:
-        if interpreted and follow.ready():
+        spent = process_time() - begun
+        if interpreted and spent > WORTH_LOADING and follow.ready():
             raise _MachineCodeCame
-        if interpreted and monotonic() > patience:
+        if interpreted and spent > _ASK_AFTER:
             follow.ask_for_machine_code(problem, turning, state)
         if progress is not None:
             stroke = max(int(state.stroke[0]) - 1, 0)

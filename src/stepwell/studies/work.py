@@ -142,7 +142,7 @@ def _yield() -> Work:
 def _graph() -> Work:
     def row(chain: Chain, _seed: int) -> Row:
         graph = chain.graph()
-        return {"states": len(graph), "transitions": graph.number_of_edges()}
+        return {"states": len(graph), "transitions": graph.transition_count}
 
     return Work({"states": "1", "transitions": "1"}, row)
 

@@ -12,6 +12,8 @@ from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
 from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, RIG, Rig
 from stepwell.lab.recordings import SUMMARY
 
+# More turning points of a stroke than this are not listed.
+_MOST_POINTS = 6
 _AS_DRAWN = record(RIG, Rig())
 
 
@@ -24,7 +26,7 @@ def readings(record: dict[str, Any]) -> None:
         samples,
         rate,
         speed,
-        _between("stroke [mm]", "stroke_from_mm", "stroke_to_mm"),
+        Column("stroke [mm]", _strokes, True),
         _between("force [N]", "force_least_N", "force_most_N"),
         direction,
         halves,
@@ -232,6 +234,15 @@ def _values(law: Any) -> str:
         return f"{name} {estimate['value']:.4g}{spread}"
 
     return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
+
+
+def _strokes(row: dict[str, Any]) -> str:
+    """Where the stroke began, turned and ended; of many turns the first two and the last."""
+    points = [number(row["stroke_from_mm"]), *map(number, row["turns_mm"])]
+    points.append(number(row["stroke_to_mm"]))
+    if len(points) > _MOST_POINTS:
+        points = [*points[:3], "...", *points[-2:]]
+    return " to ".join(points)
 
 
 def _between(heading: str, low: str, high: str) -> Column:

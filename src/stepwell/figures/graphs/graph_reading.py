@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stepwell.base import InputError
 from stepwell.sequences.graphs import TransitionKind
 
@@ -65,11 +67,7 @@ def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
         keep: labels of nodes to show in any case.
     """
     keep = set(keep)
-    landings = {
-        target
-        for _, target, transitions in graph.edges(data="transitions")
-        if any(transition.kind is TransitionKind.SNAP for transition in transitions)
-    }
+    landings = set(graph.nodes.labels(np.unique(graph.target[graph.snaps])))
     shown = [label for label in graph if "-" not in label or label in landings | keep]
     ways = _ways(graph, shown)
     shown = [v for v in shown if "-" not in v or v in keep or _offers_a_choice(v, ways)]

@@ -69,7 +69,7 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
 
     Source: Mungan and Terzi, 2019, for the main loop and the Garden-of-Eden states.
     """
-    count = len(graph.vertices)
+    count = len(graph.nodes.vertices)
     if count > MOST_STATES:
         raise InputError(
             f"the graph has {count} states: at most {MOST_STATES} can be read in a figure. Export "

@@ -18,4 +18,4 @@ from stepwell.sequences.graphs.mesostates import (
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.rows import drives_text
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph, transitions
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph

@@ -7,8 +7,6 @@ import math
 import re
 from typing import Any
 
-import networkx as nx
-
 from stepwell.base import InputError
 from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.rows import (
@@ -18,7 +16,7 @@ from stepwell.sequences.graphs.rows import (
     graph_of,
     row_of,
 )
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
+from stepwell.sequences.graphs.transition_graph import TransitionGraph
 
 _FORMAT = "stepwell transition graph 1"
 # What GraphML holds as JSON.
@@ -33,14 +31,14 @@ def _rows(graph: TransitionGraph) -> Row:
         "cells": list(graph.names),
         "actuator": graph.actuator,
         "drive_unit": graph.unit,
-        "start": graph.graph["start"],
+        "start": graph.start,
         "method": graph.method,
         "ties": [row_of(tie, ends) for tie in graph.ties],
-        "nodes": [row_of(graph.node(label), ends) for label in graph],
-        "edges": [{"from": a, "to": b, **row_of(t, ends)} for a, b, t in transitions(graph)],
+        "nodes": [row_of(node, ends) for node in graph.nodes],
+        "edges": [{"from": a, "to": b, **row_of(t, ends)} for a, b, t in graph.transitions()],
     }
-    if "fields" in graph.graph:
-        found["switching_fields"] = graph.graph["fields"].tolist()
+    if graph.fields is not None:
+        found["switching_fields"] = graph.fields.tolist()
     return found
 
 
@@ -105,6 +103,8 @@ def to_graphml(graph: TransitionGraph) -> str:
     Keys are those of `to_json`, one edge for each transition. Lists are text: travels and cells
     with spaces between, names and ties as JSON.
     """
+    import networkx as nx
+
     data = _rows(graph)
     nodes, edges = data.pop("nodes"), data.pop("edges")
     data["start"] = data["start"] or ""
@@ -123,6 +123,8 @@ def from_graphml(text: str) -> TransitionGraph:
     Raises:
         ValueError: other text, with what is wrong and where.
     """
+    import networkx as nx
+
     try:
         found = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
@@ -179,8 +181,8 @@ def to_dot(graph: TransitionGraph) -> str:
         "  rankdir=BT;",
         '  node [shape=box, fontname="monospace"];',
     ]
-    for label, row in zip(graph, nodes, strict=True):
-        node = graph.node(label)
+    for node, row in zip(graph.nodes, nodes, strict=True):
+        label = node.label
         style = "solid" if node.is_vertex else "dotted"
         text = _quoted(f"{label}\n{drives_text(graph.unit, (node.low, node.high))}")
         kept = _kept(row)
@@ -189,7 +191,7 @@ def to_dot(graph: TransitionGraph) -> str:
     for label in graph.vertices:
         rows.setdefault(graph.node(label).level, []).append(_quoted(label))
     lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
-    for (a, b, t), row in zip(transitions(graph), edges, strict=True):
+    for (a, b, t), row in zip(graph.transitions(), edges, strict=True):
         style = "solid" if t.direction > 0 else "dashed"
         if t.kind is TransitionKind.SNAP:
             style += ",bold"

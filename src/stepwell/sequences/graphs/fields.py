@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-import gc
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
 from stepwell.mechanism import Cell, Chain, Element
-from stepwell.sequences.branches import Branches
-from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
+from stepwell.sequences.branches import Branches, checked_state
+from stepwell.sequences.graphs.node import Transition, TransitionKind
+from stepwell.sequences.graphs.nodes import Digits, StateNodes, States
 from stepwell.sequences.graphs.transition_graph import (
     TransitionGraph,
     about,
-    join,
     measure_of,
+    no_start,
+    require_as_many,
 )
 from stepwell.statics import problem_of, travel_in
 
-Edge = tuple[str, str, dict[str, tuple[Transition]]]
 
-
-def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
+def preisach(chain: Chain, fields: Relays, start: str | None = None) -> TransitionGraph:
     """The force-controlled graph of concave cells and elements: a Preisach set of relays.
 
     A prescribed force is a dead load: λ and the energy of a cell ask for no other cell's travel, so
@@ -41,68 +39,49 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     Args:
         chain: under force control.
         fields: its (A, B).
+        start: a state, to list what can be reached from it; None lists all states that stand.
+
+    Raises:
+        ValueError: a start in which the chain cannot stand, or too many reached states.
 
     Source: Preisach 1935; Terzi and Mungan 2020; that these chains are relays under a prescribed
     force: theory page, "Preisach limit".
     """
-    phases = np.diff(fields.first) + 1
-    digits = every_state(phases)
-    up = np.full((len(phases), np.max(phases)), np.inf)
+    sizes = np.diff(fields.first) + 1
+    states, travels = States(sizes.tolist()), Travels(chain)
+    up = np.full((len(sizes), np.max(sizes)), np.inf)
     down = -up
     up[fields.cell, fields.step] = fields.up
     down[fields.cell, fields.step + 1] = fields.down
-    cells = np.arange(len(phases))
-    opens, shuts = up[cells, digits], down[cells, digits]
-    low, high = np.max(shuts, axis=1), np.min(opens, axis=1)
-    low[0], high[-1] = Branches(chain).range
-    stands = np.flatnonzero(low <= high)
-    labels = labels_of(digits)
-    travels = Travels(chain)
-    rows = zip(
-        stands.tolist(),
-        low[stands].tolist(),
-        high[stands].tolist(),
-        travels.of(digits[stands], low[stands]).tolist(),
-        travels.of(digits[stands], high[stands]).tolist(),
-        strict=True,
-    )
-    rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
-    first, last = np.argmin(opens[rising], axis=1), np.argmax(shuts[falling], axis=1)
-    found = TransitionGraph()
-    with _collector_at_rest():
-        for branch, (code, a, b, begin, end) in enumerate(rows):
-            label, ends = labels[code], (tuple(begin), tuple(end))
-            found.add_node(label, node=Node(label, label, a, b, a, b, *ends, branch))
-        ups, downs = _flips(chain, travels, up, +1), _flips(chain, travels, down, -1)
-        found.add_edges_from(_edges(labels, digits, rising, first, ups))
-        found.add_edges_from(_edges(labels, digits, falling, last, downs))
+    low, high = Branches(chain).range
+    falls = _Flips.of(chain, travels, states, down, -1, low)
+    rises = _Flips.of(chain, travels, states, up, +1, high)
+    both = falls, rises
+    if start is None:
+        codes, first = np.arange(states.count), [flips.first_of_all() for flips in both]
+    else:
+        codes = _reached(chain, states, both, start)
+        first = [flips.first_of(codes) for flips in both]
+    low, high = (flips.force[one] for flips, one in zip(both, first, strict=True))
+    stands = low <= high
+    if not np.all(stands):
+        codes, low, high = codes[stands], low[stands], high[stands]
+        first = [one[stands] for one in first]
+    nodes = StateNodes(states, codes, low, high, travels.shown)
+    target, number = np.full((2, 2, len(nodes)), -1, _narrow(len(nodes)))
+    for row, (flips, one) in enumerate(zip(both, first, strict=True)):
+        goes = one < len(flips.ways)
+        target[row, goes] = nodes.numbers((codes + flips.shift[one])[goes])
+        number[row, goes] = one[goes].astype(int) + row * len(falls.ways)
     elements = "cells" if chain.elements else "concave cells"
-    found.graph.update(
-        **about(chain),
-        ties=(),
-        start=None,
-        method=f"closed form: {elements} under a prescribed force are independent relays",
-    )
-    return nx.freeze(found)
+    method = f"closed form: {elements} under a prescribed force are independent relays"
+    ways = (*falls.ways, *rises.ways)
+    return TransitionGraph(nodes, target, number, ways, **about(chain), start=start, method=method)
 
 
-def every_state(phases: Ints) -> Ints:
-    """(S, N) the phase of every cell in every state, in the order of itertools.product.
-
-    `phases` is how many each cell has.
-    """
-    return np.arange(int(np.prod(phases)))[:, None] // _weights(phases) % phases
-
-
-def _weights(phases: Ints) -> Ints:
-    """(N,) how many states further on the one is in which a cell is in its next phase."""
-    return np.cumprod(np.append(phases, 1)[::-1])[-2::-1]
-
-
-def labels_of(digits: Ints) -> list[str]:
-    """The same states as strings."""
-    text, n = (digits + ord("0")).astype(np.uint8).tobytes().decode(), digits.shape[1]
-    return [text[k : k + n] for k in range(0, len(text), n)]
+def _narrow(count: int) -> type[np.signedinteger[Any]]:
+    """The type of numbers below a count, of which there are very many."""
+    return np.int32 if count < 1 << 31 else np.int64
 
 
 class Travels:
@@ -110,45 +89,101 @@ class Travels:
 
     def __init__(self, chain: Chain):
         self._problem, self._stretches = problem_of(chain), chain.stretches
+        self._known: dict[tuple[int, int, float], float] = {}
 
     def at(self, cell: int, phase: int, force: float) -> float:
         """Travel [m] of one cell at a force [N]."""
-        return travel_in(self._problem, cell, self._stretches[cell][phase], force)
+        key = cell, phase, force
+        if key not in self._known:
+            stretch = self._stretches[cell][phase]
+            self._known[key] = travel_in(self._problem, cell, stretch, force)
+        return self._known[key]
 
-    def of(self, digits: Ints, force: Floats) -> Floats:
+    def shown(self, phases: tuple[int, ...], force: float) -> tuple[float, tuple[float, ...]]:
+        """The force [N] again, and the travels [m] of all cells in these phases at it."""
+        return force, tuple(self.at(cell, phase, force) for cell, phase in enumerate(phases))
+
+    def of(self, digits: Digits, force: Floats) -> Floats:
         """(S, N) travels [m] in these phases, (S, N), at these forces, (S,) [N]."""
-        out = np.empty(digits.shape)
-        for cell, column in enumerate(digits.T):
-            for phase in range(len(self._stretches[cell])):
-                here = column == phase
-                forces, which = np.unique(force[here], return_inverse=True)
-                travels = [self.at(cell, phase, one) for one in forces.tolist()]
-                out[here, cell] = np.array(travels)[which]
-        return out
+        rows = zip(digits.tolist(), force.tolist(), strict=True)
+        return np.array([self.shown(tuple(phases), at)[1] for phases, at in rows])
 
 
-# By cell and phase: what happens when the one leaves the other, and the phase that it lands in.
-_Flips = dict[tuple[int, int], tuple[tuple[Transition], int]]
+@dataclass(frozen=True, eq=False)
+class _Flips:
+    """What every cell does all by itself as the force goes one way; none feels the others.
 
+    Flips are numbered in the order in which the force comes to them; one more stands for none.
 
-def _flips(chain: Chain, travels: Travels, fields: Floats, direction: int) -> _Flips:
-    """What every cell does all by itself; states share it, since none feels the others.
-
-    `fields` are the forces at which it leaves each phase in this direction, (N, P).
+    Attributes:
+        ways: the flips.
+        force: (K + 1,) at which each happens [N]; where the drive ends for none.
+        shift: (K + 1,) how many states further on each leads.
+        rank: by cell, (P,) the number of the flip with which it leaves each of its phases.
+        states: of the chain.
     """
-    found: _Flips = {}
-    for i, leaves in enumerate(fields.tolist()):
-        for phase, force in enumerate(leaves):
-            if math.isinf(force):
-                continue
-            target = phase + direction
+
+    ways: tuple[Transition, ...]
+    force: Floats
+    shift: Ints
+    rank: tuple[Ints, ...]
+    states: States
+
+    @classmethod
+    def of(
+        cls, chain: Chain, travels: Travels, states: States, fields: Floats, way: int, end: float
+    ) -> _Flips:
+        """`fields` are the forces at which a cell leaves each phase this way, (N, P)."""
+        cells, phases = np.nonzero(np.isfinite(fields))
+        # Of two that tie the inner cell goes first.
+        order = np.argsort(way * fields[cells, phases], kind="stable")
+        cells, phases = cells[order].tolist(), phases[order].tolist()
+        # Looked up for every state, so as narrow as they can be.
+        kind = np.min_scalar_type(len(cells))
+        rank = [np.full(size, len(cells), kind) for size in states.sizes]
+        ways: list[Transition] = []
+        shift: list[int] = []
+        for number, (cell, phase) in enumerate(zip(cells, phases, strict=True)):
+            force, target = float(fields[cell, phase]), phase + way
             # At this force it would leave these phases too.
-            while direction * (leaves[target] - force) < 0:
-                target += direction
-            heat = heat_of(chain, travels, (i, phase, target), force)
-            flip = Transition(TransitionKind.SNAP, direction, force, (i,), heat)
-            found[i, phase] = (flip,), target
-    return found
+            while way * (fields[cell, target] - force) < 0:
+                target += way
+            heat = heat_of(chain, travels, (cell, phase, target), force)
+            ways.append(Transition(TransitionKind.SNAP, way, force, (cell,), heat))
+            shift.append((target - phase) * states.weights[cell])
+            rank[cell][phase] = number
+        forces = np.array([*(one.drive for one in ways), end])
+        return cls(tuple(ways), forces, np.array([*shift, 0]), tuple(rank), states)
+
+    def first_of_all(self) -> Ints:
+        """(S,) the number of the first flip from every state."""
+        return reduce(np.minimum.outer, self.rank).ravel()
+
+    def first_of(self, codes: Ints) -> Ints:
+        """The number of the first flip from each of these states."""
+        digits = (self.states.digit(codes, cell) for cell in range(len(self.rank)))
+        ranks = (rank[digit] for rank, digit in zip(self.rank, digits, strict=True))
+        return reduce(np.minimum, ranks)
+
+
+def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: str) -> Ints:
+    """The states that the force can bring the chain to from one of them, in rising order."""
+    code = states.code(checked_state(chain, "start", start))
+    assert code is not None
+    seen = front = np.array([code])
+    falls, rises = both
+    if falls.force[falls.first_of(front)] > rises.force[rises.first_of(front)]:
+        raise InputError(no_start(chain, start))
+    while len(front):
+        require_as_many(len(seen), "relays", "so many states are reached as are those of")
+        after = np.unique(
+            np.concatenate([front + flips.shift[flips.first_of(front)] for flips in both])
+        )
+        place = np.minimum(np.searchsorted(seen, after), len(seen) - 1)
+        front = after[seen[place] != after]
+        # Two rising runs, which this kind of sort merges.
+        seen = np.sort(np.concatenate([seen, front]), kind="stable")
+    return seen
 
 
 def heat_of(chain: Chain, travels: Travels, switch: tuple[int, int, int], force: float) -> float:
@@ -170,30 +205,6 @@ def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
     if isinstance(cell, Element):
         return float(cell.energy_at(travel))
     return float(cell.energy(cell.limit if phase else -cell.limit))
-
-
-def _edges(
-    labels: list[str], digits: Ints, codes: Ints, cells: Ints, flips: _Flips
-) -> Iterator[Edge]:
-    """Where each of these states goes when that cell of it leaves its phase."""
-    weights = _weights(digits[-1] + 1).tolist()
-    phases = digits[codes, cells]
-    for a, cell, phase in zip(codes.tolist(), cells.tolist(), phases.tolist(), strict=True):
-        flip, target = flips[cell, phase]
-        b = a + (target - phase) * weights[cell]
-        yield labels[a], labels[b], {"transitions": flip}
-
-
-@contextmanager
-def _collector_at_rest() -> Iterator[None]:
-    """Python's search for garbage takes longer than making values of which none is garbage."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 # Fields closer than this share of the largest are equal, as in the engine.
@@ -228,9 +239,8 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     Source: the convention is that of hysteron-tgraphs (Teunisse and van Hecke 2025, R. Soc. Open
     Sci.), their class SwitchingFields; the formula for a spring is ours (theory page).
     """
-    known = graph.graph.get("fields")
-    if known is not None:
-        return known.copy()
+    if graph.fields is not None:
+        return graph.fields.copy()
     chain = graph.chain
     if chain is None:
         raise InputError(
@@ -258,7 +268,7 @@ def switching_fields(graph: TransitionGraph) -> Floats:
                 f"graph: {name} has {len(phases)} phases and a hysteron has two. The forces at "
                 f"which it leaves each of them are its `fields`."
             )
-    digits = every_state(np.full(len(chain), 2))
+    digits = States([2] * len(chain)).phases(np.arange(2 ** len(chain)))
     forces = np.array([(one.force_high, other.force_low) for one, other in chain.phases])
     let_go = np.where(digits == 1, forces[:, 1], forces[:, 0])
     if stiffness == 0:
@@ -297,38 +307,47 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
         raise InputError(
             f"unit = {unit!r}: must be 'N', 'm', or '' for bare numbers; or {', '.join(others)}."
         )
-    digits = every_state(np.full(fields.shape[1], 2))
-    at_1 = digits == 1
+    states = States([2] * fields.shape[1])
+    at_1 = states.phases(np.arange(states.count)) == 1
     opens, shuts = np.where(at_1, np.inf, fields), np.where(at_1, fields, -np.inf)
     low, high = np.max(shuts, axis=1), np.min(opens, axis=1)
     span = float(np.ptp(fields)) or 1.0
     low[0], high[-1] = np.min(fields) - _BEYOND * span, np.max(fields) + _BEYOND * span
-    stands = np.flatnonzero(low <= high)
-    labels = labels_of(digits)
-    found = TransitionGraph()
-    for branch, code in enumerate(stands.tolist()):
-        ends = float(low[code]), float(high[code])
-        label = labels[code]
-        unknown = ends if unit == measure.force_unit else (math.nan, math.nan)
-        found.add_node(label, node=Node(label, label, *ends, *unknown, (), (), branch))
-    rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
-    for codes, direction, drive in ((rising, +1, high), (falling, -1, low)):
-        landed = _avalanches(fields, at_1, codes, direction, drive[codes])
-        for a, b, at in zip(codes.tolist(), landed.tolist(), drive[codes].tolist(), strict=True):
-            cells = tuple(np.flatnonzero(at_1[a] != at_1[b]).tolist())
-            flip = Transition(TransitionKind.SNAP, direction, at, cells, math.nan)
-            join(found, labels[a], labels[b], flip)
-    found.graph.update(
+    codes = np.flatnonzero(low <= high)
+    shown = _force_alone if unit == measure.force_unit else _nothing
+    nodes = StateNodes(states, codes, low[codes], high[codes], shown)
+    target, number = np.full((2, len(nodes)), -1), np.full((2, len(nodes)), -1)
+    ways: list[Transition] = []
+    for row, direction, drive, last in ((1, +1, high, len(low) - 1), (0, -1, low, 0)):
+        goes = codes != last
+        begin = codes[goes]
+        landed = _avalanches(fields, at_1, begin, direction, drive[begin])
+        target[row, goes] = nodes.numbers(landed)
+        number[row, goes] = len(ways) + np.arange(len(begin))
+        for flipped, at in zip(at_1[begin] != at_1[landed], drive[begin].tolist(), strict=True):
+            cells = tuple(np.flatnonzero(flipped).tolist())
+            ways.append(Transition(TransitionKind.SNAP, direction, at, cells, math.nan))
+    return TransitionGraph(
+        nodes,
+        target,
+        number,
+        tuple(ways),
         chain=None,
         names=tuple(f"cell {i + 1}" for i in range(fields.shape[1])),
         actuator="field",
         unit=unit,
-        ties=(),
         start=None,
         method="critical cells and avalanches of switching fields",
         fields=fields,
     )
-    return nx.freeze(found)
+
+
+def _force_alone(_: tuple[int, ...], drive: float) -> tuple[float, tuple[float, ...]]:
+    return drive, ()
+
+
+def _nothing(*_: object) -> tuple[float, tuple[float, ...]]:
+    return math.nan, ()
 
 
 def _checked(fields: ArrayLike) -> Floats:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.sequences.branches import drive_slip
-from stepwell.sequences.graphs.node import TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
+from stepwell.sequences.graphs.transition_graph import TransitionGraph
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,21 +44,26 @@ class Mesostates:
 
     def risen(self, at: Ints, drive: Floats | float) -> Ints:
         """On which branches the chain stands when the drive has risen to `drive`."""
-        at, drive = np.array(at), np.broadcast_to(drive, np.shape(at))
+        at = np.array(at)
+        here, drive = at.ravel(), np.broadcast_to(drive, at.shape).ravel()
+        going = np.arange(len(here))
+        # Whatever has come to rest is not looked at again.
         for _ in range(len(self)):
-            move = (self.high[at] < drive) & (self.rise[at] >= 0)
-            if not np.any(move):
+            going = going[(self.high[here[going]] < drive[going]) & (self.rise[here[going]] >= 0)]
+            if not len(going):
                 break
-            at[move] = self.rise[at[move]]
-        return at
+            here[going] = self.rise[here[going]]
+        return here.reshape(at.shape)
 
     def falls_to(self, at: Ints, goal: Ints) -> Bools:
         """Whether a falling drive leads from one branch to the other, at once or later."""
-        at, found = np.array(at), np.zeros(len(at), bool)
+        here, found = np.array(at), np.zeros(len(at), bool)
+        going = np.arange(len(here))
         for _ in range(len(self)):
-            at = np.where(at >= 0, self.fall[at], -1)
-            found |= at == goal
-            if np.all(found | (at < 0)):
+            here[going] = self.fall[here[going]]
+            found[going] = here[going] == goal[going]
+            going = going[~found[going] & (here[going] >= 0)]
+            if not len(going):
                 break
         return found
 
@@ -79,73 +82,78 @@ class Mesostates:
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """A graph, its branches, and which nodes lie on which.
+    """A graph, its branches, and which nodes lie on which; all by number.
 
     Attributes:
         graph: what was drawn.
-        up, down: the node that the drive's rise and fall leads to from a node.
         mesostates: the branches.
-        labels: of the nodes on each branch, by rising drive.
-        branch_of: the number of each node's branch.
+        on: (R,) the nodes, branch after branch and on each by rising drive.
+        first: (B + 1,) those of branch b are on[first[b]] .. on[first[b + 1]].
+        branch_of: (R,) the branch of each node.
     """
 
     graph: TransitionGraph
-    up: dict[str, str]
-    down: dict[str, str]
     mesostates: Mesostates
-    labels: list[list[str]]
-    branch_of: dict[str, int]
+    on: Ints
+    first: Ints
+    branch_of: Ints
 
     @property
     def bottom(self) -> int:
         """The branch on which every cell is in its first phase."""
-        return self.branch_of[self.graph.zero]
+        zero = self.graph.nodes.find(self.graph.zero)
+        assert zero is not None
+        return int(self.branch_of[zero])
 
-    def label_at(self, number: int, drive: float) -> str:
+    def nodes_of(self, branch: int) -> Ints:
+        """The nodes of a branch, by rising drive."""
+        return self.on[self.first[branch] : self.first[branch + 1]]
+
+    def label_at(self, branch: int, drive: float) -> str:
         """The node of a branch that exists at a drive."""
-        node = self.graph.node
-        return next(
-            (label for label in self.labels[number] if drive <= node(label).high),
-            self.labels[number][-1],
-        )
+        own = self.nodes_of(branch)
+        exists = np.flatnonzero(drive <= self.graph.nodes.high[own])
+        return self.graph.nodes.label(int(own[exists[0] if len(exists) else -1]))
 
-    def following(self, label: str, direction: int) -> list[str]:
+    def following(self, node: int, direction: int) -> list[int]:
         """All nodes from this one on, itself included, until the drive ends."""
-        steps = self.up if direction > 0 else self.down
-        passed = [label]
-        while (label := steps.get(label, "")) and len(passed) <= len(steps):
-            passed.append(label)
+        leads = self.graph.target[int(direction > 0)]
+        passed = [node]
+        while (node := int(leads[node])) >= 0 and len(passed) <= len(leads):
+            passed.append(node)
         return passed
 
 
 def atlas(graph: TransitionGraph) -> Atlas:
     """The branches of a graph."""
-    up: dict[str, str] = {}
-    down: dict[str, str] = {}
-    above: dict[str, str] = {}
-    snaps: list[tuple[str, str, int]] = []
-    for a, b, transition in transitions(graph):
-        (up if transition.direction > 0 else down)[a] = b
-        if transition.kind is TransitionKind.SNAP:
-            snaps.append((a, b, transition.direction))
-        elif transition.direction > 0:
-            above[a] = b
-    labels: list[list[str]] = []
-    for label in graph.nodes.keys() - above.values():
-        labels.append([label])
-        while label := above.get(label, ""):
-            labels[-1].append(label)
-    labels.sort(key=lambda on: graph.node(on[0]).branch)
-    branch_of = {label: number for number, on in enumerate(labels) for label in on}
-    low = np.array([graph.node(on[0]).low for on in labels])
-    high = np.array([graph.node(on[-1]).high for on in labels])
-    rise, fall = np.full(len(labels), -1), np.full(len(labels), -1)
-    for a, b, direction in snaps:
-        (rise if direction > 0 else fall)[branch_of[a]] = branch_of[b]
-    strokes = [math.fsum(graph.node(label).travel_high) for label in graph]
-    stroke = max(strokes) - min(strokes) if graph.unit == graph.measure.travel_unit else 0.0
+    nodes, size = graph.nodes, len(graph)
+    fall, rise = graph.target
+    snap_down, snap_up = graph.snaps
+    # Nodes of one branch lead to each other without a snap.
+    above = np.where(snap_up, -1, rise)
+    head = np.ones(size, bool)
+    head[above[above >= 0]] = False
+    heads = np.flatnonzero(head)
+    heads = heads[np.argsort(nodes.branch[heads], kind="stable")]
+    branch_of, place = np.full(size, -1), np.zeros(size, int)
+    here, own = heads, np.arange(len(heads))
+    last, height = heads.copy(), 0
+    while len(here):
+        branch_of[here], place[here], last[own] = own, height, here
+        goes = above[here] >= 0
+        here, own, height = above[here][goes], own[goes], height + 1
+    on = np.lexsort((place, branch_of))
+    first = np.searchsorted(branch_of[on], np.arange(len(heads) + 1))
+    low, high = nodes.low[heads], nodes.high[last]
+    up, down = np.full(len(heads), -1), np.full(len(heads), -1)
+    for leads, snaps, onto in ((rise, snap_up, up), (fall, snap_down, down)):
+        onto[branch_of[snaps]] = branch_of[leads[snaps]]
+    stroke = 0.0
+    if graph.unit == graph.measure.travel_unit:
+        strokes = [math.fsum(node.travel_high) for node in nodes]
+        stroke = max(strokes) - min(strokes)
     slip = drive_slip(float(np.max(high) - np.min(low)), stroke)
-    return Atlas(graph, up, down, Mesostates(low, high, rise, fall, slip), labels, branch_of)
+    return Atlas(graph, Mesostates(low, high, up, down, slip), on, first, branch_of)
 
 
 class Routes:
@@ -160,17 +168,20 @@ class Routes:
         self.mesostates = mesostates
         self.depth = np.full(len(mesostates), -1)
         self.depth[start] = 0
-        self._came: dict[int, tuple[int, int]] = {}
-        waiting = deque([start])
-        steps = ((+1, mesostates.rise.tolist()), (-1, mesostates.fall.tolist()))
-        while waiting:
-            number = waiting.popleft()
-            for direction, leads in steps:
-                target = leads[number]
-                if target >= 0 and self.depth[target] < 0:
-                    self.depth[target] = self.depth[number] + 1
-                    self._came[target] = number, direction
-                    waiting.append(target)
+        # From which branch each was reached first, and by which way of the drive.
+        self._from = np.full(len(mesostates), -1)
+        self._way = np.zeros(len(mesostates), np.int8)
+        leads = np.column_stack([mesostates.rise, mesostates.fall])
+        front, steps = np.array([start]), 0
+        while len(front):
+            steps += 1
+            after = leads[front].ravel()
+            new = np.flatnonzero((after >= 0) & (self.depth[after] < 0))
+            # Each once, in the order in which they are come to.
+            new = new[np.sort(np.unique(after[new], return_index=True)[1])]
+            before, front = front[new // 2], after[new]
+            self.depth[front], self._from[front] = steps, before
+            self._way[front] = 1 - 2 * (new % 2)
 
     @property
     def reached(self) -> Bools:
@@ -181,9 +192,8 @@ class Routes:
         """Turning points from the drive's lower end to a drive within a branch, both included."""
         steps: list[tuple[int, int]] = []
         at = number
-        while at in self._came:
-            before, direction = self._came[at]
-            steps.append((before, direction))
+        while (before := int(self._from[at])) >= 0:
+            steps.append((before, int(self._way[at])))
             at = before
         low, high = self.mesostates.low, self.mesostates.high
         points, way, entered = [float(low[at])], +1, float(low[at])

@@ -8,12 +8,11 @@ from dataclasses import fields
 from functools import partial
 from typing import Any, TypeVar
 
-import networkx as nx
 import numpy as np
 
 from stepwell.base import InputError, Quantity, told_in
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, join, measure_of
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, measure_of
 from stepwell.statics import Tie
 
 Row = dict[str, Any]
@@ -61,19 +60,15 @@ def graph_of(data: Row) -> TransitionGraph:
     Raises:
         ValueError: a row without a key, or with a value that is none, and where.
     """
-    found = TransitionGraph()
     unit = str(data.get("drive_unit") or "")
     ends = endings(unit)
-    for node in _values(Node, data, "nodes", ends):
-        found.add_node(node.label, node=node)
-    for k, transition in enumerate(_values(Transition, data, "edges", ends)):
-        a, b = _read(lambda row: (row["from"], row["to"]), data["edges"][k], f"edges[{k}]")
-        if a not in found or b not in found:
-            raise InputError(f"edges[{k}]: leads from {a!r} to {b!r}; one of them is no node.")
-        join(found, a, b, transition)
+    nodes = list(_values(Node, data, "nodes", ends))
+    ways = [
+        (*_read(lambda row: (row["from"], row["to"]), data["edges"][k], f"edges[{k}]"), way)
+        for k, way in enumerate(_values(Transition, data, "edges", ends))
+    ]
     ties = tuple(_values(Tie, data, "ties", ends))
-    found.graph.update(_read(_about, data, "graph"), ties=ties, unit=unit)
-    return nx.freeze(found)
+    return TransitionGraph.of(nodes, ways, **_read(_about, data, "graph"), ties=ties, unit=unit)
 
 
 def _values(kind: type[Value], data: Row, key: str, ends: Endings) -> Iterator[Value]:

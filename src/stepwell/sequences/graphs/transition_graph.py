@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
 
-from stepwell.base import Drawn, InputError, Measure, Shown, amount, most, problem, same
+from stepwell.base import (
+    Bools,
+    ByValue,
+    Drawn,
+    Floats,
+    InputError,
+    Measure,
+    amount,
+    most,
+    problem,
+)
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -23,49 +35,89 @@ from stepwell.sequences.branches import (
     state_of,
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
+from stepwell.sequences.graphs.nodes import HeldNodes, Nodes
 from stepwell.statics import Segment, Tie
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     from stepwell.sequences.memory import MemoryReading
 
+Numbers = NDArray[np.signedinteger[Any]]
 
-class TransitionGraph(nx.DiGraph, Shown, Drawn):
+
+@dataclass(frozen=True, eq=False)
+class TransitionGraph(ByValue, Drawn):
     """Where a chain can stand, and how it gets from there to elsewhere.
 
-    A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with every cell in a
-    phase, or one such as "0-1" with cells in transit. `graph.nodes[label]["node"]` is a Node,
-    `graph.edges[a, b]["transitions"]` a tuple of Transition, one for each direction of the
-    drive that leads from a to b.
+    Its nodes go by labels: a state such as "010" with every cell in a phase, or one such as "0-1"
+    with cells in transit; it iterates over them. `graph.node(label)` is a Node,
+    `graph.transition(label, direction)` the way that the drive's rise or fall leads from it. Both
+    are made from arrays when they are asked for. `graph.networkx` is the same as a graph of
+    networkx, for whatever that package knows of graphs.
 
     Every node has one way up and one way down, except where the drive ends. Its branches are
     what the engine followed, so the graph is exact for any cells without friction.
+
+    Attributes:
+        nodes: all nodes by number.
+        target: (2, R) number of the node to which the drive's fall and its rise lead from each; -1
+            where the drive ends.
+        number: (2, R) what happens on that way: its number among `ways`; -1 likewise.
+        ways: transitions; those that have all in common are one.
+        chain: what it is the graph of, with the actuator that drives it; None where the graph was
+            read from a file or made from switching fields.
+        names: what each cell is called, inner first.
+        actuator: what drives it: "stroke", "force", "spring of 53 N/m" or "field". Chains of volume
+            and pressure, or of angle and torque, are driven by these.
+        unit: of drives: N under force control, m under others, "" for bare numbers.
+        start: the state that it began with; None for all.
+        method: how it was found, in words.
+        ties: where the model cannot tell two outcomes apart, with advice; empty if nowhere.
+        fields: the switching fields that it was made from; None for others.
 
     Source: Mungan and Terzi, 2019; van Hecke, 2021; nodes with strokes and cells in transit
     are ours (theory page, "Transition graphs").
     """
 
-    def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        return self is other or all(
-            same(getattr(self, part), getattr(other, part)) for part in ("graph", "_node", "_adj")
-        )
+    nodes: Nodes = field(hash=False)
+    target: Numbers
+    number: Numbers
+    ways: tuple[Transition, ...] = field(hash=False)
+    chain: Chain | None
+    names: tuple[str, ...]
+    actuator: str
+    unit: str
+    start: str | None
+    method: str
+    ties: tuple[Tie, ...] = ()
+    fields: Floats | None = None
 
-    # A DiGraph can be changed, so it is no key.
-    __hash__ = None  # type: ignore[assignment]
+    def __post_init__(self):
+        for array in (self.target, self.number):
+            array.setflags(write=False)
 
-    @property
-    def chain(self) -> Chain | None:
-        """What it is the graph of, with the actuator that drives it.
+    @classmethod
+    def of(
+        cls, nodes: Sequence[Node], ways: Iterable[tuple[str, str, Transition]], **about: Any
+    ) -> TransitionGraph:
+        """The graph of these nodes, and of transitions as (from, to, transition).
 
-        None where the graph was read from a file or made from switching fields.
+        Raises:
+            ValueError: a transition from or to no node, or two of one direction from one node.
         """
-        return self.graph["chain"]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What each cell is called, inner first."""
-        return self.graph["names"]
+        held, every = HeldNodes(nodes), list(ways)
+        target, number = np.full((2, len(held)), -1), np.full((2, len(held)), -1)
+        for k, (a, b, transition) in enumerate(every):
+            begin, end = held.find(a), held.find(b)
+            if begin is None or end is None:
+                raise InputError(f"edges[{k}]: leads from {a!r} to {b!r}; one of them is no node.")
+            row = int(transition.direction > 0)
+            if target[row, begin] >= 0:
+                way = "rise" if row else "fall"
+                raise InputError(f"edges[{k}]: the drive's {way} leads from {a!r} elsewhere too.")
+            target[row, begin], number[row, begin] = end, k
+        return cls(held, target, number, tuple(way for _, _, way in every), **about)
 
     @property
     def cells(self) -> int:
@@ -73,32 +125,9 @@ class TransitionGraph(nx.DiGraph, Shown, Drawn):
         return len(self.names)
 
     @property
-    def actuator(self) -> str:
-        """What drives it: "stroke", "force", "spring of 53 N/m" or "field".
-
-        Chains of volume and pressure, or of angle and torque, are driven by these.
-        """
-        return self.graph["actuator"]
-
-    @property
-    def ties(self) -> tuple[Tie, ...]:
-        """Where the model cannot tell two outcomes apart, with advice; empty if nowhere."""
-        return self.graph["ties"]
-
-    @property
-    def method(self) -> str:
-        """How it was found, in words."""
-        return self.graph["method"]
-
-    @property
     def is_whole(self) -> bool:
         """Whether it began with every vertex, not only with one."""
-        return self.graph["start"] is None
-
-    @property
-    def unit(self) -> str:
-        """Unit of drives: N under force control, m under others, "" for bare numbers."""
-        return self.graph["unit"]
+        return self.start is None
 
     @property
     def measure(self) -> Measure:
@@ -112,23 +141,64 @@ class TransitionGraph(nx.DiGraph, Shown, Drawn):
 
         return read_memory(self)
 
+    @cached_property
+    def networkx(self) -> nx.DiGraph[str]:
+        """The graph as a frozen DiGraph of networkx, made when it is first asked for.
+
+        `.nodes[label]["node"]` is a Node, `.edges[a, b]["transitions"]` a tuple of Transition, one
+        for each direction of the drive that leads from a to b.
+        """
+        import networkx as nx
+
+        found: nx.DiGraph[str] = nx.DiGraph()
+        found.add_nodes_from((node.label, {"node": node}) for node in self.nodes)
+        for a, b, transition in self.transitions():
+            before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
+            found.add_edge(a, b, transitions=(*before, transition))
+        return nx.freeze(found)
+
     def node(self, label: str) -> Node:
-        """The node of that label."""
-        return self.nodes[label]["node"]
+        """The node of that label.
+
+        Raises:
+            KeyError: there is none.
+        """
+        return self.nodes[self._find(label)]
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends."""
-        for _, target, transitions in self.out_edges(label, data="transitions"):
-            for transition in transitions:
-                if transition.direction == direction:
-                    return target, transition
-        return None
+        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends.
+
+        Raises:
+            KeyError: there is no such node.
+        """
+        at = int(direction > 0), self._find(label)
+        number = int(self.number[at])
+        return None if number < 0 else (self.nodes.label(int(self.target[at])), self.ways[number])
+
+    def transitions(self) -> Iterator[tuple[str, str, Transition]]:
+        """Every (from, to, transition): of each node first where the rise leads, then the fall."""
+        labels = list(self)
+        falls, rises = zip(self.target.tolist(), self.number.tolist(), strict=True)
+        for a, *both in zip(labels, *rises, *falls, strict=True):
+            for target, number in (both[:2], both[2:]):
+                if number >= 0:
+                    yield a, labels[target], self.ways[number]
+
+    @property
+    def transition_count(self) -> int:
+        """How many transitions there are."""
+        return int(np.count_nonzero(self.number >= 0))
+
+    @cached_property
+    def snaps(self) -> Bools:
+        """(2, R) whether the drive's fall and its rise from each node end in a snap."""
+        kinds = [way.kind is TransitionKind.SNAP for way in self.ways]
+        return np.array([*kinds, False])[self.number]
 
     @property
     def vertices(self) -> tuple[str, ...]:
         """Labels of the nodes with every cell in a phase, by the sum of their numbers."""
-        found = [label for label in self if "-" not in label]
-        return tuple(sorted(found, key=lambda label: (self.node(label).level, label[::-1])))
+        return tuple(self.nodes.labels(self.nodes.vertices))
 
     @property
     def zero(self) -> str:
@@ -145,19 +215,40 @@ class TransitionGraph(nx.DiGraph, Shown, Drawn):
         Args:
             start: its label; all cells at 0 by default.
         """
-        start = self.zero if start is None else start
-        if start not in self:
+        number = self.nodes.find(self.zero if start is None else start)
+        if number is None:
             return frozenset()
-        return frozenset(nx.descendants(self, start) | {start})
+        seen = np.zeros(len(self), bool)
+        front = np.array([number])
+        while len(front):
+            seen[front] = True
+            after = self.target[:, front].ravel()
+            after = after[after >= 0]
+            front = np.unique(after[~seen[after]])
+        return frozenset(self.nodes.labels(np.flatnonzero(seen)))
+
+    def _find(self, label: str) -> int:
+        number = self.nodes.find(label)
+        if number is None:
+            raise KeyError(label)
+        return number
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.nodes.labels(np.arange(len(self))))
+
+    def __contains__(self, label: object) -> bool:
+        return isinstance(label, str) and self.nodes.find(label) is not None
 
     def __str__(self):
         return repr(self)
 
     def __repr__(self):
-        snaps = sum(t.kind is TransitionKind.SNAP for _, _, t in transitions(self))
         return (
-            f"TransitionGraph({self.cells} cells, {len(self.vertices)} vertices, "
-            f"{len(self)} nodes, {snaps} snaps)"
+            f"TransitionGraph({self.cells} cells, {len(self.nodes.vertices)} vertices, "
+            f"{len(self)} nodes, {np.count_nonzero(self.snaps)} snaps)"
         )
 
 
@@ -165,13 +256,6 @@ def measure_of(unit: str) -> Measure:
     """The measure one of whose units this is; that of travel and force for bare numbers."""
     units = {si: one for one in Measure for si in (one.travel_unit, one.force_unit)}
     return units.get(unit, Measure.TRAVEL)
-
-
-def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
-    """Every (from, to, transition)."""
-    for a, b, together in graph.edges(data="transitions"):
-        for transition in together:
-            yield a, b, transition
 
 
 def graph(
@@ -186,12 +270,13 @@ def graph(
     refuse_friction(chain)
     fields = relays(chain) if chain.actuator_stiffness == 0 else None
     if start is None:
-        _require_listable(chain, "graph_cells" if fields is None else "relays")
-    if fields is not None and start is None:
+        count, limit = _states(chain), "graph_cells" if fields is None else "relays"
+        alike = _as_cells(count) == len(chain)
+        require_as_many(count, limit, f"the chain has{'' if alike else ' as many states as'}")
+    if fields is not None and (start is None or is_counted(chain)):
         from stepwell.sequences.graphs.fields import preisach
 
-        return preisach(chain, fields)
-    branches = Branches(chain)
+        return preisach(chain, fields, start)
     states = [range(int(last) + 1) for last in chain.last_state]
     branches = Branches(chain)
     starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
@@ -203,10 +288,7 @@ def graph(
         if place is not None:
             first.append(branches.at(*place))
         elif start is not None:
-            raise InputError(
-                f"start = {start!r}: is no equilibrium: {overdrawn(chain)}. Start from another "
-                f"state, or leave start out to see all."
-            )
+            raise InputError(no_start(chain, start))
     found = sorted(branches.all_from(first, progress))
     if progress is not None:
         progress(len(found), len(found))
@@ -216,23 +298,44 @@ def graph(
 def listable(chain: Chain) -> bool:
     """Whether the limits let the graph of a chain be listed from every state."""
     limit = "relays" if chain.actuator_stiffness == 0 and relays(chain) else "graph_cells"
-    return _as_cells(chain) <= most(limit)
+    return _as_cells(_states(chain)) <= most(limit)
 
 
-def _as_cells(chain: Chain) -> int:
+def is_counted(chain: Chain) -> bool:
+    """Whether every state of a chain has a number that an array can hold."""
+    return _states(chain) < 1 << 62
+
+
+def _states(chain: Chain) -> int:
+    return math.prod(map(len, chain.stretches))
+
+
+def _as_cells(count: int) -> int:
     """How many cells of two phases have as many states."""
-    return (math.prod(map(len, chain.stretches)) - 1).bit_length()
+    return (count - 1).bit_length()
 
 
-def _require_listable(chain: Chain, limit: str) -> None:
-    cells = _as_cells(chain)
+def require_as_many(count: int, limit: str, what: str) -> None:
+    """Refuse more states than a limited number of cells of two phases has.
+
+    Raises:
+        ValueError: too many; the text says what else to ask.
+    """
+    cells = _as_cells(count)
     if cells > most(limit):
-        what = "the chain has" if cells == len(chain) else "the chain has as many states as"
         raise InputError(
             f"{problem(limit, cells, what)} Or ask chain.implicit_graph(), which counts states and "
             f"walks from one to the next without listing them, pass start= to list what can be "
             f"reached from one state, or ask chain.program(to=...) for one way."
         )
+
+
+def no_start(chain: Chain, start: str) -> str:
+    """What is wrong with a start in which a chain cannot stand."""
+    return (
+        f"start = {start!r}: is no equilibrium: {overdrawn(chain)}. Start from another "
+        f"state, or leave start out to see all."
+    )
 
 
 def overdrawn(chain: Chain) -> str:
@@ -246,26 +349,21 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
     """The branches as a graph."""
     chain = branches.chain
     names = _labels(branches, numbers)
-    found = TransitionGraph()
-    for place, number in enumerate(numbers):
-        for k, section in enumerate(branches[number].sections):
-            label = names[number, k]
-            found.add_node(label, node=node_of(label, section, place))
+    nodes = [
+        node_of(names[number, k], section, place)
+        for place, number in enumerate(numbers)
+        for k, section in enumerate(branches[number].sections)
+    ]
+    ways: list[tuple[str, str, Transition]] = []
     for number in numbers:
-        last = len(branches[number].sections) - 1
-        inner = (end for k in range(last) for end in ((k, +1), (k + 1, -1)))
-        for k, direction in (*inner, (last, +1), (0, -1)):
-            way = way_on(branches, number, k, direction)
-            if way is not None:
-                target, transition = way
-                join(found, names[number, k], names[target], transition)
-    found.graph.update(
-        **about(chain),
-        ties=tuple(branches.ties),
-        start=start,
-        method="every branch followed to both ends by the engine",
-    )
-    return nx.freeze(found)
+        for k in range(len(branches[number].sections)):
+            for direction in (+1, -1):
+                way = way_on(branches, number, k, direction)
+                if way is not None:
+                    ways.append((names[number, k], names[way[0]], way[1]))
+    method = "every branch followed to both ends by the engine"
+    ties = tuple(branches.ties)
+    return TransitionGraph.of(nodes, ways, **about(chain), ties=ties, start=start, method=method)
 
 
 def node_of(label: str, section: Section, branch: int) -> Node:
@@ -303,7 +401,7 @@ def way_on(
     return (exit_.branch, target), Transition(*what)
 
 
-def about(chain: Chain) -> dict[str, object]:
+def about(chain: Chain) -> dict[str, Any]:
     """What a graph says of the chain that it is of."""
     stiffness, measure = chain.actuator_stiffness, chain.measure
     spring = f"spring of {amount(stiffness, measure.stiffness_unit, 6)}"
@@ -334,9 +432,3 @@ def _changed(snap: Segment, before: str, after: str) -> tuple[int, ...]:
 
 def _unlike(a: str, b: str) -> tuple[int, ...]:
     return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
-
-
-def join(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
-    """Let a transition lead from a to b, beside those that do already."""
-    before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
-    found.add_edge(a, b, transitions=(*before, transition))

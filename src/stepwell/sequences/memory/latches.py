@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
-import networkx as nx
+import numpy as np
 
-from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Transition, TransitionGraph, transitions
+from stepwell.base import ByValue, Ints
+from stepwell.sequences.graphs import Transition, TransitionGraph
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,37 +34,46 @@ class Latch(ByValue):
         return f"Latch({ways} for good)"
 
 
-def latches(drawn: Atlas, groups: dict[str, int]) -> tuple[Latch, ...]:
+def latches(graph: TransitionGraph, groups: Ints) -> tuple[Latch, ...]:
     """All latches, one for each set of nodes that is left.
 
     Args:
-        drawn: the graph.
+        graph: what is read.
         groups: of its nodes, by `groups_of`.
     """
-    left: dict[int, list[str]] = {}
-    for label, group in groups.items():
-        left.setdefault(group, []).append(label)
+    leaves = (graph.target >= 0) & (groups[graph.target] != groups)
     ways: dict[int, list[tuple[str, str, Transition]]] = {}
-    for a, b, transition in transitions(drawn.graph):
-        if groups[a] != groups[b]:
-            ways.setdefault(groups[a], []).append((a, b, transition))
-    found = [Latch(tuple(sorted(left[group])), tuple(out)) for group, out in ways.items()]
+    # Of each node first where the rise leads, then the fall.
+    for node, row in np.argwhere(leaves.T[:, ::-1]).tolist():
+        at = 1 - row, node
+        a, b = graph.nodes.label(node), graph.nodes.label(int(graph.target[at]))
+        ways.setdefault(int(groups[node]), []).append((a, b, graph.ways[graph.number[at]]))
+    found = [
+        Latch(tuple(sorted(graph.nodes.labels(np.flatnonzero(groups == group)))), tuple(out))
+        for group, out in ways.items()
+    ]
     return tuple(sorted(found, key=lambda latch: latch.nodes))
 
 
-def groups_of(graph: TransitionGraph) -> dict[str, int]:
-    """The number of each node's strongly connected component: nodes that lead to each other."""
-    groups = nx.strongly_connected_components(graph)
-    return {label: number for number, group in enumerate(groups) for label in group}
+def groups_of(graph: TransitionGraph) -> Ints:
+    """(R,) number of each node's strongly connected component: nodes that lead to each other."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    row, begin = np.nonzero(graph.target >= 0)
+    ends = begin, graph.target[row, begin]
+    size = len(graph)
+    leads = csr_array((np.ones(len(begin), np.int8), ends), (size, size))
+    return connected_components(leads, connection="strong")[1].astype(int)
 
 
-def gardens(drawn: Atlas, groups: dict[str, int]) -> tuple[str, ...]:
+def gardens(graph: TransitionGraph, groups: Ints) -> tuple[str, ...]:
     """Vertices to which no other vertex leads: alone in a component that nothing enters.
 
     Behind a spring such a vertex may be returned to, from places that only it leads to.
     """
-    graph = drawn.graph
-    entered = {groups[b] for a, b in graph.edges if groups[a] != groups[b]}
-    held = Counter(groups[label] for label in graph.vertices)
-    alone = {group for group, count in held.items() if count == 1} - entered
-    return tuple(label for label in graph.vertices if groups[label] in alone)
+    into = (graph.target >= 0) & (groups[graph.target] != groups)
+    vertices = graph.nodes.vertices
+    alone = np.bincount(groups[vertices], minlength=len(graph)) == 1
+    alone[groups[graph.target[into]]] = False
+    return tuple(graph.nodes.labels(vertices[alone[groups[vertices]]]))

@@ -49,41 +49,51 @@ class Loop(ByValue):
 
 def main_loop(atlas: Atlas) -> Loop:
     """From all cells at 0 up to where the drive ends, and back."""
-    up = atlas.following(atlas.graph.zero, +1)
+    nodes = atlas.graph.nodes
+    zero = nodes.find(atlas.graph.zero)
+    assert zero is not None
+    up = atlas.following(zero, +1)
     down = atlas.following(up[-1], -1)
-    node = atlas.graph.node
-    return Loop(node(up[0]).low, node(up[-1]).high, tuple(up), tuple(down))
+    return _loop(atlas, up[0], up[-1], up, down)
 
 
-def loop_pairs(atlas: Atlas, among: Ints) -> list[tuple[int, int]]:
-    """All pairs (μ, ν) of these branches that make a loop, the main one left out."""
+def loop_pairs(atlas: Atlas, among: Ints) -> Ints:
+    """(M, 2) all pairs (μ, ν) of these branches that make a loop, the main one left out."""
     branches = atlas.mesostates
-    found: list[tuple[int, int]] = []
+    found = [np.empty((0, 2), int)]
     low = np.array(among)
     high = branches.rise[low]
     while np.any(high >= 0):
         low, high = low[high >= 0], high[high >= 0]
         closed = branches.falls_to(high, low)
-        found += zip(low[closed].tolist(), high[closed].tolist(), strict=True)
+        found.append(np.column_stack([low[closed], high[closed]]))
         high = branches.rise[high]
-    main = {(atlas.bottom, top) for top in np.flatnonzero(branches.rise < 0).tolist()}
-    return sorted(pair for pair in found if pair not in main)
+    pairs = np.concatenate(found)
+    main = (pairs[:, 0] == atlas.bottom) & (branches.rise[pairs[:, 1]] < 0)
+    pairs = pairs[~main]
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def loop_of(atlas: Atlas, pair: tuple[int, int]) -> Loop:
+def loop_of(atlas: Atlas, low: int, high: int) -> Loop:
     """The loop of a pair of branches."""
-    low, high = pair
     onto_high = _landing(atlas, low, high, +1)
     onto_low = _landing(atlas, high, low, -1)
-    up = [*takewhile(lambda label: label != onto_high, atlas.following(onto_low, +1)), onto_high]
-    down = [*takewhile(lambda label: label != onto_low, atlas.following(onto_high, -1)), onto_low]
-    node, branch_of = atlas.graph.node, atlas.branch_of
-    last_up = next(v for v in reversed(up) if branch_of[v] != high)
-    last_down = next(v for v in reversed(down) if branch_of[v] != low)
-    return Loop(node(last_down).low, node(last_up).high, tuple(up), tuple(down))
+    up = [*takewhile(lambda node: node != onto_high, atlas.following(onto_low, +1)), onto_high]
+    down = [*takewhile(lambda node: node != onto_low, atlas.following(onto_high, -1)), onto_low]
+    branch_of = atlas.branch_of
+    last_up = next(node for node in reversed(up) if branch_of[node] != high)
+    last_down = next(node for node in reversed(down) if branch_of[node] != low)
+    return _loop(atlas, last_down, last_up, up, down)
 
 
-def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> str:
+def _loop(atlas: Atlas, low: int, high: int, up: list[int], down: list[int]) -> Loop:
+    """The loop between the drives at which two nodes end, through nodes on the way up and down."""
+    nodes = atlas.graph.nodes
+    ends = float(nodes.low[low]), float(nodes.high[high])
+    return Loop(*ends, tuple(map(nodes.label, up)), tuple(map(nodes.label, down)))
+
+
+def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> int:
     """The node of a branch on which the chain lands, coming from another one."""
-    first = atlas.labels[start][-1 if direction > 0 else 0]
+    first = int(atlas.nodes_of(start)[-1 if direction > 0 else 0])
     return next(v for v in atlas.following(first, direction) if atlas.branch_of[v] == goal)

@@ -93,24 +93,24 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     """
     drawn = atlas(graph)
     routes = Routes(drawn.mesostates, drawn.bottom)
-    reached = np.flatnonzero(routes.reached)
-    pairs = loop_pairs(drawn, reached)
+    pairs = loop_pairs(drawn, np.flatnonzero(routes.reached))
     few = len(pairs) <= MOST_LOOPS
-    reachable = frozenset(label for number in reached.tolist() for label in drawn.labels[number])
+    vertices = graph.nodes.vertices
+    reached = routes.reached[drawn.branch_of[vertices]]
     memory = return_point_memory(drawn, routes)
     groups = groups_of(graph)
     return MemoryReading(
         graph,
         len(drawn.mesostates),
         main_loop(drawn),
-        tuple(loop_of(drawn, pair) for pair in pairs) if few else None,
+        tuple(loop_of(drawn, *pair) for pair in pairs.tolist()) if few else None,
         len(pairs),
-        gardens(drawn, groups) if graph.is_whole else None,
-        tuple(label for label in graph.vertices if label not in reachable),
+        gardens(graph, groups) if graph.is_whole else None,
+        tuple(graph.nodes.labels(vertices[~reached])),
         memory,
-        scrambling(drawn, reachable),
+        scrambling(graph, vertices[reached], vertices[~reached]),
         _counting(drawn, routes, memory.holds),
-        latches(drawn, groups),
+        latches(graph, groups),
     )
 
 
@@ -146,7 +146,7 @@ def _report(reading: MemoryReading) -> str:
     eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
     ways = (f"{a}>{b}" for latch in reading.latches for a, b, _ in latch.ways)
     lines = [
-        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.vertices)} vertices on "
+        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices on "
         f"{reading.branches} branches",
         f"main loop            {reading.main_loop}",
         f"sub-loops            {sub_loops}",

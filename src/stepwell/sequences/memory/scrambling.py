@@ -5,13 +5,14 @@ A flip leads from a phase of a cell to the next one, so a cell with three phases
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Ints
-from stepwell.sequences.graphs import Atlas
+from stepwell.sequences.graphs import TransitionGraph
+
+_BLOCK = 1 << 16  # vertices that are looked at together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,57 +43,86 @@ class Scrambling(ByValue):
         return f"Scrambling({way}: cell {i} before {j} from {self.i_first}, not {self.j_first})"
 
 
-def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...]:
+def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scrambling, ...]:
     """Every scrambled pair of flips once, with states that can be reached if any are.
 
     A vertex tells the order of what flips on the way to the next one, against everything that
     could have and did not.
+
+    Args:
+        graph: what is read.
+        reached: numbers of the vertices that can be reached from all cells at 0.
+        others: of those that cannot.
     """
-    vertices = sorted(atlas.graph.vertices, key=lambda label: label not in reachable)
-    count = sum(label in reachable for label in vertices)
-    last = np.max(_phases(atlas, vertices), axis=0)
+    vertices = np.concatenate([reached, others])
+    last = np.max(graph.nodes.phases(vertices), axis=0).astype(int)
     # Flip m is that of cell[m] out of phase step[m], and of a falling drive back to it.
     cell = np.repeat(np.arange(len(last)), last)
     step = np.arange(len(cell)) - np.searchsorted(cell, cell)
     found: list[Scrambling] = []
     for direction in (+1, -1):
-        flips, waits = _flips_and_waits(atlas, vertices, cell, step, direction)
-        known = np.zeros((len(cell),) * 2, bool)
-        for part, reached in ((slice(count), True), (slice(None), False)):
-            # before[i, j]: whether flip i is before flip j somewhere.
-            before = flips[part].T.astype(float) @ waits[part] > 0
+        order = _Order(graph, cell, step, direction)
+        # before[i, j]: whether flip i is before flip j somewhere.
+        known = before = np.zeros((len(cell),) * 2, bool)
+        for part, more, reachable in ((reached, reached, True), (vertices, others, False)):
+            before = before | order.before(more)
             scrambled = before & before.T & ~known
-            known |= scrambled
+            known = known | scrambled
             for i, j in np.argwhere(np.triu(scrambled)).tolist():
-                i_first = vertices[int(np.argmax(flips[part, i] & waits[part, j]))]
-                j_first = vertices[int(np.argmax(flips[part, j] & waits[part, i]))]
+                i_first, j_first = (
+                    graph.nodes.label(order.example(part, *pair)) for pair in ((i, j), (j, i))
+                )
                 cells = int(cell[i]), int(cell[j])
-                found.append(Scrambling(cells, direction, i_first, j_first, reached))
+                found.append(Scrambling(cells, direction, i_first, j_first, reachable))
     return tuple(found)
 
 
-def _flips_and_waits(
-    atlas: Atlas, vertices: Sequence[str], cell: Ints, step: Ints, direction: int
-) -> tuple[Bools, Bools]:
-    """(V, M) which flips are on the way from each vertex to the next, and which could but wait."""
-    steps = atlas.up if direction > 0 else atlas.down
-    following: list[str] = []
-    for vertex in vertices:
-        label = vertex
-        for _ in range(len(steps)):
-            label = steps.get(label, "-")
-            if "-" not in label:
+@dataclass(frozen=True, eq=False)
+class _Order:
+    """Which flips are on the way from a vertex to the next, and which could be but wait.
+
+    Attributes:
+        graph: what is read.
+        cell, step: (M,) the flips.
+        direction: of the drive.
+    """
+
+    graph: TransitionGraph
+    cell: Ints
+    step: Ints
+    direction: int
+
+    def before(self, vertices: Ints) -> Bools:
+        """(M, M) whether flip i is on the way from one of these vertices while flip j waits."""
+        found = np.zeros((len(self.cell),) * 2, bool)
+        for begin in range(0, len(vertices), _BLOCK):
+            flips, waits = self._of(vertices[begin : begin + _BLOCK])
+            found |= flips.T.astype(np.float32) @ waits.astype(np.float32) > 0
+        return found
+
+    def example(self, vertices: Ints, i: int, j: int) -> int:
+        """The first of these vertices from which flip i is on the way while flip j waits."""
+        for begin in range(0, len(vertices), _BLOCK):
+            part = vertices[begin : begin + _BLOCK]
+            flips, waits = self._of(part)
+            if np.any(does := flips[:, i] & waits[:, j]):
+                return int(part[np.argmax(does)])
+        raise AssertionError("before() said that there is one")
+
+    def _of(self, vertices: Ints) -> tuple[Bools, Bools]:
+        """(V, M) for each flip, whether it is on the way, and whether it waits."""
+        leads, nodes = self.graph.target[int(self.direction > 0)], self.graph.nodes
+        is_vertex = np.zeros(len(nodes) + 1, bool)
+        is_vertex[nodes.vertices] = is_vertex[-1] = True
+        after = leads[vertices]
+        for _ in range(len(nodes)):
+            between = ~is_vertex[after]
+            if not np.any(between):
                 break
+            after = np.where(between, leads[after], after)
         # With no vertex to come nothing flips.
-        following.append(vertex if "-" in label else label)
-    here, there = (_phases(atlas, labels)[:, cell] for labels in (vertices, following))
-    ready = here == (step if direction > 0 else step + 1)
-    flips = ready & ((there > step) if direction > 0 else (there <= step))
-    return flips, ready & ~flips
-
-
-def _phases(atlas: Atlas, labels: Sequence[str]) -> Ints:
-    """(V, N) the phase of every cell."""
-    n = atlas.graph.cells
-    text = "".join(label[:n] for label in labels)
-    return np.frombuffer(text.encode(), np.uint8).reshape(-1, n).astype(np.int64) - ord("0")
+        after = np.where(after < 0, vertices, after)
+        here, there = (nodes.phases(one)[:, self.cell] for one in (vertices, after))
+        ready = here == (self.step if self.direction > 0 else self.step + 1)
+        flips = ready & ((there > self.step) if self.direction > 0 else (there <= self.step))
+        return flips, ready & ~flips

@@ -22,7 +22,7 @@ def answer(design: Design, ask: Ask) -> View:
         )
     graph = chain.graph()
     drive, reached = told_in(chain.drive_unit)[1], graph.reachable()
-    nodes = [graph.node(label) for label in graph]
+    nodes = list(graph.nodes)
     return View(
         {
             "units": units_of(chain),

@@ -1,0 +1,234 @@
+"""The nodes of a transition graph: held as values, or made from arrays when they are asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base import Floats, Ints, same
+from stepwell.sequences.graphs.node import Node
+
+Digits = NDArray[np.uint8]
+
+
+class Nodes(Sequence[Node]):
+    """Nodes by number, their labels, and the drives between which they exist.
+
+    Attributes:
+        low, high: (R,) drives between which each node exists.
+    """
+
+    low: Floats
+    high: Floats
+
+    @cached_property
+    def branch(self) -> Ints:
+        """(R,) number of the branch on which each node lies."""
+        raise NotImplementedError
+
+    def label(self, number: int) -> str:
+        """What a node is called."""
+        raise NotImplementedError
+
+    def find(self, label: str) -> int | None:
+        """Number of the node of that label; None where there is none."""
+        raise NotImplementedError
+
+    def labels(self, numbers: Ints) -> list[str]:
+        """What these nodes are called."""
+        return list(map(self.label, numbers.tolist()))
+
+    def phases(self, numbers: Ints) -> Digits:
+        """(V, N) the phase of every cell of these vertices."""
+        raise NotImplementedError
+
+    @cached_property
+    def vertices(self) -> Ints:
+        """Numbers of the nodes with every cell in a phase, by the sum of their phases.
+
+        Of equal sums the state with the smaller phase of the outermost cell comes first.
+        """
+        raise NotImplementedError
+
+    @overload
+    def __getitem__(self, number: int) -> Node: ...
+    @overload
+    def __getitem__(self, number: slice) -> Sequence[Node]: ...
+    def __getitem__(self, number: int | slice) -> Node | Sequence[Node]:
+        if isinstance(number, slice):
+            return [self._node(k) for k in range(*number.indices(len(self)))]
+        return self._node(number)
+
+    def _node(self, number: int) -> Node:
+        raise NotImplementedError
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Nodes):
+            return NotImplemented
+        if not (np.array_equal(self.low, other.low) and np.array_equal(self.high, other.high)):
+            return False
+        return all(map(same, self, other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class HeldNodes(Nodes):
+    """Nodes that are values already.
+
+    Args:
+        nodes: each with a label of its own.
+    """
+
+    def __init__(self, nodes: Sequence[Node]):
+        self._nodes = tuple(nodes)
+        self._numbers = {node.label: number for number, node in enumerate(self._nodes)}
+        self.low = np.array([node.low for node in self._nodes], float)
+        self.high = np.array([node.high for node in self._nodes], float)
+
+    @cached_property
+    def branch(self) -> Ints:
+        """(R,) number of the branch on which each node lies."""
+        return np.array([node.branch for node in self._nodes], int)
+
+    def label(self, number: int) -> str:
+        """What a node is called."""
+        return self._nodes[number].label
+
+    def find(self, label: str) -> int | None:
+        """Number of the node of that label; None where there is none."""
+        return self._numbers.get(label)
+
+    def phases(self, numbers: Ints) -> Digits:
+        """(V, N) the phase of every cell of these vertices."""
+        states = [self._nodes[number].state for number in numbers.tolist()]
+        text = "".join(states).encode()
+        digits = np.frombuffer(text, np.uint8).reshape(len(states), -1)
+        return digits - np.uint8(ord("0"))
+
+    @cached_property
+    def vertices(self) -> Ints:
+        """Numbers of the nodes with every cell in a phase, by the sum of their phases."""
+        found = [number for number, node in enumerate(self._nodes) if node.is_vertex]
+
+        def place(number: int) -> tuple[int, str]:
+            node = self._nodes[number]
+            return node.level, node.label[::-1]
+
+        return np.array(sorted(found, key=place), int)
+
+    def _node(self, number: int) -> Node:
+        return self._nodes[number]
+
+
+# By state and drive: actuator force and travels there.
+At = Callable[[tuple[int, ...], float], tuple[float, tuple[float, ...]]]
+
+
+class StateNodes(Nodes):
+    """Vertices alone, one of each state; a state is a number whose digits are phases.
+
+    Args:
+        states: how states are counted.
+        codes: (R,) rising, the states that stand.
+        low, high: (R,) drives between which each stands.
+        at: what a node shows beside them.
+    """
+
+    def __init__(self, states: States, codes: Ints, low: Floats, high: Floats, at: At):
+        self.states, self.codes, self.low, self.high, self._at = states, codes, low, high, at
+
+    @cached_property
+    def branch(self) -> Ints:
+        """(R,) number of the branch on which each node lies."""
+        return np.arange(len(self))
+
+    def label(self, number: int) -> str:
+        """What a node is called."""
+        return self.states.labels(self.codes[number : number + 1])[0]
+
+    def labels(self, numbers: Ints) -> list[str]:
+        """What these nodes are called."""
+        return self.states.labels(self.codes[numbers])
+
+    def find(self, label: str) -> int | None:
+        """Number of the node of that label; None where there is none."""
+        code = self.states.code(label)
+        if code is None:
+            return None
+        number = int(np.searchsorted(self.codes, code))
+        return number if number < len(self) and self.codes[number] == code else None
+
+    def numbers(self, codes: Ints) -> Ints:
+        """Numbers of nodes by their states, all of which stand."""
+        if len(self.codes) == self.states.count:
+            return codes
+        return np.searchsorted(self.codes, codes)
+
+    def phases(self, numbers: Ints) -> Digits:
+        """(V, N) the phase of every cell of these vertices."""
+        return self.states.phases(self.codes[numbers])
+
+    @cached_property
+    def vertices(self) -> Ints:
+        """Numbers of the nodes with every cell in a phase, by the sum of their phases."""
+        level, last_first = np.zeros(len(self), int), np.zeros(len(self), int)
+        for cell in reversed(range(len(self.states.sizes))):
+            digit = self.states.digit(self.codes, cell)
+            level += digit
+            last_first = last_first * self.states.sizes[cell] + digit
+        return np.lexsort((last_first, level))
+
+    def _node(self, number: int) -> Node:
+        number = range(len(self))[number]
+        label, branch = self.label(number), int(self.branch[number])
+        low, high = float(self.low[number]), float(self.high[number])
+        phases = tuple(map(int, label))
+        (force_low, begin), (force_high, end) = self._at(phases, low), self._at(phases, high)
+        return Node(label, label, low, high, force_low, force_high, begin, end, branch)
+
+
+class States:
+    """All states of a chain, counted from 0 with the innermost cell as the first digit.
+
+    Args:
+        sizes: how many phases each cell has.
+    """
+
+    def __init__(self, sizes: Sequence[int]):
+        self.sizes = tuple(sizes)
+        self.count = math.prod(self.sizes)
+        # How many states further on the one is in which a cell is in its next phase.
+        self.weights = [math.prod(self.sizes[i + 1 :]) for i in range(len(self.sizes))]
+
+    def digit(self, codes: Ints, cell: int) -> Ints:
+        """(S,) the phase of a cell in each of these states."""
+        return codes // self.weights[cell] % self.sizes[cell]
+
+    def phases(self, codes: Ints) -> Digits:
+        """(S, N) the phase of every cell in each of these states."""
+        found = np.empty((len(codes), len(self.sizes)), np.uint8)
+        for cell, size in reversed(list(enumerate(self.sizes))):
+            codes, found[:, cell] = np.divmod(codes, size)
+        return found
+
+    def labels(self, codes: Ints) -> list[str]:
+        """These states as strings of digits."""
+        text, n = (self.phases(codes) + ord("0")).tobytes().decode(), len(self.sizes)
+        return [text[k : k + n] for k in range(0, len(text), n)]
+
+    def code(self, label: str) -> int | None:
+        """The number of a state; None for what is none."""
+        if len(label) != len(self.sizes) or not (label.isdecimal() and label.isascii()):
+            return None
+        digits = list(map(int, label))
+        if any(digit >= size for digit, size in zip(digits, self.sizes, strict=True)):
+            return None
+        return sum(digit * weight for digit, weight in zip(digits, self.weights, strict=True))
