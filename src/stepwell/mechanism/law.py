@@ -218,7 +218,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
 
     # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
     others = _sheets_of(elements, _reach(cells) if elements else 0.0) | {
-        i: [(cell.load.pieces(), (0.0, full[i], 0.0, full[i]), (-1, -1))]
+        i: [([cell.load.pieces()], (0.0, full[i], 0.0, full[i]), (-1, -1))]
         for i, cell in enumerate(cells)
         if not isinstance(cell, Element) and cell.load is not None
     }
@@ -232,9 +232,9 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     table[:, BELOW : ABOVE + 1] = -1
     heights = [0] * len(table)
     for i in sorted(others):
-        for k, (curve, ends, leads) in enumerate(others[i], int(now[i])):
-            curves.append(curve)
-            heights[k] = len(curve)
+        for k, (parts, ends, leads) in enumerate(others[i], int(now[i])):
+            curves += parts
+            heights[k] = sum(map(len, parts))
             table[k, LOW : CURVE_HIGH + 1] = ends
             table[k, BELOW : ABOVE + 1] = [one if one < 0 else one + now[i] for one in leads]
     first = band_rows[-1] + _starts(heights)
@@ -252,10 +252,10 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
         rows=np.concatenate([np.empty((0, COLUMNS)), *curves]),
     )
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
-    sheets = Sheets(table[now[:, None], [LOW, HIGH, LOW, HIGH]], now, table)
-    for i in elements:
-        change_sheet(laws, sheets, i, now[i])
-    return laws, sheets
+    ends = table[now[:, None], [LOW, HIGH, LOW, HIGH]]
+    ends[table[now, BELOW] >= 0, BEFORE] = -np.inf
+    ends[table[now, ABOVE] >= 0, BEYOND] = np.inf
+    return laws, Sheets(ends, now, table)
 
 
 def _plane(points: Sequence[Vec2]) -> Floats:
@@ -268,21 +268,26 @@ def _starts(sizes: Sequence[int]) -> Ints:
     return np.fromiter(accumulate(sizes, initial=0), int, len(sizes) + 1)
 
 
-# Rows; their ends, and those of the curve itself; where the sheet leads from below and above.
-_Sheet = tuple[Floats, tuple[float, float, float, float], tuple[int, int]]
+# Curves of rows; its ends, and those of the curve itself; where it leads from below and above.
+_Sheet = tuple[list[Floats], tuple[float, float, float, float], tuple[int, int]]
 
 
 def _sheets_of(elements: Mapping[int, Element], reach: float) -> dict[int, list[_Sheet]]:
     """Every sheet of each of these elements."""
     found: dict[int, list[_Sheet]] = {i: [] for i in elements}
     for i, element in elements.items():
-        for sheet, rows in zip(element.laws, element.reaching(reach), strict=True):
-            low, high = float(rows[0, 0]), sheet.end
-            if rows[-1, 0] == sheet.end:
+        for sheet in element.laws:
+            before, after = sheet.beyond(*element.going_on(sheet, reach))
+            low, high, curves = sheet.begin, sheet.end, [sheet.rows]
+            if before is not None:
+                low = float(before[0])
+                curves.insert(0, before[None])
+            if after is not None:
                 # An open end: straight on, as far as any force of the chain can pull it.
-                high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * element.full_travel)
+                high += max((reach - after[1]) / after[2], 1e-3 * element.full_travel)
+                curves.append(after[None])
             below, above = (-1 if one is None else one for one in (sheet.below, sheet.above))
-            found[i].append((rows, (low, high, sheet.begin, sheet.end), (below, above)))
+            found[i].append((curves, (low, high, sheet.begin, sheet.end), (below, above)))
     return found
 
 

@@ -19,12 +19,12 @@ One word for one thing, here and in all rooms above:
 # pyright: reportUnusedImport=false
 
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
-from stepwell.statics.following import Problem
+from stepwell.statics.following import Problem, travel_in
 from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
+from stepwell.statics.places import Configuration, drive_range, read_state, standing
 from stepwell.statics.problem import problem_of
 from stepwell.statics.run import full_cycle, path
 

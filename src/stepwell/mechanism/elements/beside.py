@@ -61,7 +61,8 @@ _Part = tuple[Floats, tuple[float, float], tuple[bool, bool], tuple[int | None, 
 def _curves(element: Element, reach: float) -> list[_Part]:
     stopped = element.stopped
     parts: list[_Part] = []
-    for sheet, rows in zip(element.laws, element.reaching(reach), strict=True):
+    for sheet in element.laws:
+        rows = sheet.extended(*element.going_on(sheet, reach))
         goes_on = (
             sheet.below is None and not stopped[0],
             sheet.above is None and not stopped[1],

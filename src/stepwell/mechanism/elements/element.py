@@ -64,6 +64,7 @@ class Element(ByValue, Drawn):
     # In the units of the curve as it is, scales included.
     _sheets: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
     _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
+    _largest: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         put = object.__setattr__
@@ -77,6 +78,8 @@ class Element(ByValue, Drawn):
             raise InputError("sheets is empty: an element has a curve; see Element.from_table.")
         scales = self.force_scale, self.travel_scale
         put(self, "_sheets", tuple(sheet.scaled(*scales) for sheet in self.sheets))
+        largest = max(float(np.max(np.abs(signs(s.rows, s.end)[0]))) for s in self._sheets)
+        put(self, "_largest", largest)
         put(self, "_phases", _phases_of(self))
         _refuse_loose_ends(self)
 
@@ -284,7 +287,7 @@ class Element(ByValue, Drawn):
     @property
     def largest_force(self) -> float:
         """Largest force of its curve in size [N]."""
-        return max(float(np.max(np.abs(signs(s.rows, s.end)[0]))) for s in self._sheets)
+        return self._largest
 
     @property
     def fields(self) -> tuple[tuple[float, float], ...]:
@@ -323,15 +326,17 @@ class Element(ByValue, Drawn):
         """
         return integral(*self._asked(travel, sheet))
 
-    def reaching(self, force: float) -> tuple[Floats, ...]:
-        """The rows of every sheet, open ends going on until forces are this large in size [N]."""
+    def going_on(self, sheet: Sheet, force: float) -> tuple[float | None, float | None]:
+        """The forces to which a sheet goes on at its low and at its high end [N]; None if stopped.
+
+        Args:
+            sheet: one of its sheets, with the scales in it.
+            force: how large the forces are there.
+        """
         below, above = self.stopped
-        out: list[Floats] = []
-        for sheet in self._sheets:
-            first = None if below or sheet.begin != self.low or sheet.below is not None else -force
-            last = None if above or sheet.end != self.high or sheet.above is not None else force
-            out.append(sheet.extended(first, last))
-        return tuple(out)
+        first = None if below or sheet.begin != self.low or sheet.below is not None else -force
+        last = None if above or sheet.end != self.high or sheet.above is not None else force
+        return first, last
 
     def renamed(self, name: str) -> Element:
         """The same element by another name."""

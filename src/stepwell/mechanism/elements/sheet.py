@@ -1,6 +1,6 @@
 """A sheet: a stable stretch of an element's curve, on which force is one function of travel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,6 +27,11 @@ class Sheet(ByValue):
     end: float
     below: int | None = None
     above: int | None = None
+    # Force, slope and energy at its high end, which a chain of very many elements asks each for.
+    _tail: tuple[float, float, float] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        object.__setattr__(self, "_tail", end_of(self.rows, self.end))
 
     @classmethod
     def of(
@@ -49,19 +54,25 @@ class Sheet(ByValue):
         rows.setflags(write=False)
         return Sheet(rows, self.end * travel, self.below, self.above)
 
-    def extended(self, low: float | None, high: float | None) -> Floats:
-        """Its rows, going on straight to these forces [N] at an end; None where it does not.
+    def beyond(self, low: float | None, high: float | None) -> tuple[Floats | None, Floats | None]:
+        """A row before its own and one after, on which it goes straight on to these forces [N].
 
         Returns:
-            Rows; the first begins where the force is `low`, the last, of no bend, ends nowhere.
+            Two (6,) rows, None at an end where it does not go on. The first begins where the force
+            is `low`; the last has no end.
         """
-        rows = self.rows
+        before = after = None
         if high is not None:
-            force, slope, energy = end_of(rows, self.end)
-            rows = np.vstack([rows, [self.end, force, slope, 0.0, 0.0, energy]])
+            force, slope, energy = self._tail
+            after = np.array([self.end, force, slope, 0.0, 0.0, energy])
         if low is not None:
-            x0, force, slope = self.rows[0, :3]
+            x0, force, slope, _, _, begin = self.rows[0].tolist()
             way = (force - low) / slope
-            energy = float(self.rows[0, 5]) - way * (force + low) / 2.0
-            rows = np.vstack([[x0 - way, low, slope, 0.0, 0.0, energy], rows])
-        return rows
+            energy = begin - way * (force + low) / 2.0
+            before = np.array([x0 - way, low, slope, 0.0, 0.0, energy])
+        return before, after
+
+    def extended(self, low: float | None, high: float | None) -> Floats:
+        """Its rows, going on straight to these forces [N] at an end; None where it does not."""
+        before, after = self.beyond(low, high)
+        return np.vstack([rows for rows in (before, self.rows, after) if rows is not None])

@@ -28,6 +28,8 @@ from stepwell.statics.following.pieces import (
     sheets_of,
     stand_all_on,
     stand_on,
+    travel_in,
+    travels_in,
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.smooth import LOST, choose

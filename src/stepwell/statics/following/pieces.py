@@ -343,6 +343,40 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     return float(max(np.max(forces), np.max(laws.friction), NO_FORCE))
 
 
+@kernel
+def travel_in(
+    laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, phase: tuple[int, float, float], force: float
+) -> float:
+    """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces.
+
+    The phase is the sheet on which it lies, by number in the cell, and its ends [m].
+    """
+    sheet, low, high = phase
+    if low == high:
+        return low
+    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
+    # A phase begins and ends where pieces do.
+    first = begin + np.searchsorted(pieces.left[begin:end], low)
+    last = begin + np.searchsorted(pieces.right[begin:end], high, side="right") - 1
+    if force <= pieces.force_left[first]:
+        return float(pieces.left[first])
+    if force >= pieces.force_right[last]:
+        return float(pieces.right[last])
+    piece = first + np.searchsorted(pieces.force_right[first : last + 1], force)
+    return invert(laws, pieces, cell, piece, force)
+
+
+@entry(1e-4, "out")
+def travels_in(
+    laws: Laws, sheets: Sheets, pieces: Pieces, phases: Floats, force: float, out: Floats
+) -> None:
+    """Travels of all cells in their (N, 3) phases at a force, into (N,) `out` [m]."""
+    for i in range(len(out)):
+        phase = int(phases[i, 0]), phases[i, 1], phases[i, 2]
+        out[i] = travel_in(laws, sheets, pieces, i, phase, force)
+
+
 @leaf
 def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) -> None:
     """Let a cell stand on a sheet of its curve, by its number there."""
