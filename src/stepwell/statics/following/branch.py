@@ -165,9 +165,7 @@ def point_at(
 
 
 @leaf
-def _drive_at(
-    problem: Problem, movers: Movers, force: float, out: Floats, joints: bool
-) -> float:
+def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats, joints: bool) -> float:
     """U of a branch where its force is `force`; travels into `out`, from those there on."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     total = movers.held

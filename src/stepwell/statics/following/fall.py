@@ -12,7 +12,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import kernel, leaf, overspent
-from stepwell.mechanism import law, summed
+from stepwell.mechanism import law
 from stepwell.statics.following.branch import inverse_slope, point_at
 from stepwell.statics.following.pieces import invert, invert_near
 from stepwell.statics.following.queues import first_key
@@ -132,22 +132,18 @@ def with_curved(state: State, rising: Rising, cell: int, piece: int, apart: floa
 
 
 @leaf
-def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> tuple[float, float]:
-    """Drive and dU/dλ with all movers at λ = `force`; their travels into `out`."""
+def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
+    """U with all movers at λ = `force`; their travels into `out`, from those there on."""
     laws, pieces = problem.laws, problem.pieces
-    total, soft = 0.0, problem.beta
+    total = movers.held
     for m in range(len(out)):
-        cell, piece = movers.cell[m], movers.piece[m]
-        out[m] = invert_near(laws, pieces, cell, piece, force, out[m])
+        out[m] = invert_near(laws, pieces, movers.cell[m], movers.piece[m], force, out[m])
         total += out[m]
-        soft += problem.alpha * inverse_slope(laws, pieces, cell, piece, out[m])
-    return problem.alpha * (total + movers.held) + problem.beta * force, soft
+    return float(problem.alpha * total + problem.beta * force)
 
 
 @leaf
-def _softest(
-    problem: Problem, movers: Movers, one: Floats, two: Floats
-) -> tuple[float, float]:
+def _softest(problem: Problem, movers: Movers, one: Floats, two: Floats) -> tuple[float, float]:
     """Bounds of dU/dλ between two places on the same pieces, on which κ is monotone."""
     laws, pieces = problem.laws, problem.pieces
     low = high = problem.beta
@@ -180,13 +176,12 @@ def _first_return(
         a, b = one[waiting], two[waiting]
         if overspent(problem.effort, 8 * count):
             break
-        u_a, _ = _place(problem, movers, a, a_places)
-        u_b, _ = _place(problem, movers, b, b_places)
+        _place(problem, movers, a, a_places)
+        short = direction * (goal - _place(problem, movers, b, b_places))
         low, high = _softest(problem, movers, a_places, b_places)
         if low >= 0.0:
             # U goes on away from the goal.
             continue
-        short = direction * (goal - u_b)
         if high <= 0.0:
             if short <= 0.0:
                 root = point_at(problem, movers, a, b, goal, b_places, False)
@@ -236,9 +231,7 @@ def land_after(
         if following < level:
             soft = softened(problem, rising)
             movers = with_curved(state, rising, j, p, 0.0)
-            root, travel, near = _first_return(
-                soft, movers, (d * level, d * following), drive, d
-            )
+            root, travel, near = _first_return(soft, movers, (d * level, d * following), drive, d)
             missed = min(missed, near)
             if not np.isnan(root):
                 count_work(rising, d * level, root)

@@ -345,7 +345,12 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
 
 @kernel
 def travel_in(
-    laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, phase: tuple[int, float, float], force: float
+    laws: Laws,
+    sheets: Sheets,
+    pieces: Pieces,
+    cell: int,
+    phase: tuple[int, float, float],
+    force: float,
 ) -> float:
     """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces.
 

@@ -461,9 +461,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             set_tie(state.tie, leader, leader)
         state.force[0] = force = landing.force
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
-        _end_segment(
-            problem, state, rising, segment, SNAP, d, drive, before - after + spring
-        )
+        _end_segment(problem, state, rising, segment, SNAP, d, drive, before - after + spring)
         set_snap(state.next_snap, -1, d, FOLD)
         why = FOLD
         edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]

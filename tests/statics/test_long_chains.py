@@ -1,0 +1,191 @@
+"""Long chains, followed by queues of events, with landings solved as one equation."""
+
+import sys
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+import stepwell as sw
+from chains import any_cell
+from stepwell.statics import StaticsError, drive_range
+from stepwell.statics.following import log as logged
+
+EVENT_LOOP = sys.modules["stepwell.statics.following.follow"]
+RUN = sys.modules["stepwell.statics.run"]
+
+
+class Table:
+    """An open table in mm and N: it rises to a peak, falls to a valley, rises for good."""
+
+    def __init__(self, rng: np.random.Generator, turns: int = 1):
+        travel, force = [0.0], [0.0]
+        for _ in range(turns):
+            travel += [travel[-1] + rng.uniform(1.5, 3.5)]
+            force += [force[-1] + rng.uniform(1.0, 3.0)]
+            travel += [travel[-1] + rng.uniform(0.4, 1.2)]
+            force += [force[-1] - rng.uniform(0.5, 2.5)]
+        travel += [travel[-1] + 2.5, travel[-1] + 4.5]
+        force += [force[-1] + 2.5, force[-1] + 5.0]
+        self.travel, self.force = np.array(travel), np.array(force)
+
+    def element(self, rows: int = 0, **how: Any) -> sw.Element:
+        travel, force = self.travel, self.force
+        if rows:
+            travel = np.linspace(0.0, self.travel[-1], rows)
+            force = PchipInterpolator(self.travel, self.force)(travel)
+        return sw.Element.from_points(1e-3 * travel, force, **how)
+
+    def loading(self, force: float, over: bool) -> float:
+        """Travel at a force before the peak, or behind the valley [mm]."""
+        part = slice(2, None) if over else slice(0, 2)
+        knots, places = self.force[part], self.travel[part]
+        if force > knots[-1]:
+            slope = (places[-1] - places[-2]) / (knots[-1] - knots[-2])
+            return float(places[-1] + (force - knots[-1]) * slope)
+        if force < knots[0]:
+            slope = (places[1] - places[0]) / (knots[1] - knots[0])
+            return float(places[0] + (force - knots[0]) * slope)
+        return float(np.interp(force, knots, places))
+
+
+def snaps_of_tables(tables: list[Table]) -> list[tuple[int, float, float]]:
+    """Cell, stroke [mm] and force after every snap of the loading half; no code of the engine.
+
+    Cells reach their peaks in ascending order; the force after each is found by bisection of the
+    sum of all travels, each looked at anew.
+    """
+    over = [False] * len(tables)
+    found: list[tuple[int, float, float]] = []
+    for j in np.argsort([table.force[1] for table in tables]):
+        peak = float(tables[j].force[1])
+        stroke = sum(t.loading(peak, done) for t, done in zip(tables, over, strict=True))
+        over[j] = True
+        low, high = float(tables[j].force[2]), peak
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            total = sum(t.loading(middle, done) for t, done in zip(tables, over, strict=True))
+            low, high = (middle, high) if total < stroke else (low, middle)
+        found.append((int(j), stroke, 0.5 * (low + high)))
+    return found
+
+
+def followed(
+    chain: sw.Chain, turns: list[float], queues: bool, monkeypatch: pytest.MonkeyPatch
+) -> sw.Path:
+    """A path with queues wherever they can be used, or by the event loop alone.
+
+    The event loop looks at all cells at every event and integrates every race.
+    """
+    with monkeypatch.context() as patch:
+        patch.setattr(EVENT_LOOP, "is_regular", lambda problem: queues)
+        patch.setattr(RUN.follow, "_machine", RUN.follow.function)
+        with np.errstate(all="ignore"):
+            return chain.path(turns)
+
+
+KINDS = ("tables", "smooth tables", "stopped tables", "levers", "levers and tables", "two turns")
+
+
+def long_chain(seed: int, kind: str) -> sw.Chain:
+    rng = np.random.default_rng(seed)
+    if kind == "levers":
+        return sw.Chain([any_cell(rng, friction=False) for _ in range(6)])
+    rows = {"smooth tables": 15, "levers and tables": 12}.get(kind, 0)
+    stops, turns = kind == "stopped tables", 2 if kind == "two turns" else 1
+    tables = [Table(rng, turns).element(rows, stops=stops) for _ in range(6)]
+    if kind == "levers and tables":
+        tables[::2] = [any_cell(rng, friction=False) for _ in tables[::2]]
+    return sw.Chain(tables)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("spring", [False, True])
+def test_queues_and_event_loop_give_one_path(kind, spring, monkeypatch):
+    chain = long_chain(7 + spring, kind)
+    if spring:
+        chain = replace(chain, actuator_stiffness=300.0)
+    low, high = drive_range(chain)
+    turns = [low, low + 0.7 * (high - low), low + 0.4 * (high - low), high, low]
+    path = followed(chain, turns, True, monkeypatch)
+    assert np.any(path._log.segments[: path._log.used[0], logged.FOLLOW])
+    other = followed(chain, turns, False, monkeypatch)
+    assert not np.any(other._log.segments[: other._log.used[0], logged.FOLLOW])
+    assert [(e.kind, e.direction, e.arrivals) for e in path.events] == [
+        (e.kind, e.direction, e.arrivals) for e in other.events
+    ]
+    full, most = chain.full_stroke, max(abs(e.force_before) for e in other.events)
+    for one, two in zip(path.events, other.events, strict=True):
+        assert one.stroke == pytest.approx(two.stroke, abs=1e-9 * full)
+        assert one.force_after == pytest.approx(two.force_after, abs=1e-9 * most)
+        assert one.released == pytest.approx(two.released, abs=1e-9 * most * full)
+    assert path.end == pytest.approx(other.end, abs=1e-9 * full)
+    assert path.work == pytest.approx(other.work, abs=1e-8 * most * full)
+    assert np.max(path.residual) < 1e-9 * most
+
+
+@pytest.mark.parametrize("cells", [3, 30, 300])
+def test_tables_snap_where_a_follower_without_the_engine_says(cells):
+    rng = np.random.default_rng(cells)
+    tables = [Table(rng) for _ in range(cells)]
+    path = sw.Chain([table.element() for table in tables]).cycle().path
+    loading = [
+        e for e in path.segments() if e.kind is sw.statics.SegmentKind.SNAP and e.direction > 0
+    ]
+    for snap, (cell, stroke, after) in zip(loading, snaps_of_tables(tables), strict=True):
+        moved = dict(zip(snap.cells, zip(snap.before, snap.after, strict=True), strict=True))
+        assert moved[cell][1] > moved[cell][0]
+        assert snap.drive[0] == pytest.approx(1e-3 * stroke, abs=1e-12 * cells)
+        assert snap.force[1] == pytest.approx(after, abs=1e-9)
+
+
+@pytest.mark.parametrize(("cells", "rows"), [(3, 40), (30, 0)])
+@pytest.mark.parametrize("apart", [0.0, 1e-13])
+def test_cells_alike_to_the_last_digit_give_a_sequence_with_ties_named(cells, rows, apart):
+    element = Table(np.random.default_rng(0)).element(rows)
+    alike = [replace(element, force_scale=1.0 + apart * k) for k in range(cells)]
+    cycle = sw.Chain(alike).cycle()
+    assert len(cycle.snaps) == 2 * cells
+    # All but the last of each half have a rival.
+    assert len(cycle.degenerate) == 2 * (cells - 1)
+    assert sorted(cycle.loading_order) == list(range(cells))
+    assert "Scale the forces" in cycle.degenerate[0].advice
+
+
+def test_a_path_of_many_tables_needs_memory_for_what_happens_and_not_for_cells_squared():
+    rng = np.random.default_rng(1)
+    for cells in (50, 200):
+        path = sw.Chain([Table(rng).element() for _ in range(cells)]).cycle().path
+        segments, movers = path._log.used.tolist()
+        assert segments <= 6 * cells
+        assert movers <= 8 * cells
+
+
+def test_a_long_path_that_is_not_in_balance_is_refused():
+    rng = np.random.default_rng(2)
+    chain = sw.Chain([Table(rng).element() for _ in range(80)])
+    path = chain.cycle().path
+    problem, log = path._problem, path._log
+    start, sheets = np.array(path.start), np.array(path.start_sheet)
+    assert RUN.audit(problem, log, start, sheets)[1] == RUN.KEPT
+    # The force of the last row is a little off: the travels no longer add up to the stroke.
+    spoilt = log._replace(segments=log.segments.copy())
+    spoilt.segments[-1, logged.FORCE_1] += 1e-4
+    assert RUN.audit(problem, spoilt, start, sheets)[1] != RUN.KEPT
+    with pytest.raises(StaticsError, match="certificate"):
+        RUN.refuse_broken(RUN.audit(problem, spoilt, start, sheets)[1], chain, 0.0, 1.0, 1.0)
+
+
+def test_a_long_path_goes_on_where_its_log_was_full(monkeypatch):
+    rng = np.random.default_rng(3)
+    chain = sw.Chain([Table(rng).element() for _ in range(24)])
+    whole = chain.cycle()
+    empty, rooms = logged.empty_log, [(40, 200)]
+    monkeypatch.setattr(
+        logged, "empty_log", lambda *room: empty(*(rooms.pop() if rooms else room))
+    )
+    again = chain.cycle()
+    assert again.sequence == whole.sequence
+    assert again.path.released == pytest.approx(whole.path.released, rel=1e-12)
