@@ -49,6 +49,9 @@ DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 
 # What the follower knows of the next snap: the cell that sets it off and in which sense, why, and
 # whether it is due although the cells could go on.
 TRIGGER, SENSE, WHY, DUE = range(4)
+# What is known of the snap: the least force [N] and travel [m] that would make it land elsewhere, and
+# by how much an integrated landing may be off [m].
+NEAR_FORCE, NEAR_TRAVEL, ERROR = range(3)
 # Two forces closer than this share of the largest force tie.
 TIE = 1e-9
 
@@ -78,6 +81,7 @@ class State(NamedTuple):
     force: Floats  # (1,) λ
     next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
     tie: Ints  # (2,) cells that tie on the present segment, or -1
+    near: Floats  # (3,) NEAR_FORCE, NEAR_TRAVEL, ERROR
     stroke: Ints  # (1,) how many strokes have begun
     log: Log
 
@@ -95,6 +99,7 @@ def blank_state(travel: Floats, log: Log) -> State:
         np.zeros(1),
         np.zeros(4, np.int64),
         np.full(2, -1),
+        np.array([np.inf, np.inf, 0.0]),
         np.zeros(1, np.int64),
         log,
     )
