@@ -13,15 +13,7 @@ from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
-from stepwell.statics.following.state import (
-    ERROR,
-    HELD,
-    LETS_GO,
-    NEAR_FORCE,
-    NEAR_TRAVEL,
-    Problem,
-    State,
-)
+from stepwell.statics.following.state import HELD, LETS_GO, TIE, Problem, State, set_near
 
 _STEPS = 30_000
 # The L-stable pair of orders 4 and 3 with four stages (Hairer and Wanner 1996, IV.7): γ; where a
@@ -46,6 +38,8 @@ _E3, _E4 = -0.1082196201495311 * _GAMMA, -1.093502252409163 * _GAMMA
 # An event ends a step. It is met by retaking the step this many times at most, until the time by
 # which the step ends early or late moves no cell by more than this part of the accuracy.
 _TRIES, _LATE = 40, 1e-2
+# So near to where it set out, as a share of the travel, no other landing is looked for.
+_NEAR_START = 1e-3
 # What is known of a cell in the flow: where it is, F and κ there, its friction, mobility and full
 # travel, between which travels it is on its sheet and between which it can go ...
 _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _BEYOND = range(10)
@@ -601,6 +595,16 @@ def _carry_error(problem: Problem, at: Flow, h: float, stopped: int) -> float:
 
 
 @leaf
+def _has_left(state: State, at: Flow) -> bool:
+    """Whether the flow has left the place that was lost, where everything is slow."""
+    for j in range(at.used[0]):
+        way = at.cell[_TRAVEL, j] - state.travel[at.where[_CELL, j]]
+        if abs(way) > _NEAR_START * at.cell[_FULL, j]:
+            return True
+    return False
+
+
+@leaf
 def _steepest(cell: Floats, where: Ints, m: int) -> float:
     """The largest |κ| of the cells that move [N/m]."""
     steepest = 0.0
@@ -707,14 +711,16 @@ def flow(
     shared: float,
     accuracy: float,
     rubbed: Floats,
-) -> tuple[bool, float]:
-    """Follow the flow to rest, the travels of the state in place; False if it did not settle.
+) -> tuple[bool, float, bool]:
+    """Follow the flow to rest, the travels of the state in place.
+
+    Whether it settled, λ, and whether its error could have led it elsewhere.
 
     A linearly implicit pair of orders 4 and 3 (Hairer and Wanner 1996): a snap through a narrow
     place has one slow direction and many fast ones. Between events the field is smooth, and each
     event ends a step. The last stretch is Newton's, so the landing is an equilibrium to rounding
     and the integration only decides which. `rubbed` (N,) gathers the way every cell went, for
-    friction; `state.near` what is known of other landings and of the error.
+    friction; `state.near` how near the flow came to rest on the way, and its error.
     """
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
@@ -724,8 +730,8 @@ def flow(
     gentle, late = scale / np.min(laws.full), _LATE * accuracy
     stiffest = _stiffest(cell, used[0], gentle)
     wanted, settled, off = 1e-2 / stiffest, False, 0.0
-    # The largest force that drives a cell, while it falls; there and then over the stiffness.
-    before, slows, slow, near = np.inf, False, np.inf, np.inf
+    # The largest force that drives a cell, the most it was, whether it falls, and the stiffest cell.
+    before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
     for step in range(_STEPS):
         m = used[0]
         if overspent(effort, m):
@@ -760,16 +766,14 @@ def flow(
             break
         _set_senses(at, shared)
         if largest > before and slows:
-            # It was slowest here: so much less, and it would have come to rest.
-            if slow < state.near[NEAR_FORCE]:
-                state.near[NEAR_FORCE] = slow
-            state.near[NEAR_TRAVEL] = min(state.near[NEAR_TRAVEL], near)
+            # It was slowest here: with so much less it would have come to rest.
+            if before < 0.5 * peak and _has_left(state, at):
+                set_near(state.near, before, steepest)
+                close = close or before <= max(2.0 * steepest * off, TIE * scale)
             slows = False
         elif largest < before:
-            steepest = _steepest(cell, where, m)
-            slow, slows = largest, True
-            near = largest / steepest if steepest > 0.0 else np.inf
-        before = largest
+            steepest, slows = _steepest(cell, where, m), True
+        before, peak = largest, max(peak, largest)
         h, cut, stopped = wanted, False, -1
         for tries in range(_TRIES):
             level = _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
@@ -820,10 +824,11 @@ def flow(
         longer = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
         wanted = max(wanted, longer) if cut else longer
         wanted = min(max(wanted, 1e-9 / stiffest), longest)
-    state.near[ERROR] = max(state.near[ERROR], off)
+    # Steps are linearised, so twice the sum is what may be relied on.
+    state.near[2] = max(state.near[2], 2.0 * off)
     for j in range(used[0]):
         state.travel[where[_CELL, j]] = cell[_TRAVEL, j]
-    return settled, shared
+    return settled, shared, close
 
 
 @leaf

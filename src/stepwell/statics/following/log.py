@@ -12,10 +12,12 @@ HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
 # Why a snap happened.
 FOLD, RELEASE, KINK, ENDS = 1, 2, 3, 4
 
-SEGMENT_COLUMNS = 13
+SEGMENT_COLUMNS = 16
 KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
 # The cell that sets a snap off, -1 on other segments, and the sense in which it moves.
-RELEASED, RUBBED, CAUSE, TIE_A, TIE_B, LEADER, HEADING = range(6, SEGMENT_COLUMNS)
+RELEASED, RUBBED, CAUSE, TIE_A, TIE_B, LEADER, HEADING = range(6, 13)
+# How far a snap is from another landing [N], [m], and by how much an integrated one may be off [m].
+NEAR_FORCE, NEAR_TRAVEL, ERROR = range(13, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 

@@ -19,6 +19,7 @@ from stepwell.statics.following.log import (
     HEADING,
     KIND,
     LEADER,
+    NEAR_FORCE,
     OFFSET,
     PIECE,
     RELEASED,
@@ -49,9 +50,6 @@ DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 
 # What the follower knows of the next snap: the cell that sets it off and in which sense, why, and
 # whether it is due although the cells could go on.
 TRIGGER, SENSE, WHY, DUE = range(4)
-# What is known of the snap: the least force [N] and travel [m] that would make it land elsewhere, and
-# by how much an integrated landing may be off [m].
-NEAR_FORCE, NEAR_TRAVEL, ERROR = range(3)
 # Two forces closer than this share of the largest force tie.
 TIE = 1e-9
 
@@ -81,7 +79,7 @@ class State(NamedTuple):
     force: Floats  # (1,) λ
     next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
     tie: Ints  # (2,) cells that tie on the present segment, or -1
-    near: Floats  # (3,) NEAR_FORCE, NEAR_TRAVEL, ERROR
+    near: Floats  # (3,) of the present snap, see log.NEAR_FORCE and what follows
     stroke: Ints  # (1,) how many strokes have begun
     log: Log
 
@@ -186,6 +184,8 @@ def write(
     row[LEADER] = state.next_snap[TRIGGER] if kind == SNAP else -1
     row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
     row[TIE_A], row[TIE_B] = state.tie
+    if kind == SNAP:
+        row[NEAR_FORCE:] = state.near
     state.tie[:] = -1
     for j in range(len(movers.cell)):
         i = movers.cell[j]
@@ -196,6 +196,14 @@ def write(
     log.used[0] = k + 1
     log.used[1] = m + len(movers.cell)
     log.first[k + 1] = m + len(movers.cell)
+
+
+@leaf
+def set_near(near: Floats, force: float, stiffness: float) -> None:
+    """Note that so little force would make the snap land elsewhere, where cells are so stiff."""
+    near[0] = min(near[0], force)
+    if stiffness > 0.0:
+        near[1] = min(near[1], force / stiffness)
 
 
 @leaf
