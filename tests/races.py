@@ -89,7 +89,7 @@ class Race:
         return float(kinks[k] - over[k] * (kinks[k + 1] - kinks[k]) / (over[k + 1] - over[k]))
 
     def _until_rest(self, s: np.ndarray, drive: float, pace: float, lasts: float) -> np.ndarray:
-        n, at, level = len(s), 0.0, None
+        at, level = 0.0, None
         for _ in range(MAX_EVENTS):
             force = self.forces(s)
             level = self._level(s, drive + pace * at, pace, level)

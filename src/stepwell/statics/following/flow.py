@@ -605,6 +605,48 @@ def _has_left(state: State, at: Flow) -> bool:
 
 
 @leaf
+def _barrier(problem: Problem, at: Flow) -> float:
+    """The least force that would take the chain on from its rest, the way it came [N]; or inf.
+
+    That is what resists it at most on the straight line of its last step, before the line falls
+    off; inf where the line ends at a stop.
+    """
+    pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
+    size, total, weight, room = 0.0, 0.0, 0.0, np.inf
+    for j in range(m):
+        if where[_SENSE, j] == 0:
+            cell[_WAY, j] = 0.0
+        size = max(size, abs(cell[_WAY, j]))
+    if size == 0.0:
+        return np.inf
+    for j in range(m):
+        cell[_WAY, j] /= size
+        rate, travel = cell[_WAY, j], cell[_TRAVEL, j]
+        total += rate
+        weight += abs(rate)
+        if abs(rate) > 1e-9:
+            end = cell[_MOST, j] if rate > 0.0 else cell[_LEAST, j]
+            room = min(room, (end - travel) / rate)
+        picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], travel)]
+        cell[_NEXT_FORCE, j], _, _ = law(problem.laws, where[_CELL, j], picked, travel)
+    spring = problem.alpha / problem.beta * total * total if problem.beta > 0.0 else 0.0
+    way, most = 1e-4 * room, 0.0
+    while way < room:
+        resists = spring * way
+        for j in range(m):
+            travel = cell[_TRAVEL, j] + way * cell[_WAY, j]
+            travel = min(max(travel, cell[_LEAST, j]), cell[_MOST, j])
+            picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], travel)]
+            force, _, _ = law(problem.laws, where[_CELL, j], picked, travel)
+            resists += cell[_WAY, j] * (force - cell[_NEXT_FORCE, j])
+        if resists < 0.0:
+            return most / weight
+        most = max(most, resists)
+        way *= 1.2
+    return np.inf
+
+
+@leaf
 def _steepest(cell: Floats, where: Ints, m: int) -> float:
     """The largest |κ| of the cells that move [N/m]."""
     steepest = 0.0
@@ -729,8 +771,8 @@ def flow(
     folds = len(problem.sheets.table) > len(state.travel)
     gentle, late = scale / np.min(laws.full), _LATE * accuracy
     stiffest = _stiffest(cell, used[0], gentle)
-    wanted, settled, off = 1e-2 / stiffest, False, 0.0
-    # The largest force that drives a cell, the most it was, whether it falls, and the stiffest cell.
+    wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
+    # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
     before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
     for step in range(_STEPS):
         m = used[0]
@@ -775,7 +817,7 @@ def flow(
             steepest, slows = _steepest(cell, where, m), True
         before, peak = largest, max(peak, largest)
         h, cut, stopped = wanted, False, -1
-        for tries in range(_TRIES):
+        for _ in range(_TRIES):
             level = _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
             h = min(h, _longest_step(alpha, beta, cell, where, m, h))
             if overspent(effort, 3 * m):
@@ -824,6 +866,10 @@ def flow(
         longer = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
         wanted = max(wanted, longer) if cut else longer
         wanted = min(max(wanted, 1e-9 / stiffest), longest)
+    if settled and stopped < 0:
+        barrier = _barrier(problem, at)
+        set_near(state.near, barrier, steepest)
+        close = close or barrier <= max(2.0 * steepest * off, TIE * scale)
     # Steps are linearised, so twice the sum is what may be relied on.
     state.near[2] = max(state.near[2], 2.0 * off)
     for j in range(used[0]):

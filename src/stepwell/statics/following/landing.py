@@ -238,35 +238,39 @@ def note_next_snap(problem: Problem, state: State) -> None:
     shared, falling = state.force[0], 0
     compliance = problem.beta / problem.alpha if problem.alpha > 0.0 else np.inf
     for i in range(len(travel)):
-        if state.mode[i] == FREE:
-            piece = state.piece[i]
+        gap = laws.friction[i] - abs(state.at_rest[i] - shared)
+        slid = state.mode[i] == HELD and laws.friction[i] > 0.0 and gap <= 1e-9 * problem.scale
+        if state.mode[i] == FREE or slid:
+            heading = 1 if shared > state.at_rest[i] else -1
+            piece = find_piece(pieces, i, travel[i], heading) if slid else state.piece[i]
             slope = law(laws, i, pieces.picked[piece], travel[i])[1]
             falling += slope < 0.0
             compliance += 1.0 / slope if slope != 0.0 else np.inf
     for i in range(len(travel)):
+        if state.mode[i] == FREE and pieces.sign[state.piece[i]] <= 0:
+            continue
         for heading in (1, -1):
             stop = ends[i, BEYOND] if heading > 0 else ends[i, BEFORE]
             if heading * (stop - travel[i]) <= 0.0:
                 continue
-            if state.mode[i] == HELD:
-                piece = find_piece(pieces, i, travel[i], heading)
-                slope = law(laws, i, pieces.picked[piece], travel[i])[1]
-                # Where the others give way too little it would follow λ and not run away.
-                if slope >= 0.0 or (falling == 0 and compliance <= -1.0 / slope):
-                    continue
-                force = heading * (state.at_rest[i] - shared) + laws.friction[i]
-                if laws.friction[i] > 0.0 and force <= 1e-9 * problem.scale:
-                    # It slid here, and comes to rest as others do that follow λ.
-                    continue
-                set_near(state.near, max(force, 0.0), -slope)
-            elif state.mode[i] == FREE and pieces.sign[state.piece[i]] > 0:
-                piece, last = state.piece[i], pieces.among[i, (heading + 1) // 2]
+            last = pieces.among[i, (heading + 1) // 2]
+            first = find_piece(pieces, i, travel[i], heading)
+            slope = law(laws, i, pieces.picked[first], travel[i])[1]
+            piece, end, force = first, travel[i], heading * state.at_rest[i]
+            if pieces.sign[first] > 0:
                 while piece != last and pieces.sign[piece + heading] > 0:
                     piece += heading
                 end = pieces.right[piece] if heading > 0 else pieces.left[piece]
                 if piece == last and beyond(problem.sheets, i, end) < 0:
                     continue
-                force = pieces.force_right[piece] if heading > 0 else pieces.force_left[piece]
-                room, gap = heading * (end - travel[i]), heading * (force - shared)
-                if gap >= 0.0 and room > 0.0:
-                    set_near(state.near, gap, gap / room)
+                at_end = pieces.force_right[piece] if heading > 0 else pieces.force_left[piece]
+                force = heading * at_end
+            elif slope >= 0.0 or (falling == 0 and compliance <= -1.0 / slope):
+                # Where the others give way too little it would follow λ and not run away.
+                continue
+            gap, room = force - heading * shared + laws.friction[i], heading * (end - travel[i])
+            if room > 0.0:
+                set_near(state.near, max(gap, 0.0), max(gap, 0.0) / room)
+            elif laws.friction[i] == 0.0 or gap > 1e-9 * problem.scale:
+                # One that slid here comes to rest as others do that follow λ.
+                set_near(state.near, max(gap, 0.0), -slope)

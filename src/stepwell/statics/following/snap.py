@@ -59,7 +59,7 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
     """Snap, and write down what moved, what was released, and how near another landing is."""
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
-    state.near[:2], state.near[2] = np.inf, 0.0
+    state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[TRIGGER]
     rubbed = np.zeros(len(before))
     outcome, close = JUMPED, False

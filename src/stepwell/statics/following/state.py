@@ -14,12 +14,14 @@ from stepwell.statics.following.log import (
     DRIVE_0,
     DRIVE_1,
     ENDS,
+    ERROR,
     FORCE_0,
     FORCE_1,
     HEADING,
     KIND,
     LEADER,
     NEAR_FORCE,
+    NEAR_TRAVEL,
     OFFSET,
     PIECE,
     RELEASED,
@@ -185,7 +187,7 @@ def write(
     row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
     row[TIE_A], row[TIE_B] = state.tie
     if kind == SNAP:
-        row[NEAR_FORCE:] = state.near
+        row[NEAR_FORCE], row[NEAR_TRAVEL], row[ERROR] = state.near
     state.tie[:] = -1
     for j in range(len(movers.cell)):
         i = movers.cell[j]
