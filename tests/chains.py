@@ -75,3 +75,20 @@ def any_chain(rng: np.random.Generator, cells: int, friction: bool = True) -> sw
 def concave_chain(rng: np.random.Generator, cells: int) -> sw.Chain:
     """A chain of concave cells with equal levers."""
     return sw.Chain([concave_cell(rng) for _ in range(cells)])
+
+
+def contest(mobility: float = 1.0, friction: float = 0.0) -> sw.Chain:
+    """As `large` snaps through, `left` and `right` race to give way; mobilities decide it."""
+
+    def element(name: str, peak: tuple[float, float], valley: tuple[float, float], m: float = 1.0):
+        (a, up), (b, down) = peak, valley
+        travel, force = [0.0, a, b, b + 0.004], [0.0, up, down, down + 1.2]
+        return sw.Element.from_points(travel, force, name, friction=friction, mobility=m)
+
+    return sw.Chain(
+        [
+            element("large", (0.006, 1.3), (0.017, -0.7)),
+            element("left", (0.003, 0.62), (0.011, 0.24)),
+            element("right", (0.003, 0.73), (0.011, 0.15), mobility),
+        ]
+    )

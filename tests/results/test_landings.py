@@ -51,6 +51,7 @@ def test_every_snap_of_a_small_chain_says_whether_its_landing_holds(race):
         assert told["holds"] is landing.holds
         assert told["ratio"] == 10.0
         assert told["samples"] == landing.samples
+        assert (told["corners"], told["bound"]) == (landing.corners, landing.bound)
         assert told["proof"] == (landing.proof and landing.proof.name.lower())
         for place, one in zip(landing.elsewhere, told["elsewhere"], strict=True):
             assert tuple(one["mobility"]) == place.mobility
@@ -87,11 +88,13 @@ def test_landings_are_checked_up_to_eight_cells_and_above_where_it_is_asked():
 
 
 def told(**changes) -> dict:
-    landing = {"event": 0, "holds": True, "ratio": 10.0, "proof": None, "samples": 64}
+    landing = {"event": 0, "holds": True, "ratio": 10.0, "proof": None, "samples": 59}
+    landing |= {"corners": 6, "bound": 0.0495}
     return landing | {"elsewhere": []} | changes
 
 
-PROVED = told(proof="freedom", samples=0)
+PROVED = told(proof="freedom", samples=0, corners=0, bound=0.0)
+AT_MOST = "at most 5 % of mobilities lead elsewhere (95 % confidence, 59 samples"
 
 
 @pytest.mark.parametrize(
@@ -99,15 +102,20 @@ PROVED = told(proof="freedom", samples=0)
     [
         ([], ""),
         (None, "not checked for other mobilities"),
-        ([PROVED], "holds for mobilities up to 10 apart: proved"),
-        ([told()], "holds for mobilities up to 10 apart: in all of 64 samples"),
-        ([PROVED, PROVED], "all hold for mobilities up to 10 apart: proved"),
+        ([PROVED], "holds for mobility ratios up to 10: proved"),
+        ([told()], f"holds for mobility ratios up to 10: {AT_MOST})"),
+        ([PROVED, PROVED], "all hold for mobility ratios up to 10: proved"),
         (
             [PROVED, PROVED, told()],
-            "all hold for mobilities up to 10 apart: 2 proved, 1 in all of 64 samples",
+            f"all hold for mobility ratios up to 10: 2 proved, in 1 {AT_MOST})",
         ),
-        ([PROVED, told(holds=False)], "1 of 2 hold for mobilities up to 10 apart: proved"),
-        ([told(holds=False)], "no snap lands in one place for mobilities up to 10 apart"),
+        (
+            [PROVED, told(), told(bound=0.0501, samples=57)],
+            "all hold for mobility ratios up to 10: 1 proved, in 2 at most 5.1 % of mobilities "
+            "lead elsewhere (95 % confidence, 57 samples each)",
+        ),
+        ([PROVED, told(holds=False)], "1 of 2 hold for mobility ratios up to 10: proved"),
+        ([told(holds=False)], "no landing holds for mobility ratios up to 10"),
     ],
 )
 def test_one_line_says_how_many_landings_hold_and_how_that_is_known(landings, line):

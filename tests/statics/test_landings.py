@@ -5,17 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import stepwell as sw
-from chains import any_cell, any_chain
+from chains import any_cell, any_chain, contest
 from sizes import examples
-from stepwell.statics.landings import factors_of, goes_one_way, land_all, snaps_of
+from stepwell.statics.following import COARSE
+from stepwell.statics.landings import corners_of, factors_of, goes_one_way, land_all, snaps_of
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 # Its last snap leaves the inner cell or the outer one in transit: whichever is quicker to go.
 RACE = sw.Chain(
     [PAPER.with_anchors(q=(x * 1e-3, y * 1e-3)) for x, y in ((10, 3), (22, 7), (13, 1))]
 )
+
+# `right` is slow: about one in twenty of mobilities up to 4.5 apart make it win a race.
+RARE = contest(mobility=0.5).cycle().path
 
 
 def snaps(path):
@@ -127,7 +132,7 @@ def test_a_chain_with_the_mobilities_that_were_found_lands_where_they_say():
         chain = any_chain(np.random.default_rng(seed), 4, friction=False)
         path = chain.cycle().path
         own = starts(path)
-        for k, landing in enumerate(path.landings(samples=16)):
+        for k, landing in enumerate(path.landings(bound=0.2)):
             for there in landing.elsewhere:
                 moved = with_mobility(chain, there.mobility).cycle().path
                 others = starts(moved)
@@ -157,7 +162,7 @@ def test_given_mobilities_are_where_the_factors_begin():
 
 def test_a_ratio_of_one_finds_nothing_but_the_landing_itself():
     for path in paths(range(12)):
-        assert all(landing.holds for landing in path.landings(1.0, samples=2))
+        assert all(landing.holds for landing in path.landings(1.0, bound=0.5))
 
 
 def test_the_same_seed_tries_the_same_mobilities():
@@ -166,18 +171,84 @@ def test_the_same_seed_tries_the_same_mobilities():
     assert path.landings(seed=3)[-1] != path.landings(seed=4)[-1]
 
 
-def test_factors_keep_the_ratio_and_begin_with_each_cell_alone():
-    factors = factors_of(np.array([1, 3]), 5, 10.0, 40, 0)
-    assert factors.shape == (40, 5)
+def test_random_mobilities_are_log_uniform_within_the_ratio():
+    factors = factors_of(5, 10.0, 4000, 0)
+    assert factors.shape == (4000, 5)
     assert np.min(factors) >= 1.0 and np.max(factors) <= 10.0
-    assert factors[:4].tolist() == [
-        [1, 10, 1, 1, 1],
-        [1, 1, 1, 10, 1],
-        [10, 1, 10, 10, 10],
-        [10, 10, 10, 1, 10],
+    share = np.log10(factors)
+    assert np.mean(share, axis=0) == pytest.approx(0.5, abs=0.02)
+    assert np.std(share, axis=0) == pytest.approx(12**-0.5, abs=0.02)
+    assert np.array_equal(factors[:7], factors_of(5, 10.0, 7, 0))
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_of_few_cells_all_corners_of_the_range_are_tried(count):
+    corners = corners_of(np.array([0, 1]), count, 10.0, 0)
+    assert len({tuple(row) for row in corners.tolist()}) == len(corners) == 2**count - 2
+    assert set(corners.ravel().tolist()) == {1.0, 10.0}
+
+
+def test_of_more_cells_each_is_fast_alone_and_slow_alone_first():
+    corners = corners_of(np.array([1, 3]), 6, 10.0, 0)
+    assert corners.shape == (32, 6)
+    assert set(corners.ravel().tolist()) == {1.0, 10.0}
+    assert corners[:4].tolist() == [
+        [1, 10, 1, 1, 1, 1],
+        [1, 1, 1, 10, 1, 1],
+        [10, 1, 10, 10, 10, 10],
+        [10, 10, 10, 1, 10, 10],
     ]
-    assert np.array_equal(factors[:7], factors_of(np.array([1, 3]), 5, 10.0, 7, 0))
-    assert factors_of(np.array([1, 3]), 5, 10.0, 1, 0).shape == (1, 5)
+    assert not np.array_equal(corners, corners_of(np.array([1, 3]), 6, 10.0, 1))
+    assert corners_of(np.arange(40), 40, 10.0, 0).shape == (32, 40)
+
+
+# --- what samples are worth ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("bound", "samples"), [(0.5, 5), (0.1, 29), (0.05, 59), (0.01, 299)])
+def test_samples_that_agree_are_as_many_as_the_bound_needs(bound, samples):
+    held = RARE.landings(2.0, bound=bound)[1]
+    assert (held.holds, held.samples) == (True, samples)
+    assert 0.95 * bound < held.bound <= bound
+    # By hand: with that share elsewhere, one time in twenty none of the samples shows it.
+    assert (1.0 - held.bound) ** samples == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("bound", [0.0, 0.0009, 0.51, 1.0, math.nan, "x"])
+def test_other_bounds_are_refused(bound):
+    with pytest.raises(sw.InputError, match="bound"):
+        RACE.cycle().path.landings(bound=bound)
+
+
+def test_a_landing_of_five_per_cent_is_within_the_bound_nineteen_times_in_twenty():
+    """What a sampled landing claims, against the truth of 20,000 samples, seed by seed."""
+    path, ratio = RARE, 4.5
+    snap = starts(path)[1]
+
+    def elsewhere(factors):
+        landed = land_all(path._problem, snap.start, factors, COARSE)
+        assert np.all(landed.settled)
+        return np.max(np.abs(landed.travel - snap.travel), axis=1) > 1e-4
+
+    count = examples(4000, full=20_000)
+    truth = np.mean(elsewhere(factors_of(3, ratio, count, seed=10**6)))
+    assert truth == pytest.approx(0.05, abs=0.015)
+    seeds = examples(150, full=1000)
+    draws = [factors_of(3, ratio, 59, seed) for seed in range(seeds)]
+    hits = np.sum(elsewhere(np.concatenate(draws)).reshape(seeds, 59), axis=1)
+    bounds = [claim(int(k)).bound for k in hits]
+    covered = int(np.sum(np.array(bounds) >= truth))
+    # No worse than nineteen in twenty, but for what chance may do one time in a thousand.
+    assert covered >= binom.ppf(1e-3, seeds, 0.95)
+    # And what is claimed is what the same samples give.
+    assert path.landings(ratio, seed=7)[1].bound == pytest.approx(bounds[7])
+
+
+def claim(elsewhere: int) -> sw.Landing:
+    """A landing that 59 samples found, of which some lead elsewhere."""
+    event = snaps(RACE.cycle().path)[-1]
+    there = sw.Elsewhere((1.0, 1.0, 2.0), (0.0, 0.0, 0.0), (0, 0, 0), "00-", elsewhere / 59)
+    return sw.Landing(event, 4.5, None, 6, 59, (there,) if elsewhere else ())
 
 
 def test_friction_makes_no_other_landing_of_a_place_in_the_same_phases():
@@ -231,7 +302,7 @@ def test_what_is_proved_no_sample_contradicts():
     for path in paths(range(examples(40))):
         full, n = path._problem.laws.full, len(path.chain)
         factors = factors_of(np.arange(n), n, 10.0, examples(60, 500), 0)
-        for landing, snap in zip(path.landings(samples=1), starts(path), strict=True):
+        for landing, snap in zip(path.landings(bound=0.5), starts(path), strict=True):
             if landing.proof is None:
                 continue
             proved += 1
@@ -245,7 +316,7 @@ def test_what_is_proved_no_sample_contradicts():
 def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
     anchors = np.random.default_rng(0).uniform((5, -3), (22, 3), (16, 2)) * 1e-3
     path = sw.Chain([PAPER.with_anchors(q=tuple(q)) for q in anchors]).cycle().path
-    told = path.landings(1.05, samples=2)
+    told = path.landings(1.05, bound=0.5)
     assert [landing.event for landing in told] == snaps(path)
     assert any(landing.proof is sw.Proof.FREEDOM for landing in told)
 
@@ -268,7 +339,7 @@ def test_snaps_that_leave_a_saddle_at_once_have_one_landing():
     found = starts(path)
     assert max(snap.rows for snap in found) == 2
     assert sum(snap.rows for snap in found) == len(snaps(path))
-    told = path.landings(samples=4)
+    told = path.landings(bound=0.5)
     assert [landing.event.drive for landing in told] == [snap.start.drive for snap in found]
     again = land_all(path._problem, found[0].start, np.ones((1, 4)))
     assert again.travel[0] == pytest.approx(found[0].travel, abs=1e-12)
@@ -276,23 +347,13 @@ def test_snaps_that_leave_a_saddle_at_once_have_one_landing():
 
 @pytest.mark.parametrize("ratio", [1.0, 1e3])
 def test_ratios_from_one_to_a_thousand_are_looked_at(ratio):
-    assert RACE.cycle().path.landings(ratio, samples=2)[0].ratio == ratio
+    assert RACE.cycle().path.landings(ratio, bound=0.5)[0].ratio == ratio
 
 
 @pytest.mark.parametrize("ratio", [0.999, 1001.0, math.inf, math.nan, "x"])
 def test_other_ratios_are_refused(ratio):
     with pytest.raises(sw.InputError, match="ratio"):
         RACE.cycle().path.landings(ratio)
-
-
-@pytest.mark.parametrize("samples", [0, -1, 1.5, 10**8])
-def test_no_samples_and_far_too_many_are_refused(samples):
-    with pytest.raises(sw.InputError, match="samples"):
-        RACE.cycle().path.landings(samples=samples)
-
-
-def test_one_sample_is_taken():
-    assert RACE.cycle().path.landings(samples=1)[-1].samples == 1
 
 
 def test_a_path_without_a_snap_has_no_landings():

@@ -20,6 +20,7 @@ from stepwell.base.quantities import (
     in_measure,
     number,
     percent,
+    percent_at_most,
     plain,
     record,
     rows_of,

@@ -329,6 +329,12 @@ def percent(share: float) -> str:
     return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
 
 
+def percent_at_most(share: float) -> str:
+    """An upper bound of a share for people, rounded up: 0.0495 is "5 %", 0.0501 is "5.1 %"."""
+    digits = 0 if share >= 0.1 else 1
+    return f"{math.ceil(round(share * 10.0 ** (digits + 2), 6)) / 10.0**digits:g} %"
+
+
 def headed(heading: str) -> str:
     """The heading of a column, with a capital where it begins with a word and no symbol or key."""
     word = heading.partition(" ")[0]

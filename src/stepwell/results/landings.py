@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Columns, Quantity, Schema, in_measure, number, record
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    in_measure,
+    number,
+    percent_at_most,
+    record,
+)
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind
 
@@ -53,7 +62,9 @@ _LANDING: Schema = (
     Quantity("holds"),
     Quantity("ratio"),
     Quantity("proof"),
+    Quantity("corners"),
     Quantity("samples"),
+    Quantity("bound"),
 )
 _ELSEWHERE: Schema = (
     Quantity("state", head="in state"),
@@ -65,23 +76,31 @@ _ELSEWHERE: Schema = (
 
 
 def landings_told(landings: Sequence[Mapping[str, Any]] | None) -> str:
-    """In a line, how many snaps land alike for other mobilities; "" where there are no snaps."""
+    """In a line, how many landings hold for other mobilities; "" where there are no snaps."""
     if landings is None:
         return NOT_CHECKED
     if not landings:
         return ""
     holding = [one for one in landings if one["holds"]]
-    apart = f"for mobilities up to {number(landings[0]['ratio'])} apart"
+    ratios = f"for mobility ratios up to {number(landings[0]['ratio'])}"
     if not holding:
-        return f"no snap lands in one place {apart}"
-    proved = sum(one["proof"] is not None for one in holding)
-    least = min((one["samples"] for one in holding if one["proof"] is None), default=0)
-    tried = f"in all of {least} samples"
-    how = tried if proved == 0 else f"{proved} proved, {len(holding) - proved} {tried}"
-    how = "proved" if proved == len(holding) else how
+        return f"no landing holds {ratios}"
+    sampled = [one for one in holding if one["proof"] is None]
+    proved, parts = len(holding) - len(sampled), []
+    if proved:
+        parts.append(f"{proved} proved" if sampled else "proved")
+    if sampled:
+        most = percent_at_most(max(one["bound"] for one in sampled))
+        least = min(one["samples"] for one in sampled)
+        many = f"in {len(sampled)} " if proved or sampled[1:] else ""
+        each = " each" if sampled[1:] else ""
+        parts.append(
+            f"{many}at most {most} of mobilities lead elsewhere (95 % confidence, {least} samples"
+            f"{each})"
+        )
     all_hold = len(holding) == len(landings)
     many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
-    return f"{many if landings[1:] else 'holds'} {apart}: {how}"
+    return f"{many if landings[1:] else 'holds'} {ratios}: {', '.join(parts)}"
 
 
 def elsewhere_rows(

@@ -160,6 +160,9 @@ def event_schema(chain: Chain) -> Schema:
             read=lambda event: [{"cell": cell, "state": state} for cell, state in event.arrivals],
         ),
         Quantity("tie"),
+        Quantity("distance_force", "N"),
+        Quantity("distance_travel", "mm"),
+        Quantity("error", "mm"),
     )
     return in_measure(schema, chain.measure)
 

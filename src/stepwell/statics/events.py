@@ -1,5 +1,6 @@
 """Segments of a path, on which the same cells move, and the events between them."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -41,6 +42,10 @@ class Event(ByValue):
         arrivals: (cell, phase) for every cell that arrived in another phase; a stop is one.
         tie: whether another outcome was closer than the tolerance.
         measure: what travel and force are.
+        distance_force: of a snap, the least force on the way or after it that makes the difference
+            to another landing [N]; inf where no other was near, and for a switch.
+        distance_travel: the same over the stiffness of the cells there [m].
+        error: by how much an integrated landing may be off [m]; 0 where no time was integrated.
     """
 
     kind: EventKind
@@ -59,6 +64,9 @@ class Event(ByValue):
     arrivals: tuple[tuple[int, int], ...]
     tie: bool
     measure: Measure
+    distance_force: float = math.inf
+    distance_travel: float = math.inf
+    error: float = 0.0
 
     def __repr__(self):
         unit, factor = told_in(self.measure.travel_unit)
@@ -115,6 +123,7 @@ class Segment(ByValue):
         released: energy turned into heat by a snap [J].
         tie: whether another outcome was closer than the tolerance.
         cause: why it snapped; None where it did not.
+        distance_force, distance_travel, error: of a snap, as for `Event`.
     """
 
     kind: SegmentKind
@@ -129,6 +138,9 @@ class Segment(ByValue):
     released: float
     tie: bool
     cause: Cause | None
+    distance_force: float = math.inf
+    distance_travel: float = math.inf
+    error: float = 0.0
 
     def __repr__(self):
         return brief(self)

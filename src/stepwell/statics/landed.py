@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, require
+from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, percent_at_most
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
@@ -21,6 +22,7 @@ from stepwell.statics.following import (
 )
 from stepwell.statics.landings import (
     Snap,
+    corners_of,
     enclosed,
     energy_holds,
     factors_of,
@@ -35,6 +37,8 @@ _ALIKE = 1e-6
 _STEPS = 8
 # (N,) travels and sheets.
 Place = tuple[Floats, Ints]
+# With this confidence no more mobilities lead elsewhere than the bound of a sampled landing.
+CONFIDENCE = 0.95
 # Further apart, the fast ones take more steps than there is time for while the slow ones go.
 _MOST_RATIO = 1e3
 
@@ -57,7 +61,8 @@ class Elsewhere(ByValue):
         travel: (N,) where it comes to rest [m].
         sheet: (N,) on which sheets of the cells' curves.
         state: the phases there, - in transit.
-        share: of the samples that came to rest, those that land there.
+        share: of the random samples that came to rest, those that land there; 0 where mobilities
+            at the ends of the range lead there and no random ones did.
     """
 
     mobility: tuple[float, ...]
@@ -78,13 +83,16 @@ class Landing(ByValue):
         event: the snap; where it passes through saddles, the first of those that follow at once.
         ratio: of the fastest to the slowest factor beside the given mobilities, >= 1.
         proof: why it holds; None where it was only sampled.
-        samples: with how many mobilities the cells came to rest; 0 where it is proved.
+        corners: with how many mobilities at the ends of the range the cells came to rest.
+        samples: with how many random mobilities they did, log-uniform within the ratio; both are 0
+            where it is proved.
         elsewhere: every other place that was found, the most frequent first.
     """
 
     event: Event
     ratio: float
     proof: Proof | None
+    corners: int
     samples: int
     elsewhere: tuple[Elsewhere, ...]
 
@@ -93,26 +101,67 @@ class Landing(ByValue):
         """Whether it is proved, or sampled and no mobilities were found that lead elsewhere."""
         return self.proof is not None or (self.samples > 0 and not self.elsewhere)
 
+    @property
+    def bound(self) -> float:
+        """The share of mobilities that may lead elsewhere, at most: 0 where the landing is proved.
+
+        Of mobilities that are log-uniform within the ratio, with 95 % confidence; only the random
+        samples count (Clopper and Pearson 1934, one-sided). 1 where none came to rest.
+        """
+        if self.proof is not None:
+            return 0.0
+        elsewhere = round(self.samples * math.fsum(place.share for place in self.elsewhere))
+        if elsewhere >= self.samples:
+            return 1.0
+        if elsewhere == 0:
+            return 1.0 - (1.0 - CONFIDENCE) ** (1.0 / self.samples)
+        from scipy.special import betaincinv
+
+        return float(betaincinv(elsewhere + 1, self.samples - elsewhere, CONFIDENCE))
+
     def __str__(self):
         if self.proof is not None:
-            return f"holds for mobilities up to {self.ratio:g} apart: {self.proof.value}."
+            return f"holds for mobility ratios up to {self.ratio:g}: {self.proof.value}."
+        tried = f"{self.samples} random samples"
+        tried += f" and {self.corners} with extreme mobilities" if self.corners else ""
         if self.holds:
             return (
-                f"holds in all of {self.samples} samples of mobilities up to {self.ratio:g} apart."
+                f"holds in all of {tried}: for mobility ratios up to {self.ratio:g}, at most "
+                f"{percent_at_most(self.bound)} of mobilities lead elsewhere (95 % confidence)."
             )
         if not self.samples:
             return (
-                f"cannot be told for mobilities up to {self.ratio:g} apart: the cells come to rest "
+                f"is not known for mobility ratios up to {self.ratio:g}: the cells come to rest "
                 f"too slowly."
             )
-        places = ", ".join(f"{place.state} in {place.share:.0%}" for place in self.elsewhere)
+        places = ", ".join(
+            f"{place.state} in {place.share:.0%}"
+            if place.share > 0.0
+            else f"{place.state} with extreme mobilities only"
+            for place in self.elsewhere
+        )
         return (
-            f"hangs on the mobilities: of {self.samples} samples up to {self.ratio:g} apart, it "
-            f"lands elsewhere: {places}."
+            f"hangs on the mobilities: of {tried} with ratios up to {self.ratio:g}, some lead "
+            f"elsewhere: {places}."
         )
 
     def __repr__(self):
         return f"Landing({self.event!r}: {self})"
+
+
+def samples_for(bound: float) -> int:
+    """How many samples must agree for a bound on the share that does not, with 95 % confidence.
+
+    Raises:
+        ValueError: a bound below 0.001 or above 0.5.
+    """
+    share = check.finite("bound", bound, "1")
+    if not 1e-3 <= share <= 0.5:
+        raise InputError(
+            f"bound = {share:g}: must be between 0.001 and 0.5; it is the share of mobilities that "
+            f"may lead elsewhere at most where no sample did."
+        )
+    return math.ceil(math.log1p(-CONFIDENCE) / math.log1p(-share))
 
 
 def a_ratio(name: str, value: float) -> float:
@@ -134,7 +183,7 @@ def landings(
     events: list[Event],
     *,
     ratio: float,
-    samples: int,
+    bound: float,
     seed: int,
 ) -> Iterator[Landing]:
     """Whether each snap of a path lands where it does for all mobilities within a ratio.
@@ -145,26 +194,25 @@ def landings(
         log: what was written down of the path.
         start: (N,) travels [m] and sheets at its beginning.
         events: its snaps, in order.
-        ratio, samples, seed: as for `Path.landings`.
+        ratio, bound, seed: as for `Path.landings`.
 
     Raises:
-        ValueError: a ratio below 1 or above a thousand, or less than one sample.
+        ValueError: a ratio below 1 or above a thousand, or a bound below 0.001 or above 0.5.
     """
-    ratio = a_ratio("ratio", ratio)
-    samples, seed = check.whole("samples", samples, 1), check.whole("seed", seed, 0)
-    require("samples", samples, "samples =")
+    ratio, samples = a_ratio("ratio", ratio), samples_for(bound)
+    seed = check.whole("seed", seed, 0)
     at = 0
     for found in snaps_of(problem, log, *start):
         event, passed = events[at], events[at : at + found.rows]
         at += found.rows
         proof = _proof(problem, found, ratio)
         if proof is not None:
-            yield Landing(event, ratio, proof, 0, ())
+            yield Landing(event, ratio, proof, 0, 0, ())
             continue
         cells = sorted({cell for one in passed for cell in one.cells})
-        factors = factors_of(np.array(cells), len(chain), ratio, samples, seed)
-        rests, elsewhere = _sampled(chain, problem, found, factors)
-        yield Landing(event, ratio, None, rests, tuple(elsewhere))
+        corners = corners_of(np.array(cells), len(chain), ratio, seed)
+        factors = factors_of(len(chain), ratio, samples, seed)
+        yield Landing(event, ratio, None, *_sampled(chain, problem, found, corners, factors))
 
 
 def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
@@ -182,41 +230,47 @@ def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
 
 
 def _sampled(
-    chain: Chain, problem: Problem, snap: Snap, factors: Floats
-) -> tuple[int, list[Elsewhere]]:
-    """How many samples come to rest, and every other place where, most frequent first.
+    chain: Chain, problem: Problem, snap: Snap, corners: Floats, factors: Floats
+) -> tuple[int, int, tuple[Elsewhere, ...]]:
+    """With how many corners and samples it comes to rest, and every other place where.
 
-    The samples are taken with a coarse flow. Other places are looked for again with a fine one,
-    and those that are not found again do not count.
+    Both are taken with a coarse flow. Other places are looked for again with a fine one, and those
+    that are not found again do not count. Shares are those of the samples alone, which are drawn
+    as the bound assumes.
     """
-    landed = land_all(problem, snap.start, factors, COARSE)
-    places, first, hits = [(snap.travel, snap.sheet)], [-1], [0]
+    tried = np.concatenate([corners, factors])
+    landed = land_all(problem, snap.start, tried, COARSE)
+    places, first = [(snap.travel, snap.sheet)], [-1]
+    at = np.full(len(tried), -1)
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
             if same_place(chain, problem, snap, here, there):
-                hits[place] += 1
+                at[k] = place
                 break
         else:
+            at[k] = len(places)
             places.append(here)
             first.append(k)
-            hits.append(1)
-    found = [
-        (count, *again)
-        for count, k, place in zip(hits[1:], first[1:], places[1:], strict=True)
-        if (again := _least_apart(chain, problem, snap, factors[k], place)) is not None
-    ]
-    rests = hits[0] + sum(count for count, *_ in found)
-    return rests, [
+    found: list[tuple[int, Floats, Place]] = []
+    rests = [int(np.sum(part == 0)) for part in (at[: len(corners)], at[len(corners) :])]
+    for place in range(1, len(places)):
+        again = _least_apart(chain, problem, snap, tried[first[place]], places[place])
+        if again is not None:
+            hits = [int(np.sum(p == place)) for p in (at[: len(corners)], at[len(corners) :])]
+            rests = [rests[0] + hits[0], rests[1] + hits[1]]
+            found.append((hits[1], *again))
+    elsewhere = tuple(
         Elsewhere(
             tuple(mobility.tolist()),
             tuple(place[0].tolist()),
             tuple(place[1].tolist()),
             state_of(chain, *place),
-            count / rests,
+            count / rests[1] if rests[1] else 0.0,
         )
         for count, mobility, place in sorted(found, key=lambda one: -one[0])
-    ]
+    )
+    return rests[0], rests[1], elsewhere
 
 
 def _least_apart(

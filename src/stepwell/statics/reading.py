@@ -55,6 +55,7 @@ def segments_of(
             row[logged.RELEASED],
             row[logged.TIE_A] >= 0,
             cause,
+            *(row[logged.NEAR_FORCE :] if kind is SegmentKind.SNAP else ()),
         )
 
 
@@ -143,6 +144,9 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
                 tuple((segment.cells[m], phase) for m, phase in arrivals),
                 segment.tie,
                 measure,
+                segment.distance_force,
+                segment.distance_travel,
+                segment.error,
             )
             continue
         for m, phase in arrivals:

@@ -94,7 +94,7 @@ def load_sorted(
     n = len(order)
     tie = TIED * scale
     force, drive = start_force, 0.0
-    top, top_force = -1, -np.inf
+    top, top_force, second, second_force = -1, -np.inf, -1, -np.inf
     checked_top, checked = -1, 0
     last = -np.inf
     for done in range(n):
@@ -109,9 +109,12 @@ def load_sorted(
         if f1 > top_force:
             _mover(log, j, 0.0, full)
             _row(log, logged.MOVE, drive, drive + full, f0, f1)
+            second, second_force = top, top_force
             top, top_force = j, f1
             force, drive = f1, full * (done + 1)
             continue
+        if f1 > second_force:
+            second, second_force = j, f1
         # j weakens to the force at which the strongest full cell lets go: a snap.
         leader = of_row(table[top])
         at = travel_at(cell, top_force, f0, f1)
@@ -137,6 +140,15 @@ def load_sorted(
         snap = log.segments[log.used[0] - 1]
         snap[logged.CAUSE], snap[logged.LEADER], snap[logged.HEADING] = logged.RELEASE, top, -1
         lost, gained = energy_at(cell, full), energy_at(leader, full)
+        # The next snap: a held cell whose force falls runs away beside the leader, which does too.
+        near, travel = np.inf, np.inf
+        if done + 1 < n:
+            f0_next, slope = force_at(of_row(table[order[done + 1]]), 0.0)[:2]
+            near, travel = f0_next - after, (f0_next - after) / abs(slope)
+        second_force, slope = force_at(of_row(table[second]), full)[:2]
+        near = min(near, after - second_force)
+        travel = min(travel, (after - second_force) / abs(slope))
+        snap[logged.NEAR_FORCE], snap[logged.NEAR_TRAVEL] = max(near, 0.0), max(travel, 0.0)
         snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
         _mover(log, top, back, full)
         _row(log, logged.MOVE, drive + at, full * (done + 1), after, top_force)

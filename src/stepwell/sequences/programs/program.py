@@ -18,6 +18,7 @@ from stepwell.base import (
     StepwellError,
     amount,
     brief,
+    percent_at_most,
     told_in,
     write_csv,
 )
@@ -201,12 +202,14 @@ class Program(ByValue, Drawn):
             return f"{self.method}; the snap at {at} {str(self.hangs).rstrip('.')}"
         sampled = [one for one in self.landings if one.proof is None]
         proved = len(self.landings) - len(sampled)
-        ways = [f"{proved} by proof"] if proved else []
+        ways = [f"{proved} proved"] if proved else []
         if sampled:
-            tried = min(one.samples for one in sampled)
-            ways.append(f"{len(sampled)} in all of {tried} samples")
+            most = percent_at_most(max(one.bound for one in sampled))
+            ways.append(
+                f"in {len(sampled)} at most {most} of mobilities lead elsewhere (95 % confidence)"
+            )
         return (
-            f"{self.method}; its snaps land alike for all mobilities up to {self.robust:g} apart, "
+            f"{self.method}; its landings hold for mobility ratios up to {self.robust:g}: "
             f"{', '.join(ways)}"
         )
 

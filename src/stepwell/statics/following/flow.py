@@ -13,7 +13,7 @@ from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
-from stepwell.statics.following.state import HELD, LETS_GO, Problem, State
+from stepwell.statics.following.state import HELD, LETS_GO, TIE, Problem, State, set_near
 
 _STEPS = 30_000
 # The L-stable pair of orders 4 and 3 with four stages (Hairer and Wanner 1996, IV.7): γ; where a
@@ -35,16 +35,21 @@ _B1, _B2 = 2.255570073418735 * _GAMMA, 0.2870493262186792 * _GAMMA
 _B3, _B4 = 0.4353179431840180 * _GAMMA, 1.093502252409163 * _GAMMA
 _E1, _E2 = -0.2815431932141155 * _GAMMA, -0.07276199124934920 * _GAMMA
 _E3, _E4 = -0.1082196201495311 * _GAMMA, -1.093502252409163 * _GAMMA
-# A stop or a cell that joins ends a step; it is met by so many shorter ones at most.
-_TRIES = 8
+# An event ends a step. It is met by retaking the step this many times at most, until the time by
+# which the step ends early or late moves no cell by more than this part of the accuracy.
+_TRIES, _LATE = 40, 1e-2
+# So near to where it set out, as a share of the travel, no other landing is looked for.
+_NEAR_START = 1e-3
 # What is known of a cell in the flow: where it is, F and κ there, its friction, mobility and full
 # travel, between which travels it is on its sheet and between which it can go ...
 _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _BEYOND = range(10)
-# ... ds/dt, room for the stages of a step, what it goes in it, by how much that may be off ...
-_RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL, _WAS = range(10, 21)
-# ... and, whole numbers, which cell it is, on which piece, and in which sense it moves within a
-# step and when that began; 0 where it stays.
-_CELL, _PIECE, _SENSE, _BEGAN = range(4)
+# ... ds/dt, room for the stages of a step, what it goes in it, the error of that; travel, F, κ and
+# ds/dt after the step; and the error of its travel so far ...
+_RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL = range(10, 20)
+_NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF, _ROWS = range(20, 25)
+# ... and, whole numbers, which cell it is, on which piece before and after the step, and in which
+# sense it moves within a step, 0 where it stays.
+_CELL, _PIECE, _SENSE, _NEXT_PIECE = range(4)
 # What is known of the cells that keep still: the λ between which they do, and the sum of travels.
 _LOWEST, _HIGHEST, _STILL = range(3)
 
@@ -53,7 +58,7 @@ class Flow(NamedTuple):
     """Where the flow is; N cells of the chain, m of them in the flow."""
 
     drive: float
-    cell: Floats  # (21, N) see above, the first m columns
+    cell: Floats  # (24, N) see above, the first m columns
     where: Ints  # (4, N) likewise
     used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
@@ -66,8 +71,8 @@ def _begin(problem: Problem, state: State, drive: float) -> Flow:
     n = len(state.travel)
     at = Flow(
         drive,
-        np.empty((21, n)),
-        np.empty((4, n), np.int64),
+        np.zeros((_ROWS, n)),
+        np.zeros((4, n), np.int64),
         np.zeros(1, np.int64),
         np.zeros(3),
         np.empty(2, np.int64),
@@ -223,8 +228,8 @@ def unstable_direction(slopes: Floats, mobility: Floats, alpha: float, beta: flo
 @leaf
 def _smooth_rates(
     actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int, row: int
-) -> None:
-    """Rates at the travels of `_TRIAL` into `row`, which holds the forces there.
+) -> float:
+    """Rates at the travels of `_TRIAL` into `row`, which holds the forces there; λ.
 
     Those of the cells that move now, in their sense, as if there were no stops: within a step the
     field has to be smooth; stops and releases are looked at between steps. `actuator` is α, β, the
@@ -245,6 +250,7 @@ def _smooth_rates(
     for j in range(m):
         moves = where[_SENSE, j] != 0
         cell[row, j] = cell[_MOBILITY, j] * (shared - cell[row, j]) if moves else 0.0
+    return float(shared)
 
 
 @leaf
@@ -287,42 +293,19 @@ def _forces(problem: Problem, at: Flow, row: int) -> None:
 @leaf
 def _set_off(
     actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int
-) -> None:
-    """The rates of the cells that have a sense, from where they are."""
+) -> float:
+    """The rates of the cells that have a sense, from where they are; λ."""
     for j in range(m):
         cell[_TRIAL, j], cell[_RATE, j] = cell[_TRAVEL, j], cell[_FORCE, j]
-    _smooth_rates(actuator, cell, where, m, _RATE)
-
-
-@leaf
-def _pushed_back(cell: Floats, where: Ints, m: int, row: int, rubs: bool) -> int:
-    """The cell at a stop, or held by friction if it `rubs`, most against its sense; or -1."""
-    back, most = -1, 0.0
-    for j in range(m):
-        travel = cell[_TRAVEL, j]
-        bound = travel == cell[_LEAST, j] or travel == cell[_MOST, j]
-        bound = bound or (rubs and cell[_FRICTION, j] > 0.0)
-        if bound and cell[row, j] * where[_SENSE, j] < most:
-            back, most = j, cell[row, j] * where[_SENSE, j]
-    return back
+    return _smooth_rates(actuator, cell, where, m, _RATE)
 
 
 @leaf
 def _step(problem: Problem, at: Flow, h: float) -> None:
-    """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m].
-
-    A stiff actuator can start a cell off its stop, or against its friction, and call it back
-    within the step; stepping through that to and fro would take for ever. Such a cell stays.
-    """
+    """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m]."""
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     actuator = (alpha, beta, at.drive, at.still[_STILL])
     _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
-    back = _pushed_back(cell, where, m, _X1, True)
-    while back >= 0:
-        where[_SENSE, back] = 0
-        _set_off(actuator, cell, where, m)
-        _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
-        back = _pushed_back(cell, where, m, _X1, True)
     for j in range(m):
         cell[_TRIAL, j] = cell[_TRAVEL, j] + h * _A21 * cell[_X1, j]
     _forces(problem, at, _STAGE)
@@ -355,7 +338,7 @@ def _longest_step(
     """Longest step that still resolves growth; only decay may be stepped over."""
     falling, moving = 0.0, 0
     for j in range(m):
-        if where[_BEGAN, j] != 0:
+        if where[_SENSE, j] != 0:
             moving += 1
             falling = max(falling, -cell[_MOBILITY, j] * cell[_SLOPE, j])
     if wanted * _GAMMA * falling <= 0.7:
@@ -364,7 +347,7 @@ def _longest_step(
     weights, slopes = np.empty(moving), np.empty(moving)
     k = 0
     for j in range(m):
-        if where[_BEGAN, j] != 0:
+        if where[_SENSE, j] != 0:
             weights[k], slopes[k] = cell[_MOBILITY, j], cell[_MOBILITY, j] * cell[_SLOPE, j]
             k += 1
     growth = -smallest_eigenvalue(slopes, weights, alpha, beta)
@@ -401,27 +384,276 @@ def _worst(cell: Floats, m: int) -> float:
 
 
 @leaf
-def _until_stop(cell: Floats, m: int, h: float) -> tuple[float, int, float, float]:
-    """How a step of time h meets the first end of a sheet.
-
-    The share of the step after which it does and which cell; how far from straight the step is, as
-    a share of the full travel; and the share of h after which a parabola would be there. A cell
-    just short of an end is there in a step a little longer than one.
-    """
-    share, first, bend = 1.01, -1, 0.0
+def _look_ahead(problem: Problem, at: Flow) -> float:
+    """Pieces, forces, slopes and rates where the last step ends, into the rows of the next; λ."""
+    pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
     for j in range(m):
-        way, travel = cell[_WAY, j], cell[_TRAVEL, j]
-        bend = max(bend, abs(way - h * cell[_RATE, j]) / cell[_FULL, j])
-        room = cell[_MOST, j] - travel if way > 0.0 else travel - cell[_LEAST, j]
-        if abs(way) * share > room:
-            share, first = room / abs(way), j
-    if first < 0:
-        return 1.0, first, bend, 1.0
-    # With a straight part p and a bent part 1 - p of the way: p x + (1 - p) x² = share.
-    straight = h * cell[_RATE, first] / cell[_WAY, first] if cell[_WAY, first] != 0.0 else 1.0
-    root = straight * straight + 4.0 * (1.0 - straight) * share
-    then = 2.0 * share / (straight + np.sqrt(root)) if straight > 0.0 and root > 0.0 else share
-    return share, first, bend, min(max(then, 0.2 * share), 1.0)
+        where[_NEXT_PIECE, j] = where[_PIECE, j]
+        cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j] = cell[_FORCE, j], cell[_SLOPE, j]
+        cell[_TRIAL, j] = cell[_TRAVEL, j]
+        if where[_SENSE, j] != 0:
+            cell[_TRIAL, j] += cell[_WAY, j]
+            place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
+            piece = _piece_near(pieces, where[_PIECE, j], place)
+            where[_NEXT_PIECE, j] = piece
+            value, slope, _ = law(problem.laws, where[_CELL, j], pieces.picked[piece], place)
+            cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j] = value, slope
+        cell[_NEXT_RATE, j] = cell[_NEXT_FORCE, j]
+    actuator = (problem.alpha, problem.beta, at.drive, at.still[_STILL])
+    return _smooth_rates(actuator, cell, where, m, _NEXT_RATE)
+
+
+@leaf
+def _change_of_force(problem: Problem, at: Flow, rate: int, slope: int) -> float:
+    """dλ/dt where cells have the rates and slopes of these rows [N/s]."""
+    cell, where, total, moving = at.cell, at.where, 0.0, 0.0
+    for j in range(at.used[0]):
+        if where[_SENSE, j] != 0:
+            if problem.beta == 0.0:
+                total += cell[_MOBILITY, j] * cell[slope, j] * cell[rate, j]
+                moving += cell[_MOBILITY, j]
+            else:
+                total -= problem.alpha / problem.beta * cell[rate, j]
+    return total / moving if moving > 0.0 else total
+
+
+@leaf
+def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> float:
+    """Where in 0..1 the cubic with these ends and slopes first falls below zero; 2 if nowhere.
+
+    Slopes far steeper than the ends are apart are those of a fast decay, of which a cubic knows
+    nothing in between: then it is a straight line.
+    """
+    steep = 6.0 * max(abs(begins), abs(ends))
+    if abs(slope_0) > steep or abs(slope_1) > steep:
+        slope_0 = slope_1 = ends - begins
+    square = 3.0 * (ends - begins) - 2.0 * slope_0 - slope_1
+    cube = slope_0 + slope_1 - 2.0 * (ends - begins)
+    # Between its turns it is monotone.
+    one, two = 1.0, 1.0
+    inside = square * square - 3.0 * cube * slope_0
+    if inside > 0.0:
+        half = -(square + np.sqrt(inside)) if square > 0.0 else -square + np.sqrt(inside)
+        turn = half / (3.0 * cube) if cube != 0.0 else 2.0
+        other = slope_0 / half if half != 0.0 else 2.0
+        one, two = min(turn, other), max(turn, other)
+    early = 0.0
+    for late in (one, two, 1.0):
+        if not 0.0 < late <= 1.0:
+            continue
+        if begins + late * (slope_0 + late * (square + late * cube)) < 0.0:
+            for _ in range(60):
+                middle = 0.5 * (early + late)
+                if begins + middle * (slope_0 + middle * (square + middle * cube)) < 0.0:
+                    late = middle
+                else:
+                    early = middle
+            return late
+        early = late
+    return 2.0
+
+
+@leaf
+def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float, float]:
+    """The cell that is first at an end of its sheet about the end of the last step, or -1.
+
+    How long before the end of the step it was there, negative where it would be soon after; and by
+    how much going back for so long along the last rates would be off, as a share of the travel.
+    """
+    first, ago, bend = -1, -0.01 * h, 0.0
+    for j in range(m):
+        rate = cell[_NEXT_RATE, j]
+        if where[_SENSE, j] == 0 or rate == 0.0:
+            continue
+        end = cell[_MOST, j] if rate > 0.0 else cell[_LEAST, j]
+        since = (cell[_TRIAL, j] - end) / rate
+        # A cell that leaves its stop is not about to be there.
+        if since > ago and (since >= 0.0 or cell[_TRAVEL, j] != end):
+            first, ago = j, since
+    if first >= 0:
+        for j in range(m):
+            change = abs(cell[_NEXT_RATE, j] - cell[_RATE, j])
+            bend = max(bend, change * abs(ago) / cell[_FULL, j])
+    return first, ago, bend
+
+
+@leaf
+def _passed(
+    problem: Problem, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
+) -> tuple[float, int]:
+    """How long the last step should have been to end with its first event; h if it need not.
+
+    And the cell whose event it is, -1 where a cell that keeps still is called. An event is an end
+    of a sheet, a cell that keeps still and starts, or one that slides and comes to a halt; a step
+    may end a little after one, where that moves no cell by more than `late` of its full travel and
+    is no force of more than `most`. `levels` are λ where it began and where it ended.
+    """
+    cell, where, m = at.cell, at.where, at.used[0]
+    level, following = levels
+    change_0 = h * _change_of_force(problem, at, _RATE, _SLOPE)
+    change_1 = h * _change_of_force(problem, at, _NEXT_RATE, _NEXT_SLOPE)
+    short, who, stop = h, -1, 2.0
+    for j in range(m):
+        if where[_SENSE, j] == 0:
+            continue
+        for sign in (1.0, -1.0):
+            end = cell[_MOST, j] if sign > 0.0 else cell[_LEAST, j]
+            begins, ends = sign * (end - cell[_TRAVEL, j]), sign * (end - cell[_TRIAL, j])
+            pace_0, pace_1 = -sign * h * cell[_RATE, j], -sign * h * cell[_NEXT_RATE, j]
+            if begins == 0.0 and pace_0 < 0.0:
+                continue
+            root = _first_root(begins, pace_0, ends, pace_1)
+            if root < stop:
+                stop = root
+                if root < 1.0:
+                    short, who = root * h, j
+    if who >= 0:
+        first, ago, bend = _meets_stop(cell, where, m, h)
+        if first >= 0 and ago >= 0.0 and bend <= late:
+            short, who = h, -1
+    for mark in range(2 * m + 2):
+        j, sign = mark // 2 - 1, 1.0 if mark % 2 == 0 else -1.0
+        if j < 0:
+            # The window of the cells that keep still.
+            limit = at.still[_HIGHEST] if sign > 0.0 else at.still[_LOWEST]
+            called = at.first[mark]
+            if called < 0:
+                continue
+            begins, ends = sign * (limit - level), sign * (limit - following)
+            slope_0, slope_1 = -sign * change_0, -sign * change_1
+            mobility, full = problem.mobility[called], problem.laws.full[called]
+        elif where[_SENSE, j] != 0:
+            # A cell that slides this way; without friction it may go either way.
+            if cell[_FRICTION, j] == 0.0 or where[_SENSE, j] != sign:
+                continue
+            mobility, full = cell[_MOBILITY, j], cell[_FULL, j]
+            begins, ends = sign * cell[_RATE, j] / mobility, sign * cell[_NEXT_RATE, j] / mobility
+            slope_0 = sign * (change_0 - h * cell[_SLOPE, j] * cell[_RATE, j])
+            slope_1 = sign * (change_1 - h * cell[_NEXT_SLOPE, j] * cell[_NEXT_RATE, j])
+        else:
+            if cell[_TRAVEL, j] == (cell[_BEYOND, j] if sign > 0.0 else cell[_BEFORE, j]):
+                continue
+            mobility, full = cell[_MOBILITY, j], cell[_FULL, j]
+            limit = sign * cell[_FORCE, j] + cell[_FRICTION, j]
+            begins, ends = limit - sign * level, limit - sign * following
+            slope_0, slope_1 = -sign * change_0, -sign * change_1
+        root = _first_root(max(begins, 0.0), slope_0, ends, slope_1)
+        if root >= min(stop, 1.0):
+            continue
+        # Where λ only dips past a limit within the step, how deep tells how much was missed.
+        deep = max(-ends, 0.25 * (1.0 - root) * min(max(begins, 0.0), abs(slope_0)))
+        after = (1.0 - root) * h
+        if 0.5 * mobility * deep * after > late * full or deep > most:
+            steep = (max(begins, 0.0) + deep) / h
+            allowed = min(np.sqrt(0.5 * late * full / (mobility * steep)), 0.5 * most / steep)
+            until = root * h + min(allowed, 0.5 * after)
+            if until < short:
+                short, who = until, j
+    return short, who
+
+
+@leaf
+def _carry_error(problem: Problem, at: Flow, h: float, stopped: int) -> float:
+    """Take the error of the travels through a step, and add that of the step; the largest [m].
+
+    A linearised step does it. What only means earlier or later on the same way is no error: it is
+    taken out along the rates; where a cell has `stopped`, so that its own is none.
+    """
+    alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
+    total, moving, frozen, follows = 0.0, 0.0, 0.0, 0.0
+    for j in range(m):
+        if where[_SENSE, j] == 0:
+            frozen += cell[_OFF, j]
+            continue
+        total += cell[_MOBILITY, j] * cell[_SLOPE, j] * cell[_OFF, j]
+        moving += cell[_MOBILITY, j]
+        follows += cell[_OFF, j]
+    explicit = (1.0 - _GAMMA) * h
+    level = total / moving if moving > 0.0 else 0.0
+    held = 0.0
+    if beta > 0.0:
+        level, held = -alpha / beta * (follows + frozen), -alpha / beta * frozen
+    for j in range(m):
+        off, mobility = cell[_OFF, j], cell[_MOBILITY, j]
+        moves = explicit * (level - cell[_SLOPE, j] * off) + _GAMMA * h * held
+        cell[_X1, j] = off + mobility * moves if where[_SENSE, j] != 0 else 0.0
+    _solve(alpha, beta, cell, where, m, _GAMMA * h, _X1, _X2)
+    along, size = 0.0, 0.0
+    for j in range(m):
+        if where[_SENSE, j] != 0:
+            cell[_OFF, j] = cell[_X2, j] + cell[_ERROR, j]
+            along += cell[_OFF, j] * cell[_NEXT_RATE, j]
+            size += cell[_NEXT_RATE, j] ** 2
+    if stopped >= 0:
+        along, size = cell[_OFF, stopped], cell[_NEXT_RATE, stopped]
+    worst = 0.0
+    for j in range(m):
+        if where[_SENSE, j] != 0 and size != 0.0:
+            cell[_OFF, j] -= along / size * cell[_NEXT_RATE, j]
+        worst = max(worst, abs(cell[_OFF, j]))
+    return worst
+
+
+@leaf
+def _has_left(state: State, at: Flow) -> bool:
+    """Whether the flow has left the place that was lost, where everything is slow."""
+    for j in range(at.used[0]):
+        way = at.cell[_TRAVEL, j] - state.travel[at.where[_CELL, j]]
+        if abs(way) > _NEAR_START * at.cell[_FULL, j]:
+            return True
+    return False
+
+
+@leaf
+def _barrier(problem: Problem, at: Flow) -> float:
+    """The least force that would take the chain on from its rest, the way it came [N]; or inf.
+
+    That is what resists it at most on the straight line of its last step, before the line falls
+    off; inf where the line ends at a stop.
+    """
+    pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
+    size, total, weight, room = 0.0, 0.0, 0.0, np.inf
+    for j in range(m):
+        if where[_SENSE, j] == 0:
+            cell[_WAY, j] = 0.0
+        size = max(size, abs(cell[_WAY, j]))
+    if size == 0.0:
+        return np.inf
+    for j in range(m):
+        cell[_WAY, j] /= size
+        rate, travel = cell[_WAY, j], cell[_TRAVEL, j]
+        total += rate
+        weight += abs(rate)
+        if abs(rate) > 1e-9:
+            end = cell[_MOST, j] if rate > 0.0 else cell[_LEAST, j]
+            room = min(room, (end - travel) / rate)
+        picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], travel)]
+        cell[_NEXT_FORCE, j], _, _ = law(problem.laws, where[_CELL, j], picked, travel)
+    spring = problem.alpha / problem.beta * total * total if problem.beta > 0.0 else 0.0
+    way, most = 1e-4 * room, 0.0
+    while way < room:
+        resists = spring * way
+        for j in range(m):
+            travel = cell[_TRAVEL, j] + way * cell[_WAY, j]
+            travel = min(max(travel, cell[_LEAST, j]), cell[_MOST, j])
+            picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], travel)]
+            force, _, _ = law(problem.laws, where[_CELL, j], picked, travel)
+            resists += cell[_WAY, j] * (force - cell[_NEXT_FORCE, j])
+        if resists < 0.0:
+            return most / weight
+        most = max(most, resists)
+        way *= 1.2
+    return np.inf
+
+
+@leaf
+def _steepest(cell: Floats, where: Ints, m: int) -> float:
+    """The largest |κ| of the cells that move [N/m]."""
+    steepest = 0.0
+    for j in range(m):
+        if where[_SENSE, j] != 0:
+            steepest = max(steepest, abs(cell[_SLOPE, j]))
+    return steepest
 
 
 @leaf
@@ -503,98 +735,14 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
 
 
 @leaf
-def _senses(cell: Floats, where: Ints, m: int, shared: float, h: float, near: float) -> None:
-    """In which sense every cell moves in a step of time h from where it is, into `_BEGAN`.
-
-    One that keeps still, but goes back by no more than `near` of its full travel if it is taken
-    along, and soon within the step, is taken along; the step decides. Where a slow motion hands
-    the lead from cell to cell it would else be followed from hand to hand.
-    """
-    for j in range(m):
-        drives, slope = _drives(cell, j, shared), cell[_SLOPE, j]
-        where[_BEGAN, j] = np.sign(drives)
-        if drives == 0.0 and h * cell[_MOBILITY, j] * slope > 1.0:
-            gap, travel = shared - cell[_FORCE, j], cell[_TRAVEL, j]
-            close, friction = near * cell[_FULL, j] * slope, cell[_FRICTION, j]
-            if abs(gap - friction) <= close and travel < cell[_BEYOND, j]:
-                where[_BEGAN, j] = 1
-            elif abs(gap + friction) <= close and travel > cell[_BEFORE, j]:
-                where[_BEGAN, j] = -1
-
-
-@leaf
-def _excess(at: Flow, mark: int, level: float) -> float:
-    """What drives a cell past what keeps it [N]: it changes sign where the event is.
-
-    Marks 0 and 1 are the window of the cells that keep still, above and below; two more for each
-    cell in the flow are its ways up and down.
-    """
-    if mark == 0:
-        return float(level - at.still[_HIGHEST])
-    if mark == 1:
-        return float(at.still[_LOWEST] - level)
-    j = mark // 2 - 1
-    up = level - at.cell[_FORCE, j]
-    return float((up if mark % 2 == 0 else -up) - at.cell[_FRICTION, j])
-
-
-@leaf
-def _excess_before(at: Flow, mark: int, shared: float) -> float:
-    """The same where the last step began."""
-    j = mark // 2 - 1
-    if mark > 1 and at.where[_SENSE, j] != 0:
-        return float(at.where[_SENSE, j] * at.cell[_RATE, j] / at.cell[_MOBILITY, j])
-    return _excess(at, mark, shared)
-
-
-@leaf
-def _missed(
-    at: Flow, shared: float, level: float, pace: float, tolerance: float
-) -> tuple[int, float]:
-    """The first event that the last step passed by more than a tolerance, or -1; and its share.
-
-    A cell that keeps still is called, one in the flow starts, or one that slides comes to a halt.
-    `pace` is mobility over full travel of the cell that is called; the tolerance [1/s] is a share
-    of the full travel over the time of the step.
-    """
+def _set_senses(at: Flow, shared: float) -> None:
+    """In which sense every cell moves from where it is; without friction, inside, it can."""
     cell, where = at.cell, at.where
-    event, first = -1, 1.0
-    for mark in range(2 * at.used[0] + 2):
-        j, sign = mark // 2 - 1, 1.0
-        if j >= 0:
-            sense, began, heading = where[_SENSE, j], where[_BEGAN, j], 1 - 2 * (mark % 2)
-            if sense != began or sense == -heading:
-                continue
-            if sense != 0:
-                # It slides that way until nothing drives it.
-                if cell[_FRICTION, j] == 0.0:
-                    continue
-                sign = -1.0
-            elif (heading > 0 and cell[_TRAVEL, j] >= cell[_BEYOND, j]) or (
-                heading < 0 and cell[_TRAVEL, j] <= cell[_BEFORE, j]
-            ):
-                continue
-            pace = cell[_MOBILITY, j] / cell[_FULL, j]
-        now = sign * _excess(at, mark, level)
-        if now <= 0.0:
-            continue
-        was = sign * _excess_before(at, mark, shared)
-        share = was / (was - now) if was < 0.0 else 0.0
-        if 0.0 < share < first and now * (1.0 - share) * pace > tolerance:
-            event, first = mark, share
-    return event, first
-
-
-@leaf
-def _reached(excess: tuple[float, float, float], last: float, ahead: float) -> float:
-    """When an event is, from now: on a parabola through its excess before, now and ahead."""
-    was, now, over = excess
-    slow, fast = (now - was) / last, (over - now) / ahead
-    bend = (fast - slow) / (ahead + last)
-    rate = slow + bend * last
-    sign = 1.0 if now < 0.0 else -1.0
-    below = sign * rate + np.sqrt(max(rate * rate - 4.0 * bend * now, 0.0))
-    return min(-2.0 * sign * now / below, ahead) if below > 0.0 else ahead
+    for j in range(at.used[0]):
+        where[_SENSE, j] = np.sign(_drives(cell, j, shared))
+        inside = cell[_BEFORE, j] < cell[_TRAVEL, j] < cell[_BEYOND, j]
+        if where[_SENSE, j] == 0 and cell[_FRICTION, j] == 0.0 and inside:
+            where[_SENSE, j] = 1
 
 
 @kernel
@@ -605,70 +753,44 @@ def flow(
     shared: float,
     accuracy: float,
     rubbed: Floats,
-) -> tuple[bool, float]:
-    """Follow the flow to rest, the travels of the state in place; False if it did not settle.
+) -> tuple[bool, float, bool]:
+    """Follow the flow to rest, the travels of the state in place.
+
+    Whether it settled, λ, and whether its error could have led it elsewhere.
 
     A linearly implicit pair of orders 4 and 3 (Hairer and Wanner 1996): a snap through a narrow
-    place has one slow direction and many fast ones. The last stretch is Newton's, so the landing is
-    an equilibrium to rounding and the integration only decides which. `rubbed` (N,) gathers the
-    way every cell went, for friction.
+    place has one slow direction and many fast ones. Between events the field is smooth, and each
+    event ends a step. The last stretch is Newton's, so the landing is an equilibrium to rounding
+    and the integration only decides which. `rubbed` (N,) gathers the way every cell went, for
+    friction; `state.near` how near the flow came to rest on the way, and its error.
     """
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
     at, slowest = _begin(problem, state, drive), np.min(problem.mobility)
     cell, where, used, still = at.cell, at.where, at.used, at.still
     folds = len(problem.sheets.table) > len(state.travel)
-    gentle = scale / np.min(laws.full)
+    gentle, late = scale / np.min(laws.full), _LATE * accuracy
     stiffest = _stiffest(cell, used[0], gentle)
-    # How long the next step should be, and how long it may be at most for an event on the way;
-    # how long the last one was, 0 where there is none to take back.
-    wanted, soon, last, tries = 1e-2 / stiffest, np.inf, 0.0, 0
-    # An event that was seen too late: which, when from here, and its excess before and there.
-    mark, ahead, was, over, settled = -1, 0.0, 0.0, 0.0, False
+    wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
+    # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
+    before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
     for step in range(_STEPS):
         m = used[0]
-        if overspent(effort, 4 * m):
+        if overspent(effort, m):
             break
-        level = shared
         while True:
             if beta == 0.0:
-                level = _balance(cell, m, level)
+                shared = _balance(cell, m, shared)
             else:
-                level = (drive - alpha * _stroke(cell, m, _TRAVEL, still[_STILL])) / beta
-            calls = 1 if level < still[_LOWEST] else (0 if level > still[_HIGHEST] else -1)
-            joins = at.first[calls] if calls >= 0 else -1
-            if last > 0.0 and tries < _TRIES:
-                pace = problem.mobility[joins] / laws.full[joins] if joins >= 0 else 0.0
-                event, share = _missed(at, shared, level, pace, accuracy / last)
-                if event >= 0:
-                    # It was on the way. A step that ends just past it is short enough.
-                    mark, ahead = event, last
-                    over, was = _excess(at, mark, level), _excess_before(at, mark, shared)
-                    for j in range(m):
-                        rubbed[where[_CELL, j]] -= abs(cell[_TRAVEL, j] - cell[_WAS, j])
-                        cell[_TRAVEL, j] = cell[_WAS, j]
-                    _look(problem, at)
-                    soon, last, tries, level = 1.01 * share * last, 0.0, tries + 1, shared
-                    continue
-            if joins < 0:
+                shared = (drive - alpha * _stroke(cell, m, _TRAVEL, still[_STILL])) / beta
+            calls = 1 if shared < still[_LOWEST] else (0 if shared > still[_HIGHEST] else -1)
+            if calls < 0 or at.first[calls] < 0:
                 break
-            _join(problem, state, at, joins)
+            _join(problem, state, at, at.first[calls])
             _close(problem, state, at)
-            m, last, stiffest = used[0], 0.0, _stiffest(cell, used[0], gentle)
-        if last > 0.0 and ahead > 0.0:
-            # Short of the event, which is between here and where it was too late; or past it.
-            ahead, tries = ahead - last, tries + 1
-            now = _excess(at, mark, level)
-            if ahead > 0.0 and now * over < 0.0 and tries < _TRIES:
-                soon, was = 1.01 * _reached((was, now, over), last, ahead), now
-            else:
-                ahead = 0.0
-        elif last > 0.0:
-            tries = 0
-        shared = level
+            m, stiffest = used[0], _stiffest(cell, used[0], gentle)
         largest = _rates(cell, m, shared)
         if folds and _jumps(problem, at):
-            last = 0.0
             continue
         # The longest step moves no cell by more than rounding: this is rest, whether or not
         # Newton can say so (two cells of constant force have no single place to be).
@@ -684,58 +806,75 @@ def flow(
                     cell[_TRAVEL, j] = cell[_TRIAL, j]
         if settled:
             break
-        for j in range(m):
-            cell[_WAS, j] = cell[_TRAVEL, j]
-        h, stops, cut = min(wanted, soon), 0, soon < wanted
-        _senses(cell, where, m, shared, h, 0.1 * accuracy)
-        while True:
-            where[_SENSE, :m] = where[_BEGAN, :m]
-            _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
+        _set_senses(at, shared)
+        if largest > before and slows:
+            # It was slowest here: with so much less it would have come to rest.
+            if before < 0.5 * peak and _has_left(state, at):
+                set_near(state.near, before, steepest)
+                close = close or before <= max(2.0 * steepest * off, TIE * scale)
+            slows = False
+        elif largest < before:
+            steepest, slows = _steepest(cell, where, m), True
+        before, peak = largest, max(peak, largest)
+        h, cut, stopped = wanted, False, -1
+        for _ in range(_TRIES):
+            level = _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
             h = min(h, _longest_step(alpha, beta, cell, where, m, h))
+            if overspent(effort, 3 * m):
+                break
             _step(problem, at, h)
-            back, stays = _pushed_back(cell, where, m, _WAY, False), not np.any(cell[_WAY, :m])
-            if (back >= 0 or stays) and h > 1e-6 / stiffest:
-                # A cell would leave its stop and be back there within the step, which then would
-                # end before it began; or all were called back. A shorter step lets them go ...
-                h *= 0.25
-                _senses(cell, where, m, shared, h, 0.1 * accuracy)
-                continue
-            if back >= 0:
-                # ... and in the shortest it stays.
-                where[_BEGAN, back] = 0
-                continue
             worst = _worst(cell, m) / accuracy
             if worst > 1.0 and h > 1e-9 / stiffest:
                 h *= max(0.2, 0.8 * worst**-0.25)
+                wanted = h
                 continue
-            # The first stop on the way ends the step: what comes after it is another field.
-            share, first, bend, then = _until_stop(cell, m, h)
-            if abs(1.0 - share) * bend <= accuracy or share * h <= 1e-9 / stiffest:
+            following = _look_ahead(problem, at)
+            short, who = _passed(problem, at, h, (level, following), late, 0.02 * largest)
+            if short >= h:
                 break
-            if share >= 1.0 or stops == _TRIES:
-                share, first = min(share, 1.0), first if share < 1.0 else -1
+            cut = True
+            if short > 1e-9 / stiffest:
+                h = short
+            elif who >= 0:
+                # A stiff actuator, or rounding, can start a cell and call it back before a step
+                # can end: it stays. One that is at its stop but for rounding is there.
+                for end in (cell[_LEAST, who], cell[_MOST, who]):
+                    if abs(cell[_TRAVEL, who] - end) <= 1e-10 * cell[_FULL, who]:
+                        cell[_TRAVEL, who] = end
+                where[_SENSE, who], h, cut = 0, wanted, False
+            else:
                 break
-            h, cut, stops = then * h, True, stops + 1
+        first, ago, bend = _meets_stop(cell, where, m, h)
+        if first >= 0 and (ago >= 0.0 or bend <= late):
+            stopped = first
+        off = _carry_error(problem, at, h, stopped)
         for j in range(m):
-            if where[_SENSE, j] != 0:
-                way = cell[_WAY, j]
-                place = cell[_TRAVEL, j] + share * way
-                place = min(max(place, cell[_LEAST, j]), cell[_MOST, j])
-                if j == first:
-                    # Not by how far it goes: a cell that was there already goes nowhere.
-                    place = cell[_MOST, j] if way > 0.0 else cell[_LEAST, j]
-                rubbed[where[_CELL, j]] += abs(place - cell[_TRAVEL, j])
-                cell[_TRAVEL, j] = place
-        _look(problem, at)
-        following = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
-        wanted = max(wanted, following) if cut else following
+            if where[_SENSE, j] == 0:
+                continue
+            place = cell[_TRIAL, j]
+            if stopped >= 0:
+                place -= ago * cell[_NEXT_RATE, j]
+                if j == stopped:
+                    place = cell[_MOST, j] if cell[_NEXT_RATE, j] > 0.0 else cell[_LEAST, j]
+            place = min(max(place, cell[_LEAST, j]), cell[_MOST, j])
+            rubbed[where[_CELL, j]] += abs(place - cell[_TRAVEL, j])
+            cell[_TRAVEL, j] = place
+            where[_PIECE, j] = where[_NEXT_PIECE, j]
+            cell[_FORCE, j], cell[_SLOPE, j] = cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j]
+        if stopped >= 0:
+            _look(problem, at)
+        longer = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
+        wanted = max(wanted, longer) if cut else longer
         wanted = min(max(wanted, 1e-9 / stiffest), longest)
-        soon, last = np.inf, h if first < 0 else 0.0
-        if first >= 0:
-            ahead = 0.0
+    if settled and stopped < 0:
+        barrier = _barrier(problem, at)
+        set_near(state.near, barrier, steepest)
+        close = close or barrier <= max(2.0 * steepest * off, TIE * scale)
+    # Steps are linearised, so twice the sum is what may be relied on.
+    state.near[2] = max(state.near[2], 2.0 * off)
     for j in range(used[0]):
         state.travel[where[_CELL, j]] = cell[_TRAVEL, j]
-    return settled, shared
+    return settled, shared, close
 
 
 @leaf

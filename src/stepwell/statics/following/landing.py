@@ -11,9 +11,9 @@ import numpy as np
 
 from stepwell.base import Ints
 from stepwell.kernels import kernel, leaf, overspent
-from stepwell.mechanism import HIGH, LOW, Laws, law
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, beyond, law
 from stepwell.statics.following.pieces import find_piece
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import FREE, HELD, Problem, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
 
@@ -167,3 +167,110 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
         if back >= 0 and from_back - pieces.left[on_back] <= end:
             on_back -= 1
         begin = end
+
+
+@leaf
+def least_pull(problem: Problem, line: Line, begin: float, end: float) -> tuple[float, float]:
+    """The least pull between two shifts on the way of a snap, and the stiffness there [N], [N/m].
+
+    A least one has more on both sides: so much less pull, and the snap would land there. Without
+    one it is inf.
+    """
+    picked, pieces = problem.pieces.picked, problem.pieces
+    forth, back = line.forth, line.back
+    on_forth = find_piece(pieces, forth, line.from_forth + begin, 1) if forth >= 0 else 0
+    on_back = find_piece(pieces, back, line.from_back - begin, -1) if back >= 0 else 0
+    least, stiffness, falls, at = np.inf, 0.0, False, begin
+    while at < end:
+        until = end
+        if forth >= 0:
+            until = min(until, pieces.right[on_forth] - line.from_forth)
+        if back >= 0:
+            until = min(until, line.from_back - pieces.left[on_back])
+        until = max(until, at)
+        if until > at:
+            pull, pull_slope, resist, resist_slope = _ends(
+                problem.laws, picked, line, on_forth, on_back, 0.0, at
+            )
+            if falls and pull_slope >= resist_slope and pull - resist < least:
+                least, stiffness = pull - resist, max(abs(pull_slope), abs(resist_slope))
+            low, high = at, until
+            falls = pull_slope < resist_slope
+            _, pull_slope, _, resist_slope = _ends(
+                problem.laws, picked, line, on_forth, on_back, 0.0, until
+            )
+            if falls and pull_slope >= resist_slope:
+                for _ in range(40):
+                    middle = 0.5 * (low + high)
+                    _, pull_slope, _, resist_slope = _ends(
+                        problem.laws, picked, line, on_forth, on_back, 0.0, middle
+                    )
+                    if pull_slope < resist_slope:
+                        low = middle
+                    else:
+                        high = middle
+                pull, pull_slope, resist, resist_slope = _ends(
+                    problem.laws, picked, line, on_forth, on_back, 0.0, high
+                )
+                if pull - resist < least:
+                    least, stiffness = pull - resist, max(abs(pull_slope), abs(resist_slope))
+                falls = False
+            else:
+                falls = pull_slope < resist_slope
+        if until >= end:
+            break
+        if forth >= 0 and pieces.right[on_forth] - line.from_forth <= until:
+            on_forth += 1
+        if back >= 0 and line.from_back - pieces.left[on_back] <= until:
+            on_back -= 1
+        at = until
+    return max(least, 0.0), stiffness
+
+
+@leaf
+def note_next_snap(problem: Problem, state: State) -> None:
+    """Note by how much λ misses what would set off one more snap where a snap has landed.
+
+    That is the force at which a held cell would run away, or at which one that follows λ comes to
+    the end of its rising branch.
+    """
+    laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, state.travel
+    shared, falling = state.force[0], 0
+    compliance = problem.beta / problem.alpha if problem.alpha > 0.0 else np.inf
+    for i in range(len(travel)):
+        gap = laws.friction[i] - abs(state.at_rest[i] - shared)
+        slid = state.mode[i] == HELD and laws.friction[i] > 0.0 and gap <= 1e-9 * problem.scale
+        if state.mode[i] == FREE or slid:
+            heading = 1 if shared > state.at_rest[i] else -1
+            piece = find_piece(pieces, i, travel[i], heading) if slid else state.piece[i]
+            slope = law(laws, i, pieces.picked[piece], travel[i])[1]
+            falling += slope < 0.0
+            compliance += 1.0 / slope if slope != 0.0 else np.inf
+    for i in range(len(travel)):
+        if state.mode[i] == FREE and pieces.sign[state.piece[i]] <= 0:
+            continue
+        for heading in (1, -1):
+            stop = ends[i, BEYOND] if heading > 0 else ends[i, BEFORE]
+            if heading * (stop - travel[i]) <= 0.0:
+                continue
+            last = pieces.among[i, (heading + 1) // 2]
+            first = find_piece(pieces, i, travel[i], heading)
+            slope = law(laws, i, pieces.picked[first], travel[i])[1]
+            piece, end, force = first, travel[i], heading * state.at_rest[i]
+            if pieces.sign[first] > 0:
+                while piece != last and pieces.sign[piece + heading] > 0:
+                    piece += heading
+                end = pieces.right[piece] if heading > 0 else pieces.left[piece]
+                if piece == last and beyond(problem.sheets, i, end) < 0:
+                    continue
+                at_end = pieces.force_right[piece] if heading > 0 else pieces.force_left[piece]
+                force = heading * at_end
+            elif slope >= 0.0 or (falling == 0 and compliance <= -1.0 / slope):
+                # Where the others give way too little it would follow λ and not run away.
+                continue
+            gap, room = force - heading * shared + laws.friction[i], heading * (end - travel[i])
+            if room > 0.0:
+                set_near(state.near, max(gap, 0.0), max(gap, 0.0) / room)
+            elif laws.friction[i] == 0.0 or gap > 1e-9 * problem.scale:
+                # One that slid here comes to rest as others do that follow λ.
+                set_near(state.near, max(gap, 0.0), -slope)

@@ -16,13 +16,15 @@ FOLD, RELEASE, KINK, ENDS = 1, 2, 3, 4
 # of one equation, all other cells being proved to stay on their branches; or by integrated flow.
 BY_LINE, BY_EQUATION, BY_FLOW = 1, 2, 3
 
-SEGMENT_COLUMNS = 15
+SEGMENT_COLUMNS = 18
 KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
 # The cell that sets a snap off, -1 on other segments, and the sense in which it moves.
 RELEASED, RUBBED, CAUSE, TIE_A, TIE_B, LEADER, HEADING = range(6, 13)
 # How a landing was found; and 1 where every cell between its stops that has no row of its own
 # follows the force on its branch, which is how long chains are written down.
 DECIDED, FOLLOW = 13, 14
+# How far a snap is from another landing [N], [m], and by how much an integrated one may be off [m].
+NEAR_FORCE, NEAR_TRAVEL, ERROR = range(15, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 

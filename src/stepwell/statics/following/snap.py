@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import kernel, leaf
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored, summed
+from stepwell.mechanism import HIGH, LOW, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -15,6 +15,8 @@ from stepwell.statics.following.landing import (
     UNDECIDED,
     Line,
     land,
+    least_pull,
+    note_next_snap,
     pull_at,
 )
 from stepwell.statics.following.log import ENDS, FOLD, SNAP
@@ -41,24 +43,23 @@ from stepwell.statics.following.state import (
     begin,
     held_range,
     jump,
+    set_near,
     set_snap,
     set_tie,
     settle,
     write,
 )
 
-# Accuracies of the flow, as shares of the travel: that of a path, and that of a second look.
-FINE, COARSE = 1e-6, 1e-4
+# Accuracies of a step of the flow, as shares of the travel: of a path, and of samples.
+FINE, COARSE = 2e-7, 1e-4
 
 
 @kernel
 def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
-    """Snap, and write down what moved and what was released.
-
-    Unless the accuracy is FINE, ties of the flow are not looked for.
-    """
+    """Snap, and write down what moved, what was released, and how near another landing is."""
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
+    state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[TRIGGER]
     rubbed = np.zeros(len(before))
     outcome, close = JUMPED, False
@@ -73,6 +74,7 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
             return NOT_SETTLED
         close = close or closer
     settle(problem, state)
+    note_next_snap(problem, state)
     # A snap at a prescribed stroke that does not keep it is no answer.
     if problem.beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full):
         return NOT_SETTLED
@@ -170,6 +172,8 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
         if shift > 2e-3 * size and not tie:
             other_outcome, other_shift, _ = land(problem, line, 1e-3, bias)
             tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != UNDECIDED
+    if shift > start * size:
+        set_near(state.near, *least_pull(problem, line, start * size, shift))
     if outcome == UNDECIDED:
         outcome, shift, level = JOINED, 0.0, line.force
     if forth >= 0:
@@ -243,7 +247,7 @@ def _by_flow(
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     sheets = sheets_of(problem.sheets)
     start, modes, worn = state.travel.copy(), state.mode.copy(), rubbed.copy()
-    again, settled, level = start, False, force
+    settled, level, tie = False, force, False
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
     # The place next to a fold can be too narrow for the flow to get out of; then the way
     # out is begun further on, where the one unstable direction still holds.
@@ -254,27 +258,16 @@ def _by_flow(
         if not on_its_way:
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
-        again = state.travel.copy()
-        settled, level = flow(problem, state, drive, force, accuracy, rubbed)
+            # The way out bends away from its direction by the square of the first step.
+            state.near[2] = share**2 * np.max(laws.full)
+        settled, level, tie = flow(problem, state, drive, force, accuracy, rubbed)
         if settled or on_its_way:
             break
     if not settled:
         return False, False
-    landed, tie = sheets_of(problem.sheets), False
     state.force[0] = level
-    if accuracy == FINE:
-        # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
-        # between two landings hangs on less than any real mechanism can promise.
-        here, moved = state.travel.copy(), state.mode.copy()
-        stand_all_on(laws, problem.sheets, pieces, sheets)
-        state.travel[:], state.mode[:] = again, modes
-        settled, _ = flow(problem, state, drive, force, COARSE, worn)
-        again[:], state.travel[:], state.mode[:] = state.travel, here, moved
-        elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
-        stand_all_on(laws, problem.sheets, pieces, landed)
-        tie = not settled or elsewhere or _elsewhere(problem, state, again)
     travel, ends, full = state.travel, problem.sheets.ends, laws.full
-    for i in range(len(landed)):
+    for i in range(len(travel)):
         for end in (LOW, HIGH):
             if abs(travel[i] - ends[i, end]) <= 1e-13 * full[i]:
                 travel[i] = ends[i, end]
@@ -282,39 +275,6 @@ def _by_flow(
         if abs(travel[i] - start[i]) <= 1e-15 * full[i]:
             travel[i] = start[i]
     return True, tie
-
-
-@kernel
-def _elsewhere(problem: Problem, state: State, there: Floats) -> bool:
-    """Whether two computed landings are two, and not one that is known less well.
-
-    Without friction places of rest stand apart. Friction makes a continuum of them, on which the
-    place depends smoothly on the way there: two places are one if the chain can rest anywhere
-    between them and they are no further apart than the coarser way may be off.
-    """
-    laws, pieces, here, level = problem.laws, problem.pieces, state.travel, state.force[0]
-    apart, full = 0.0, laws.full
-    for i in range(len(here)):
-        apart = max(apart, abs(there[i] - here[i]) / full[i])
-    if apart <= 1e-4:
-        return False
-    if apart > 1e-2 or np.max(laws.friction) == 0.0:
-        return True
-    for step in range(1, 9):
-        low, high = -np.inf, np.inf
-        for i in range(len(here)):
-            travel = here[i] + step / 8.0 * (there[i] - here[i])
-            value = law(laws, i, pieces.picked[find_piece(pieces, i, travel, 0)], travel)[0]
-            # A cell that slid all the way rests where its force and friction meet λ: between two
-            # such places it is off by the bend of its force.
-            slip = laws.friction[i] + 1e-4 * problem.scale
-            if travel > problem.sheets.ends[i, BEFORE]:
-                low = max(low, value - slip)
-            if travel < problem.sheets.ends[i, BEYOND]:
-                high = min(high, value + slip)
-        if low > high or (problem.beta > 0.0 and not low <= level <= high):
-            return True
-    return False
 
 
 @kernel

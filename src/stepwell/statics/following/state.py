@@ -15,12 +15,15 @@ from stepwell.statics.following.log import (
     DRIVE_0,
     DRIVE_1,
     ENDS,
+    ERROR,
     FOLLOW,
     FORCE_0,
     FORCE_1,
     HEADING,
     KIND,
     LEADER,
+    NEAR_FORCE,
+    NEAR_TRAVEL,
     OFFSET,
     PIECE,
     RELEASED,
@@ -80,6 +83,7 @@ class State(NamedTuple):
     force: Floats  # (1,) λ
     next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
     tie: Ints  # (2,) cells that tie on the present segment, or -1
+    near: Floats  # (3,) of the present snap, see log.NEAR_FORCE and what follows
     stroke: Ints  # (1,) how many strokes have begun
     log: Log
 
@@ -97,6 +101,7 @@ def blank_state(travel: Floats, log: Log) -> State:
         np.zeros(1),
         np.zeros(4, np.int64),
         np.full(2, -1),
+        np.array([np.inf, np.inf, 0.0]),
         np.zeros(1, np.int64),
         log,
     )
@@ -183,6 +188,8 @@ def write_row(
     row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
     row[TIE_A], row[TIE_B] = state.tie
     row[DECIDED] = row[FOLLOW] = 0.0
+    if kind == SNAP:
+        row[NEAR_FORCE], row[NEAR_TRAVEL], row[ERROR] = state.near
     state.tie[:] = -1
     log.used[0] = k + 1
     log.first[k + 1] = log.used[1]
@@ -216,6 +223,14 @@ def write(
         mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
     log.used[1] = m + len(movers.cell)
     log.first[log.used[0]] = log.used[1]
+
+
+@leaf
+def set_near(near: Floats, force: float, stiffness: float) -> None:
+    """Note that so little force would make the snap land elsewhere, where cells are so stiff."""
+    near[0] = min(near[0], force)
+    if stiffness > 0.0:
+        near[1] = min(near[1], force / stiffness)
 
 
 @leaf

@@ -5,5 +5,5 @@
 from stepwell.statics.landings.enclosure import enclosed
 from stepwell.statics.landings.energy import energy_holds
 from stepwell.statics.landings.freedom import goes_one_way
-from stepwell.statics.landings.sampling import factors_of, land_all
+from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
 from stepwell.statics.landings.start import Snap, snaps_of

@@ -22,6 +22,8 @@ from stepwell.statics.landings.start import Start, room_for, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.
 _SADDLES = 20
+# Of mobilities at the ends of their range this many are tried at most.
+_MOST_CORNERS = 32
 # So many numbers are worth a look at Ctrl-C.
 _MANY = 2000
 
@@ -92,25 +94,28 @@ def _land(problem: Problem, state: State, direction: int, accuracy: float) -> bo
     return False
 
 
-def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -> Floats:
-    """(samples, N) factors of the mobilities, from 1 to `ratio`.
+def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
+    """(n, N) factors of the mobilities at the ends of their range: 1 or `ratio` for each cell.
 
-    First each of some cells fast among slow ones and slow among fast ones, which is what mostly
-    decides. Then all cells at random: of three samples two have each cell either fast or slow, for
-    the ends of the range lead to more places than what lies between, and one is log-uniform.
+    All 2^N - 2 of them for up to five cells (all slow and all fast are the same as no factor). For
+    more cells, first each of some cells fast alone and then slow alone, which is what mostly
+    decides, and as many at random as make 32.
 
     Args:
         cells: those that are fast or slow alone.
         count: N.
         ratio: of the fastest to the slowest, >= 1.
-        samples: how many.
         seed: of the random ones.
     """
-    rng, alone = np.random.default_rng(seed), np.arange(len(cells))
-    powers = rng.random((2 * len(cells) + samples, count))
-    powers[alone], powers[alone + len(cells)] = 0.0, 1.0
-    powers[alone, cells], powers[alone + len(cells), cells] = 1.0, 0.0
-    powers = powers[:samples]
-    ends = np.arange(samples) % 3 > 0
-    powers[ends] = np.round(powers[ends])
-    return ratio**powers
+    if 2**count <= _MOST_CORNERS:
+        patterns = np.arange(1, 2**count - 1)[:, None] >> np.arange(count) & 1
+        return ratio ** patterns.astype(float)
+    alone = np.arange(count) == np.asarray(cells)[:, None]
+    some = np.random.default_rng(seed).integers(0, 2, (_MOST_CORNERS, count)).astype(bool)
+    patterns = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
+    return ratio ** patterns.astype(float)
+
+
+def factors_of(count: int, ratio: float, samples: int, seed: int) -> Floats:
+    """(samples, N) factors of the mobilities at random, log-uniform from 1 to `ratio`."""
+    return ratio ** np.random.default_rng(seed).random((samples, count))
