@@ -163,6 +163,7 @@ def event_schema(chain: Chain) -> Schema:
         Quantity("distance_force", "N"),
         Quantity("distance_travel", "mm"),
         Quantity("error", "mm"),
+        Quantity("decided"),
     )
     return in_measure(schema, chain.measure)
 

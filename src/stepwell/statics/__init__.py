@@ -18,7 +18,7 @@ One word for one thing, here and in all rooms above:
 
 # pyright: reportUnusedImport=false
 
-from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
+from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following import Problem, travel_in
 from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
@@ -30,6 +30,7 @@ from stepwell.statics.run import full_cycle, path
 
 __all__ = [
     "Cause",
+    "Decided",
     "Elsewhere",
     "Event",
     "EventKind",

@@ -24,6 +24,14 @@ class Cause(Enum):
     END = "the curve of an element folds back"
 
 
+class Decided(Enum):
+    """How the landing of a snap was found."""
+
+    LINE = "along the line on which one cell or one pair moves"
+    EQUATION = "by one equation: no other cell leaves its branch"
+    FLOW = "by integrated flow"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Event(ByValue):
     """One switch or snap.
@@ -46,6 +54,7 @@ class Event(ByValue):
             to another landing [N]; inf where no other was near, and for a switch.
         distance_travel: the same over the stiffness of the cells there [m].
         error: by how much an integrated landing may be off [m]; 0 where no time was integrated.
+        decided: how the landing of a snap was found; None for a switch.
     """
 
     kind: EventKind
@@ -67,6 +76,7 @@ class Event(ByValue):
     distance_force: float = math.inf
     distance_travel: float = math.inf
     error: float = 0.0
+    decided: Decided | None = None
 
     def __repr__(self):
         unit, factor = told_in(self.measure.travel_unit)
@@ -123,7 +133,7 @@ class Segment(ByValue):
         released: energy turned into heat by a snap [J].
         tie: whether another outcome was closer than the tolerance.
         cause: why it snapped; None where it did not.
-        distance_force, distance_travel, error: of a snap, as for `Event`.
+        distance_force, distance_travel, error, decided: of a snap, as for `Event`.
     """
 
     kind: SegmentKind
@@ -141,6 +151,7 @@ class Segment(ByValue):
     distance_force: float = math.inf
     distance_travel: float = math.inf
     error: float = 0.0
+    decided: Decided | None = None
 
     def __repr__(self):
         return brief(self)

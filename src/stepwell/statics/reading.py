@@ -7,7 +7,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.mechanism import Chain, Stretch, phase_at
-from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
+from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import Problem, log as logged, moved
 
 # A drift moves cells of constant force.
@@ -18,6 +18,11 @@ _KINDS = {
     logged.SNAP: SegmentKind.SNAP,
 }
 _CAUSES = {logged.RELEASE: Cause.RELEASE, logged.ENDS: Cause.END}
+_DECIDED = {
+    logged.BY_LINE: Decided.LINE,
+    logged.BY_EQUATION: Decided.EQUATION,
+    logged.BY_FLOW: Decided.FLOW,
+}
 
 
 def segments_of(
@@ -56,6 +61,7 @@ def segments_of(
             row[logged.TIE_A] >= 0,
             cause,
             *(row[logged.NEAR_FORCE :] if kind is SegmentKind.SNAP else ()),
+            decided=_DECIDED.get(int(row[logged.DECIDED])),
         )
 
 
@@ -147,6 +153,7 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
                 segment.distance_force,
                 segment.distance_travel,
                 segment.error,
+                segment.decided,
             )
             continue
         for m, phase in arrivals:

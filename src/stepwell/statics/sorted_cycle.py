@@ -149,6 +149,7 @@ def load_sorted(
         near = min(near, after - second_force)
         travel = min(travel, (after - second_force) / abs(slope))
         snap[logged.NEAR_FORCE], snap[logged.NEAR_TRAVEL] = max(near, 0.0), max(travel, 0.0)
+        snap[logged.DECIDED] = logged.BY_LINE
         snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
         _mover(log, top, back, full)
         _row(log, logged.MOVE, drive + at, full * (done + 1), after, top_force)

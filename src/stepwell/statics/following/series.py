@@ -78,6 +78,7 @@ from stepwell.statics.following.state import (
     WHY,
     Problem,
     State,
+    set_near,
     set_snap,
     set_tie,
     write_row,
@@ -457,8 +458,14 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
         # Behind a spring Σ s goes up by β (λ - λ').
         spring = 0.5 * problem.beta * (force - landing.force) * (force + landing.force)
         soft_there = softness_at(problem, state, rising) + problem.beta
-        if landing.missed < TIE * problem.scale * soft_there:
+        room = landing.missed / soft_there if landing.missed < np.inf else np.inf
+        if room < TIE * problem.scale:
             set_tie(state.tie, leader, leader)
+        state.near[0], state.near[1], state.near[2] = room, landing.missed, 0.0
+        for q, level in ((end, d * landing.force), (end_back, -d * landing.force)):
+            # One more snap would follow where λ comes to the end of the next branch.
+            gap = max(first_key(queues, q) - level, 0.0)
+            set_near(state.near, gap, 1.0 / max(soft_there, 1e-300))
         state.force[0] = force = landing.force
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
         _end_segment(problem, state, rising, segment, SNAP, d, drive, before - after + spring)

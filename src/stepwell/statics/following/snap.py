@@ -19,7 +19,7 @@ from stepwell.statics.following.landing import (
     note_next_snap,
     pull_at,
 )
-from stepwell.statics.following.log import ENDS, FOLD, SNAP
+from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD, SNAP
 from stepwell.statics.following.pieces import (
     find_piece,
     sheet_of,
@@ -106,6 +106,8 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
     movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
     heat = (released - friction_work, friction_work)
     write(problem, state, SNAP, begun, movers, heat, begun.drive)
+    by_flow = outcome == JOINED or outcome == JUMPED
+    state.log.segments[state.log.used[0] - 1, DECIDED] = BY_FLOW if by_flow else BY_LINE
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     return GOES_ON
