@@ -65,10 +65,15 @@ def processor(command: list[str]) -> float:
 
 def modules() -> int:
     """How many modules a run of a preset opens."""
-    script = (
-        "import sys; sys.argv[1:] = ['run', 'preset:paper-forward']\n"
-        "from stepwell.cli import main\ntry:\n    main()\nfinally:\n    print(len(sys.modules), file=sys.stderr)"
-    )
+    script = """
+import sys
+sys.argv[1:] = ["run", "preset:paper-forward"]
+from stepwell.cli import main
+try:
+    main()
+finally:
+    print(len(sys.modules), file=sys.stderr)
+"""
     settings = {**os.environ, "STEPWELL_KERNELS": "auto"}
     said = subprocess.run(
         [sys.executable, "-c", script], check=True, capture_output=True, text=True, env=settings
