@@ -2,7 +2,10 @@
 
 import gc
 import importlib.util
+import os
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,6 +14,20 @@ import numpy as np
 
 import stepwell as sw
 
+# Prints processor time [s], memory [MB] and nodes of a graph, made in a process of its own.
+CHILD = """
+import resource, sys, time
+from graphs import nested
+cells, what = int(sys.argv[1]), sys.argv[2]
+chain = nested(cells)
+chain.implicit_graph("force").vertex_count  # opens what a graph needs
+begun = time.process_time()
+found = chain.graph("force", start="0" * cells if what == "reached" else None)
+if what == "networkx":
+    found.networkx
+taken = time.process_time() - begun
+print(taken, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, len(found))
+"""
 LARGEST = 16  # cells of the longest chain whose graph is made whole
 SECONDS = 5.0  # what the peer may take
 
@@ -18,15 +35,16 @@ SECONDS = 5.0  # what the peer may take
 def rows() -> list[tuple[str, str, str]]:
     """What was timed, what came out, what is wanted."""
     chain = nested(14)
-    found = chain.graph("force")  # opens networkx
+    found = chain.graph("force")
     ours = {14: timed(lambda: chain.graph("force"), 5)}
     told = [
         (
             "force-controlled graph of 14 concave cells",
-            f"{ours[14]:.2f} s, {len(found):,} states, {found.size():,} transitions",
+            f"{ours[14]:.2f} s, {len(found):,} states, {found.transition_count:,} transitions",
             "-",
         ),
         ("and its reading: loops, memory, latches", f"{timed(lambda: fresh(chain), 3):.2f} s", "-"),
+        *sizes(),
     ]
     if importlib.util.find_spec("hysteron_tgraphs") is None:
         return [
@@ -53,6 +71,45 @@ def rows() -> list[tuple[str, str, str]]:
             "as a ratio",
         ),
     ]
+
+
+def sizes() -> list[tuple[str, str, str]]:
+    """Processor time and memory of whole graphs: as arrays, and as the graph of networkx."""
+    told: list[tuple[str, str, str]] = []
+    for cells in (16, 18):
+        (before, large, _), (after, small, _) = (child(cells, w) for w in ("networkx", "arrays"))
+        told.append(
+            (
+                f"graph of {cells} cells under a force: networkx against arrays",
+                f"{before:.2f} s, {large:.0f} MB against {after:.2f} s, {small:.0f} MB: "
+                f"{before / after:.0f} times",
+                "-",
+            )
+        )
+    for cells, what, wanted in (
+        (20, "whole", "at most 5 s and 1000 MB"),
+        (24, "reached", "listed"),
+    ):
+        taken, memory, nodes = child(cells, what)
+        told.append(
+            (
+                f"graph of {cells} cells under a force, {what}",
+                f"{taken:.2f} s, {memory:.0f} MB, {nodes:,.0f} states",
+                wanted,
+            )
+        )
+    return told
+
+
+def child(cells: int, what: str) -> tuple[float, ...]:
+    """Processor time [s], peak memory [MB] and nodes of a graph in a process of its own."""
+    settings = {**os.environ, "STEPWELL_LIMITS": "relays=24"}
+    command = [sys.executable, "-c", CHILD, str(cells), what]
+    folder = os.path.dirname(__file__)
+    said = subprocess.run(
+        command, check=True, stdout=subprocess.PIPE, text=True, env=settings, cwd=folder
+    )
+    return tuple(map(float, said.stdout.split()))
 
 
 def peer(largest: int) -> tuple[int, float, float]:
@@ -114,3 +171,8 @@ def nested(cells: int) -> sw.Chain:
     """d_x evenly over 10..30 mm in random order: every pair of loops is nested."""
     x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, cells))
     return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (float(v), 0.0))) for v in x])
+
+
+if __name__ == "__main__":
+    for row in rows():
+        print(" | ".join(row))

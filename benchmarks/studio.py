@@ -1,14 +1,18 @@
 """Time from a move of the pointer to the painted answer, frames a second, first paint, memory."""
 
 import argparse
+import json
 import re
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from inspect import unwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -97,15 +101,17 @@ PAINT = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ??
 
 def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
     """What was timed, what came out, what is wanted."""
+    answers = [answer(name) for name in ("curved-beam", "kresling", "balloon")]
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
-        return [("studio", "there is no chromium here", "")]
+        return [*answers, ("studio", "there is no chromium here", "")]
     pair, frames = measured(chromium, "paper-forward", "outer")
     five, _ = measured(chromium, "finger-selector", "little")
     six, _ = measured(chromium, "metachronal-wave", None)
     maps, space = repainted(chromium), turned(chromium)
     paint, server, page = grown(chromium, moves)
     return [
+        *answers,
         ("studio: pointer move to painted frame, a pair", told(pair), "p50 28 ms, p95 45 ms"),
         ("studio: the same, five cells", told(five), "p95 60 ms"),
         ("studio: the same, six cells", told(six), ""),
@@ -119,6 +125,33 @@ def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
             "20 MB each after 100000",
         ),
     ]
+
+
+def answer(preset: str) -> tuple[str, str, str]:
+    """A message about a design whose elements are all new, against one whose elements are kept."""
+    from stepwell.files import preset_text, tables_in
+    from stepwell.files.tables import elements
+    from stepwell.studio.answering import answered
+    from stepwell.studio.wire import message_of
+
+    design = tables_in(preset_text(preset), preset)
+    text = json.dumps({"v": 1, "type": "evaluate", "seq": 1, "design": design})
+    message = message_of(text, ("evaluate",))
+    kept = elements.LIBRARY
+    made = {name: replace(entry, make=unwrap(entry.make)) for name, entry in kept.items()}
+    taken: dict[bool, list[float]] = {True: [], False: []}
+    for _ in range(9):
+        for new in (True, False):
+            elements.LIBRARY = made if new else kept
+            start = time.process_time()
+            answered(message)
+            taken[new].append(time.process_time() - start)
+    before, after = (statistics.median(taken[new]) * 1e3 for new in (True, False))
+    return (
+        f"studio: an answer on {preset}, elements made again against kept, of processor time",
+        f"{before:.0f} against {after:.0f} ms: {before / after:.1f} times",
+        "-",
+    )
 
 
 def told(taken: list[float]) -> str:

@@ -83,6 +83,33 @@ except SystemExit as end:
     assert loaded_by(code) - {"pydantic"} == set()
 
 
+def test_a_run_of_a_chain_opens_what_it_needs_and_no_more(tmp_path):
+    code = f"""
+import os
+os.chdir({str(tmp_path)!r})
+sys.argv = ["stepwell", "run", "preset:paper-forward"]
+from stepwell.cli import main
+try:
+    main()
+except SystemExit as end:
+    assert not end.code, end.code
+rooms = "lab", "reports", "robot", "simulation", "studies", "studio"
+others = "design.maps", "design.synthesis", "files.schema.robot", "sequences.graphs"
+opened = [name for name in (*rooms, *others) if f"stepwell.{{name}}" in sys.modules]
+assert opened == [], opened
+"""
+    assert loaded_by(code) - {"pydantic"} == set()
+
+
+def test_a_graph_and_its_reading_open_no_networkx():
+    code = """
+import stepwell as sw
+for drive in ("stroke", "force"):
+    print(sw.preset("three-wave").graph(drive).reading)
+"""
+    assert loaded_by(code) <= {"pydantic", "scipy"}
+
+
 def test_every_public_name_can_be_had_from_the_root():
     missing = [name for name in stepwell.__all__ if not hasattr(stepwell, name)]
     assert missing == []

@@ -44,7 +44,7 @@ def test_an_element_is_made_once_for_the_same_arguments(name):
 def test_an_element_of_other_arguments_is_another_one():
     assert library.curved_beam(height=0.005) is not library.curved_beam(height=0.006)
     assert library.trilinear([0.004, 1.0]) == library.trilinear((0.004, 1.0))  # pyright: ignore[reportArgumentType]
-    with pytest.raises(ValueError, match="beams = 1.5"):
+    with pytest.raises(ValueError, match=r"beams = 1\.5"):
         library.curved_beam(beams=1.5)  # pyright: ignore[reportArgumentType]
     with pytest.raises(TypeError, match="hight"):
         library.curved_beam(hight=0.005)  # pyright: ignore[reportCallIssue]

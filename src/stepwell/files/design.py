@@ -7,18 +7,20 @@ import tomllib
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from stepwell.base import content_of, nearest_word
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
-from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of, robot
+from stepwell.files.schema import chain as schema, worded
+from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
-from stepwell.robot import Robot
+
+if TYPE_CHECKING:
+    from stepwell.robot import Robot
 
 PRESET = "preset:"
 _EMPTY = "is empty: a design file starts with a [chain] table."
@@ -79,7 +81,7 @@ def loads_robot(text: str, name: str = "design") -> Robot:
         DesignError: as `loads`, or the text describes a chain.
     """
     design = loads(text, name)
-    if isinstance(design, Robot):
+    if not isinstance(design, Chain):
         return design
     raise DesignError(
         name,
@@ -269,14 +271,27 @@ def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
 
 
 def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
-    is_robot = robot_schema.is_robot(tables)
+    robot = None if tables.keys() <= schema.FileKeys.model_fields.keys() else _robot(tables, name)
+    if robot is not None:
+        return robot, None
     try:
-        if is_robot:
-            return robot(robot_schema.RobotKeys.model_validate(tables), name), None
         return _chain(schema.FileKeys.model_validate(tables), name)
     except ValidationError as error:
-        known = robot_schema.TABLES if is_robot else schema.TABLES
-        raise DesignError(name, worded(error, known)) from None
+        raise DesignError(name, worded(error, schema.TABLES)) from None
+
+
+def _robot(tables: dict[str, Any], name: str) -> Robot | None:
+    """The robot of these tables; None where they are those of a chain."""
+    # The keys of a robot are many: a chain does not wait for them.
+    from stepwell.files.schema import robot as robot_schema
+    from stepwell.files.tables import robot
+
+    if not robot_schema.is_robot(tables):
+        return None
+    try:
+        return robot(robot_schema.RobotKeys.model_validate(tables), name)
+    except ValidationError as error:
+        raise DesignError(name, worded(error, robot_schema.TABLES)) from None
 
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:

@@ -4,14 +4,10 @@ Every `…_record` takes a result and returns what JSON can hold of it, as docs/
 it. `design` is the text of its design file, for the hash of it; written anew by default.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from stepwell.results.assumptions import actuator_words, assumptions, simulation_assumptions
-from stepwell.results.atlas import (
-    ATLAS_MACHINES,
-    atlas_assumed,
-    atlas_facts,
-    atlas_record,
-    memory_words,
-)
 from stepwell.results.check import (
     check_record,
     killer_words,
@@ -35,24 +31,6 @@ from stepwell.results.head import head, tie_notes
 from stepwell.results.json_schema import schema_kinds, schema_of
 from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
 from stepwell.results.map import boundary_rows, map_record, map_shares
-from stepwell.results.robot import (
-    CHANGE,
-    CONTACT,
-    CYCLES,
-    FLIP,
-    MEAN,
-    PREDICTED,
-    PUSH,
-    RESOLUTION,
-    ROBOT,
-    TOUCHED,
-    WALKED,
-    convergence_record,
-    maze_record,
-    robot_record,
-    sweep_record,
-    walk_record,
-)
 from stepwell.results.run import (
     CELL,
     LONGEST_SPELLED_OUT,
@@ -71,13 +49,40 @@ from stepwell.results.run import (
     run_record,
     unreachable_record,
 )
-from stepwell.results.study import (
-    STUDY_DECIDED,
-    STUDY_OUTCOME,
-    deciding_rows,
-    screen_facts,
-    study_record,
-)
+
+if TYPE_CHECKING:
+    from stepwell.results.atlas import (
+        ATLAS_MACHINES,
+        atlas_assumed,
+        atlas_facts,
+        atlas_record,
+        memory_words,
+    )
+    from stepwell.results.robot import (
+        CHANGE,
+        CONTACT,
+        CYCLES,
+        FLIP,
+        MEAN,
+        PREDICTED,
+        PUSH,
+        RESOLUTION,
+        ROBOT,
+        TOUCHED,
+        WALKED,
+        convergence_record,
+        maze_record,
+        robot_record,
+        sweep_record,
+        walk_record,
+    )
+    from stepwell.results.study import (
+        STUDY_DECIDED,
+        STUDY_OUTCOME,
+        deciding_rows,
+        screen_facts,
+        study_record,
+    )
 
 __all__ = [
     "assumptions",
@@ -106,3 +111,12 @@ __all__ = [
     "walk_record",
     "yield_record",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # Robots, studies and atlases open their rooms when their results are asked for.
+    for part in () if name.startswith("_") else ("atlas", "robot", "study"):
+        offered = vars(import_module(f"stepwell.results.{part}"))
+        if name in offered:
+            return offered[name]
+    raise AttributeError(f"module 'stepwell.results' has no attribute {name!r}")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Measure, amount, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
-from stepwell.robot import Antenna
 
 if TYPE_CHECKING:
+    from stepwell.robot import Antenna
     from stepwell.simulation import Walk
 
 _RIGID = (

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stepwell.base import __version__, told_in, versions
-from stepwell.files import digest, dumps
+from stepwell.files import digest
 from stepwell.mechanism import Chain
-from stepwell.robot import Robot
 from stepwell.statics import Tie
+
+if TYPE_CHECKING:
+    from stepwell.robot import Robot
 
 _MOST_DRIVES = 6
 
@@ -30,7 +32,9 @@ def head(
         `schema`, `stepwell`, `versions`, `design_sha256` (None of a design that no file can
         hold) and `seed`.
     """
-    if isinstance(design, Chain | Robot):
+    if design is not None and not isinstance(design, str):
+        from stepwell.files import dumps
+
         try:
             design = dumps(design)
         except ValueError:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -55,7 +56,7 @@ def run(
     With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
     written into a folder, together with the design.
     """
-    from stepwell import reports, results
+    from stepwell import results
     from stepwell.cli.text import chains as texts
     from stepwell.design import margin
 
@@ -68,7 +69,13 @@ def run(
     with progress("margin") as tell:
         limits = margin(cycle.chain, progress=tell)
     record = results.run_record(cycle, limits, landings, design=text)
-    write = partial(reports.write_run, cycle, limits, design=text, source=design, landings=landings)
+
+    def write(folder: Path, **how: Any) -> Sequence[str]:
+        from stepwell import reports
+
+        about: dict[str, Any] = {"design": text, "source": design, "landings": landings}
+        return reports.write_run(cycle, limits, folder, **about, **how)
+
     finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
 
 

@@ -1,8 +1,10 @@
 """The results of commands about chains as people read them."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Column, Quantity, number, percent, signed, told_in
 from stepwell.cli.screen import (
@@ -29,8 +31,11 @@ from stepwell.results import (
     nearest_changes,
     tolerance_words,
 )
-from stepwell.sequences import ImplicitGraph, Pathway
+from stepwell.sequences import Pathway
 from stepwell.sequences.programs import turn_schema
+
+if TYPE_CHECKING:
+    from stepwell.sequences import ImplicitGraph
 
 # The states of a longer chain are too long to be read.
 MOST_CELLS = 12

@@ -9,7 +9,7 @@ from stepwell.base import ByValue
 from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders.orders import Orders, by_cells_at_1
 from stepwell.mechanism import Chain
-from stepwell.sequences import cycle, graph
+from stepwell.sequences import cycle
 from stepwell.sequences.branches import Branches
 from stepwell.statics import Landing, StaticsError, Tie
 
@@ -81,6 +81,8 @@ def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
         ValueError: too many branches.
         StaticsError: the engine could not go on.
     """
+    from stepwell.sequences import graph
+
     found = graph(chain, start=chain.first_state)
     labels = (label for label in found.reachable() if "-" not in label)
     # Nodes that share a state are numbered.

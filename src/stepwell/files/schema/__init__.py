@@ -1,6 +1,8 @@
 """The keys of design files: what each may hold, and in which unit."""
 
-from stepwell.files.schema import arena, chain, elements, rig, robot
+from typing import TYPE_CHECKING
+
+from stepwell.files.schema import chain, elements
 from stepwell.files.schema.checks import Within
 from stepwell.files.schema.keys import (
     UNITS,
@@ -15,5 +17,8 @@ from stepwell.files.schema.keys import (
     unit_of,
     written,
 )
-from stepwell.files.schema.robot import ASSUMED
 from stepwell.files.schema.wording import worded
+
+if TYPE_CHECKING:
+    # Opened where one of these files is read: a chain needs none of them.
+    from stepwell.files.schema import arena, rig, robot

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import ASSUMED
+from stepwell.files.schema import robot as schema
 from stepwell.files.tables.design_text import whole_text
 from stepwell.files.text import Item, Steps, find, parsed, quoted, value_text
 from stepwell.robot import Robot
@@ -95,7 +95,8 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> Sources:
     of: dict[Steps, str] = {}
     for steps, every in said.items():
         narrowest = min((one.size for one in every), default=0)
-        one, *others = [one for one in every if one.size == narrowest] or [_Said(0, ASSUMED, "")]
+        found = [one for one in every if one.size == narrowest]
+        one, *others = found or [_Said(0, schema.ASSUMED, "")]
         of[steps] = one.label
         problems += [
             f"{other.where}: {one.label} has that too; keep one of them."
