@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -130,9 +130,6 @@ class HalfRound:
         return np.stack(found[:-1], axis=1), found[-1]
 
 
-Halves = tuple[HalfRound, HalfRound]
-
-
 @dataclass(frozen=True, eq=False)
 class Round:
     """A leg's way out and back, and how its foot stands on each.
@@ -142,47 +139,45 @@ class Round:
         halves: out and back.
         stances: of its foot, out and back.
         turns: where it begins, turns and ends.
-        earlier: the ways out and back before these, from all cells at 0 on; none where the first
-            cycle ends where it began.
+        before: the cycle before this one, None for the first, which begins with every cell at 0.
     """
 
     leg: Leg
-    halves: Halves
+    halves: tuple[HalfRound, HalfRound]
     stances: tuple[Stance, Stance]
     turns: Turns
-    earlier: tuple[Halves, ...] = ()
+    before: Round | None = None
 
     @property
-    def first(self) -> Halves:
+    def first(self) -> Round:
         """The first cycle, which begins with every cell at 0."""
-        return self.earlier[0] if self.earlier else self.halves
+        return self if self.before is None else self.before.first
 
     def gait(self, tolerance: float = TOLERANCE) -> str:
         """The states visited, as "00>10>11>01>00"."""
-        return self._gait(self.halves, tolerance)
-
-    def first_gait(self) -> str:
-        """The states visited in the first cycle."""
-        return self._gait(self.first, TOLERANCE)
-
-    def _gait(self, halves: Halves, tolerance: float) -> str:
         full = np.array(self.leg.chain.full_travels)
-        return gait(np.concatenate([half.travel for half in halves]) / full, tolerance)
+        return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
 
-def rounds(robot: Robot) -> list[Round]:
-    """The round of every leg, each with the others where they are at the same stroke."""
+@lru_cache(maxsize=32)
+def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
+    """The round of every leg, each with the others where they are at the same stroke.
+
+    Args:
+        robot: any robot.
+        stiffness: of the drive [N/m]; its own by default.
+    """
     setting_out = leaning(robot)
-    found: list[Round] = []
+    found: tuple[Round, ...] = ()
     for _ in range(PASSES):
         stances = [stances_beside(robot, i, found, setting_out) for i in range(len(robot.legs))]
-        found = go_rounds(robot, stances, robot.drive.stiffness)
+        found = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
     return found
 
 
 def go_rounds(
     robot: Robot, stances: Sequence[tuple[Stance, Stance]], stiffness: float, more: float = 0.0
-) -> list[Round]:
+) -> tuple[Round, ...]:
     """Follow all legs from all cells at 0, cycle after cycle until one ends where it began.
 
     The legs' outermost blocks are one carriage that the drive pushes through a spring. At every
@@ -212,11 +207,8 @@ def go_rounds(
         except ValueError:
             # It rests in the middle of a jump: the next cycle is not known.
             break
-        found = [
-            replace(one, earlier=(*before.earlier, before.halves))
-            for before, one in zip(found, then, strict=True)
-        ]
-    return found
+        found = [replace(one, before=past) for past, one in zip(found, then, strict=True)]
+    return tuple(found)
 
 
 def _alike(one: Round, leg: Leg, stances: tuple[Stance, Stance], begin: tuple[float, ...]) -> bool:
@@ -283,7 +275,7 @@ def stances_beside(
     stroke = np.linspace(0.0, leg.stroke, POINTS)
     out, back = (
         [
-            together if one.leg.chain == leg.chain else one.first[half].at(stroke)[0]
+            together if one.leg.chain == leg.chain else one.first.halves[half].at(stroke)[0]
             for one, together in zip(found, alike, strict=True)
         ]
         if found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +48,7 @@ class Slide:
         return float(x), float(y), float(yaw)
 
 
-def slide(robot: Robot, rounds: list[Round], *, first: bool = False) -> Slide:
+def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
     """What the legs' motion does to the body on the floor.
 
     At every step the body takes, of all small motions, the one in which friction under feet
@@ -56,14 +57,12 @@ def slide(robot: Robot, rounds: list[Round], *, first: bool = False) -> Slide:
 
     Args:
         robot, rounds: the robot, and the round of each of its legs.
-        first: True for the first cycle of those rounds, and not the one that goes on.
     """
-    cycles = [one.first if first else one.halves for one in rounds]
     edge = touch(robot)
     rows: list[tuple[Floats, ...]] = []
     supports = np.asarray(robot.body.supports, float)
     for half in (0, 1):
-        ways = [one[half] for one in cycles]
+        ways = [one.halves[half] for one in rounds]
         begin, end = ways[0].stroke[[0, -1]]
         stroke = np.linspace(min(begin, end), max(begin, end), STEPS + 1)[:: -1 if half else 1]
         followed = [way.at(stroke) for way in ways]

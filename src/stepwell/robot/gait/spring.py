@@ -53,6 +53,13 @@ class Spring(NamedTuple):
         return float(way * (stroke[j - 1] - (stroke[j] - stroke[j - 1]) * a / (b - a)))
 
 
+def largest(legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
+    """The largest force that all legs together ask of the drive on a way [N], as for `stops`."""
+    along = [_Along.of(stroke, force, way) for stroke, force in legs]
+    stroke = np.unique(np.concatenate([one.stroke for one in along]))
+    return float(np.max(np.sum([one.at(stroke, _MOST) for one in along], axis=0)))
+
+
 _FIRST, _LAST, _MOST = range(3)
 
 
