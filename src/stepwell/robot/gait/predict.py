@@ -261,21 +261,7 @@ class Prediction(ByValue, Drawn):
     @property
     def too_soft(self) -> str:
         """What the drive's spring does to the gait, in words; "" where it changes nothing."""
-        if all(leg.gait == leg.rigid_gait for leg in self.legs):
-            return ""
-        least, most = (f"{stroke * 1e3:.1f}" for stroke in self.strokes)
-        text = (
-            f"the drive is too soft: with {self.robot.drive.stiffness:g} N/m the legs go from "
-            f"{least} to {most} mm of {self.robot.drive.amplitude * 1e3:g} mm"
-        )
-        if all(leg.gait == leg.first_gait for leg in self.legs):
-            return text
-        stays = all(">" not in leg.gait for leg in self.legs)
-        then = ", ".join(dict.fromkeys(leg.gait or "none" for leg in self.legs))
-        return (
-            f"{text}; the first cycle goes {self.first_advance:.2f} of u_max, then the robot "
-            f"{f'is stuck in state {then}' if stays else f'goes on as {then}'}"
-        )
+        return too_soft(self.robot)
 
     @property
     def depths(self) -> tuple[tuple[float, float], ...]:
@@ -327,13 +313,14 @@ class Prediction(ByValue, Drawn):
         near = [leg.name for leg in self.legs if leg.near_boundary]
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         # Nothing is ever minus zero.
+        soft = f"; {self.too_soft}" if self.too_soft else ""
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
         # The depths at which all legs keep their gaits.
         lows, highs = zip(*self.depths, strict=True)
         least, most = 1e3 * max(lows), 1e3 * min(highs)
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
-            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
+            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
         )
 
 
@@ -374,6 +361,42 @@ def predict(robot: Robot) -> Prediction:
         )
     strokes = found[0].turns.back, found[0].turns.out
     return Prediction(robot, tuple(legs), x / most, y / most, turn, begun / most, strokes)
+
+
+def predicted_gaits(robot: Robot) -> tuple[str, ...]:
+    """For each leg the states of the cycle that repeats itself, without doubts and advance.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    return tuple(one.gait() for one in rounds(robot))
+
+
+def too_soft(robot: Robot) -> str:
+    """What the drive's spring does to the gait, in words; "" where it changes nothing.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found, gaits, stiffness = rounds(robot), predicted_gaits(robot), robot.drive.stiffness
+    if _passes(robot, found, stiffness) or gaits == tuple(
+        one.gait() for one in rounds(robot, math.inf)
+    ):
+        return ""
+    text = (
+        f"the drive is too soft: with {stiffness:g} N/m the legs go from "
+        f"{found[0].turns.back * 1e3:.1f} to {found[0].turns.out * 1e3:.1f} mm of "
+        f"{robot.drive.amplitude * 1e3:g} mm"
+    )
+    firsts = tuple(one.first for one in found)
+    if gaits == tuple(one.gait() for one in firsts):
+        return text
+    most = max(leg.stroke for leg in robot.legs)
+    advance = slide(robot, firsts).displacement()[0] / most
+    states = ", ".join(dict.fromkeys(gait or "none" for gait in gaits))
+    stuck = all(">" not in gait for gait in gaits)
+    then = f"is stuck in state {states}" if stuck else f"goes on as {states}"
+    return f"{text}; the first cycle goes {advance:.2f} of u_max, then the robot {then}"
 
 
 def _other_drives(robot: Robot, found: tuple[Round, ...]) -> tuple[list[str], list[list[str]]]:
