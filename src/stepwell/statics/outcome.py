@@ -54,12 +54,49 @@ def refuse_failure(
     )
     stroke = f"{measure.stroke} {math.fsum(travels) * factor:.6g} {unit}"
     place = f"{stroke}, {force * by:.4g} {pull} ({inside})"
-    names = [chain.names[i] for i in involved[:4]]
-    more = f" and {len(involved) - 4} more cells" if len(involved) > 4 else ""
-    last = involved[-1]
-    advice = f"{_nudge(chain, last)}, or give it {_friction(chain, last)}."
-    cells = f"{', '.join(names)}{more}"
+    alike = _with_alike(chain, involved)
+    cells, advice = _listed(chain, alike), _setting_apart(chain, alike[1:] or alike)
     raise StaticsError(_FAILURES[status].format(place=place, cells=cells, advice=advice))
+
+
+def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
+    """The cells involved, and all that are like one of them."""
+    ends = [
+        np.array([force for phase in own for force in (phase.force_low, phase.force_high)])
+        for own in chain.phases
+    ]
+    return [
+        i
+        for i, own in enumerate(ends)
+        if any(
+            i == j or (len(own) == len(ends[j]) and np.allclose(own, ends[j], rtol=1e-6, atol=0.0))
+            for j in involved
+        )
+    ]
+
+
+def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
+    """The names of cells, the first few of them."""
+    names = ", ".join(chain.names[i] for i in cells[:most])
+    return f"{names} and {len(cells) - most} more" if len(cells) > most else names
+
+
+def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:
+    """What sets cells apart from each other and from one more that is like them."""
+    if len(cells) == 1:
+        return f"{_nudge(chain, cells[0])}, or give it {_friction(chain, cells[0])}."
+    elements = [i for i in cells if isinstance(chain.cells[i], Element)]
+    levers = [i for i in cells if i not in elements]
+    ways = [
+        f"{way} of {_listed(chain, own)} by {steps}"
+        for own, way, steps in (
+            (elements, "scale the forces", "1, 2, … percent"),
+            (levers, "move the anchors", "0.1, 0.2, … mm"),
+        )
+        if own
+    ]
+    text = " and ".join(ways)
+    return f"{text[:1].upper()}{text[1:]}, each by another step, so that no two are alike."
 
 
 _BROKEN = {
