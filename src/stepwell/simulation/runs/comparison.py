@@ -56,8 +56,9 @@ def compare_gaits(walk: Walk) -> GaitComparison:
         for i in off
     )
     prediction = robot.predict()
-    reasons = [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
-    found = "; ".join(dict.fromkeys([*([why] if why else []), *reasons]))
+    reasons = [why] if why else []
+    reasons += [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
+    found = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
     return GaitComparison(predicted, False, f"not as predicted: {differ}: {found}")
 
 
@@ -98,7 +99,12 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
             f"feet stand {robot.foot.below * 1e3:.2f} mm deep, and statics is sure of {leg.name} "
             f"from {shallow * 1e3:.2f} to {deep * 1e3:.2f} mm only"
         )
-    yield (
-        f"its margin is {leg.margin * 1e3:.3g} mN, of which statics does not know "
-        f"{leg.uncertainty * 1e3:.3g} mN"
+
+
+def _unknown(prediction: Prediction) -> str:
+    """What is said where no reason was found: how sure the prediction is."""
+    least = min(prediction.legs, key=lambda leg: leg.margin - leg.uncertainty)
+    return (
+        f"no reason found; of the {least.margin * 1e3:.3g} mN that change the predicted gait of "
+        f"{least.name}, statics does not know {least.uncertainty * 1e3:.3g} mN"
     )
