@@ -212,10 +212,10 @@ def test_mirroring_the_anchor_swaps_loading_and_unloading():
 
 
 def test_a_place_where_the_ends_of_the_band_meet_is_marked_and_not_an_error():
-    chain = sw.Chain((cell(10, 0), cell(20, 0, rest_length=0.0)))
-    # d = (-10, -10) mm and a lever of 10 sqrt(2) mm: the band has no length at θ = 45°.
+    chain = sw.Chain((cell(10, 0), cell(20, 0, rest_length=1e-4, two_sided=True)))
+    # d = (-10, -10) mm and a lever of 10 sqrt(2) mm: the band has no length at θ = 45°, and pushes.
     data = sw.transition_map(chain, x=[-0.020, 0.010], y=[-0.010])
-    # The other place by hand, over k r: outer 0.71 and -2.12, inner 1.61 and -1.61.
+    # The other place by hand, over k r: outer about 0.71 and -2.12, inner 1.61 and -1.61.
     assert [pathway(data, 0, column) for column in range(2)] == ["impossible", "via_01"]
     assert data.attrs["impossible_designs"] == 1
     assert np.isnan(data.snap_loading[0, 0])

@@ -120,7 +120,7 @@ def test_a_cubic_law_and_a_table_of_it_pull_alike():
         (lambda: sw.Cell(sw.Band((0, 0), (0.02, 0)), friction=-1), "friction = -1.0 N"),
         (
             lambda: sw.Cell(sw.Band((0, 0), (-CELL.lever, 0), two_sided=True)),
-            "its force has no direction",
+            "of a band with a rest length of 10 mm has no direction",
         ),
         (lambda: sw.Table((0.0, 0.01), (0.1, 0.2)), r"must start at \(0, 0\)"),
         (lambda: sw.Table((0.0, 0.0), (0.0, 0.2)), "values must rise"),

@@ -40,6 +40,7 @@ def _prediction(found: Prediction) -> Card:
         [
             f"{found.motion.value.capitalize()}: d/u_max {found.advance:z.2f} and {turn} to the "
             "left a cycle, said without simulation.",
+            f"{found.too_soft[:1].upper()}{found.too_soft[1:]}." if found.too_soft else "",
             f"Too close to call: {', '.join(doubt)}." if doubt else "",
         ],
         {},

@@ -14,12 +14,14 @@ from stepwell.mechanism import (
     Element,
     Laws,
     Linear,
+    band_force,
     band_length,
     force_slopes,
     hooke,
-    length_slopes,
     reach_along,
+    reach_slopes,
     sine_at,
+    steepening,
     travel_of,
 )
 
@@ -81,9 +83,11 @@ def force_of(cell: Simple, sin: float) -> tuple[float, float]:
     """F [N] and κ = dF/ds [N/m] of a taut band at sin θ."""
     cos = np.sqrt(1.0 - sin * sin)
     length = band_length(sin, cos, cell.dx, cell.dy, cell.lever)
-    first, second, third = length_slopes(sin, cos, length, cell.dx, cell.dy, cell.lever)
-    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
-    force, slope, _ = force_slopes(tension, stiffness, 0.0, first, second, third)
+    g, g1, g2 = reach_slopes(sin, cos, cell.dx, cell.dy, cell.lever)
+    stretch = length - cell.rest
+    tension, stiffness, _ = hooke(cell.stiffness, stretch)
+    h = steepening(length, stretch, 0.0, stiffness, 0.0, 0.0)
+    force, slope, _ = force_slopes(tension, 0.0, h, length, g, g1, g2)
     return force, slope
 
 
@@ -151,7 +155,8 @@ def most_bend(cell: Simple) -> float:
     g1 = cell.dx / (r * c * c * c)
     g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
     first = g / shortest
-    second = (g1 + first * first) / shortest
-    third = (g2 + 3.0 * first * second) / shortest
-    tension, stiffness, _ = hooke(cell.stiffness, longest - cell.rest)
-    return force_slopes(tension, stiffness, 0.0, first, second, third)[2]
+    _, stiffness, _ = hooke(cell.stiffness, 0.0)
+    # Of a taut band T/ℓ = k (1 - ℓ0/ℓ) grows with ℓ, and its slope k ℓ0/ℓ² falls.
+    h = steepening(shortest, shortest - cell.rest, 0.0, stiffness, 0.0, 0.0)
+    ratio = hooke(cell.stiffness, longest - cell.rest)[0] / longest
+    return band_force(3.0 * h * first, g1 + first * first) + band_force(ratio, g2)

@@ -15,7 +15,7 @@ from stepwell.mechanism import (
     band_length,
     force_by,
     hooke,
-    length_slopes,
+    length_slope,
     reach_along,
     slopes_by_anchor,
     slopes_by_lever,
@@ -34,7 +34,7 @@ def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, flo
     t = side * cell.sin_limit
     c = np.sqrt(1.0 - t * t)
     length = band_length(t, c, dx, dy, cell.lever)
-    first, _, _ = length_slopes(t, c, length, dx, dy, cell.lever)
+    first = length_slope(t, c, length, dx, dy)
     x, y = band_direction(t, c, length, dx, dy, cell.lever)
     first_x, first_y = slopes_by_anchor(t, c, length, first, x, y)
     tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
@@ -50,7 +50,7 @@ def slopes_by_sizes(cell: Simple, side: Any, dx: Any, dy: Any) -> tuple[Any, Any
     t = side * cell.sin_limit
     c = np.sqrt(1.0 - t * t)
     length = band_length(t, c, dx, dy, cell.lever)
-    first, _, _ = length_slopes(t, c, length, dx, dy, cell.lever)
+    first = length_slope(t, c, length, dx, dy)
     by, first_by = slopes_by_lever(t, c, length, first, dx, dy, cell.lever)
     tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
     return band_force(-stiffness, first), force_by(tension, stiffness, first, by, first_by)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Law, Linear, Table
-from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slopes
+from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slope
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,5 +106,4 @@ class Band(ByValue):
         theta = np.asarray(theta, float)
         sin, cos = np.sin(theta), np.cos(theta)
         length = band_length(sin, cos, *self.d, lever)
-        slope, _, _ = length_slopes(sin, cos, length, *self.d, lever)
-        return band_force(self.tension(length), slope)
+        return band_force(self.tension(length), length_slope(sin, cos, length, *self.d))

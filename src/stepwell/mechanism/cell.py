@@ -326,13 +326,18 @@ def _refuse_steps(load: Load, full: float) -> None:
 
 
 def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
-    # Where ℓ = 0 the band has no direction and its force none either.
+    # Where ℓ = 0 a band that pulls or pushes there has no direction. One with ℓ0 = 0 does neither:
+    # its force is (T/ℓ) g, and T/ℓ has a limit.
+    if band.rest_length == 0.0:
+        return
     theta = min(max(math.atan2(-band.d[1], -band.d[0]), -limit), limit)
     shortest = min(float(band.length(t, lever)) for t in (theta, -limit, limit))
     taut = band.two_sided or shortest >= band.rest_length
     if taut and shortest < 1e-6 * lever:
+        slackens = band.two_sided and shortest < band.rest_length
+        way = "let it go slack (two_sided=False)" if slackens else "set rest_length = 0"
         raise InputError(
             f"the ends of the band with q - p = ({band.d[0] * 1e3:.6g}, {band.d[1] * 1e3:.6g}) mm "
-            f"meet at θ = {math.degrees(theta):.4g}°, where its force has no direction: move an "
-            f"anchor, or give the band a rest length and let it go slack (two_sided=False)."
+            f"meet at θ = {math.degrees(theta):.4g}°, where the force of a band with a rest length "
+            f"of {band.rest_length * 1e3:.6g} mm has no direction: move an anchor, or {way}."
         )

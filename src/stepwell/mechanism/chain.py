@@ -11,6 +11,7 @@ from stepwell.base import REACH, ByValue, Drawn, InputError, Measure, finite, re
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.elements import Element, Phase, Stretch
+from stepwell.mechanism.law import ends_of, packed
 from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
@@ -70,6 +71,11 @@ class Chain(ByValue, Drawn):
     def full_stroke(self) -> float:
         """Σ S_i [m]: the stroke with every cell at 1."""
         return math.fsum(self.full_travels)
+
+    @property
+    def stroke_range(self) -> tuple[float, float]:
+        """Least and largest Σ s [m]: open ends go on as far as any force of the chain pulls."""
+        return ends_of(packed(self.cells)[1])
 
     @property
     def full_travels(self) -> tuple[float, ...]:

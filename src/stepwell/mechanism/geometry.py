@@ -28,7 +28,8 @@ def band_length(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> Any:
     """ℓ(θ) = |(r cos θ + d_x, r sin θ + d_y)| (Kamp et al. 2024, Eq. 2)."""
     x = lever * cos + dx
     y = lever * sin + dy
-    return np.sqrt(x * x + y * y)
+    # The anchors are 1e-15 m off one plane: where they meet, ℓ keeps a slope by rounding.
+    return np.sqrt(x * x + y * y + 1e-30)
 
 
 @kernel
@@ -45,22 +46,16 @@ def reach_along(sin: Any, cos: Any, dx: Any, dy: Any) -> Any:
 
 
 @kernel
-def length_slopes(
-    sin: Any, cos: Any, length: Any, dx: Any, dy: Any, lever: Any
-) -> tuple[Any, Any, Any]:
-    """First three derivatives of ℓ by travel s = r (sin θ + sin θc).
-
-    From ℓ² = r² + d² + 2 r (d_x cos θ + d_y sin θ) and ds = r cos θ dθ:
-    ℓ ℓ' = g with g = d_y - d_x tan θ, then ℓ'' = (g' - ℓ'²)/ℓ and ℓ''' = (g'' - 3 ℓ' ℓ'')/ℓ.
-    """
+def reach_slopes(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> tuple[Any, Any, Any]:
+    """g and its first two derivatives by travel s = r (sin θ + sin θc), with ds = r cos θ dθ."""
     rc3 = lever * cos * cos * cos
-    g = reach_along(sin, cos, dx, dy)
-    g1 = -dx / rc3
-    g2 = -3.0 * dx * sin / (lever * cos * cos * rc3)
-    first = g / length
-    second = (g1 - first * first) / length
-    third = (g2 - 3.0 * first * second) / length
-    return first, second, third
+    return reach_along(sin, cos, dx, dy), -dx / rc3, -3.0 * dx * sin / (lever * cos * cos * rc3)
+
+
+@kernel
+def length_slope(sin: Any, cos: Any, length: Any, dx: Any, dy: Any) -> Any:
+    """ℓ' = dℓ/ds = g/ℓ, from ℓ² = r² + d² + 2 r (d_x cos θ + d_y sin θ)."""
+    return reach_along(sin, cos, dx, dy) / length
 
 
 @kernel
@@ -116,14 +111,33 @@ def force_by(t0: Any, t1: Any, first: Any, by: Any, first_by: Any) -> Any:
 
 
 @kernel
+def steepening(length: Any, x: Any, c0: Any, c1: Any, c2: Any, c3: Any) -> Any:
+    """h = d(T/ℓ)/dℓ = (T' - T/ℓ)/ℓ of a tension T = c0 + c1 x + c2 x² + c3 x³, with dx = dℓ.
+
+    Written without the difference of T' and T/ℓ, which are equal where T is proportional to ℓ:
+    of a linear band with ℓ0 = 0, whose ends may meet, h is 0 and not rounding over ℓ.
+    """
+    chord = c1 + x * (c2 + x * c3)
+    return (x * (c2 + 2.0 * c3 * x) + ((length - x) * chord - c0) / length) / length
+
+
+@kernel
 def force_slopes(
-    t0: Any, t1: Any, t2: Any, first: Any, second: Any, third: Any
+    tension: Any, bend: Any, h: Any, length: Any, g: Any, g1: Any, g2: Any
 ) -> tuple[Any, Any, Any]:
-    """F, κ = dF/ds and dκ/ds, from tension and length with their slopes by ℓ and by travel."""
+    """F, κ = dF/ds and dκ/ds of a band: F = (T/ℓ) g, and d(T/ℓ)/ds = h ℓ' with ℓ' = g/ℓ.
+
+    Args:
+        tension, bend: T and its second slope by ℓ.
+        h: slope of T/ℓ by ℓ, see `steepening`.
+        length: ℓ.
+        g, g1, g2: ℓ ℓ' and its first two slopes by travel, see `reach_slopes`.
+    """
+    first, ratio = g / length, tension / length
     return (
-        band_force(t0, first),
-        force_by(t0, t1, first, first, second),
-        band_force(t2 * first * first, first)
-        + band_force(3.0 * t1 * first, second)
-        + band_force(t0, third),
+        band_force(tension, first),
+        band_force(h * first, g) + band_force(ratio, g1),
+        band_force(bend * first * first, first)
+        + band_force(3.0 * h * first, g1 - first * first)
+        + band_force(ratio, g2),
     )

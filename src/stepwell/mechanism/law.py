@@ -17,8 +17,9 @@ from stepwell.mechanism.geometry import (
     band_energy,
     band_length,
     force_slopes,
-    length_slopes,
+    reach_slopes,
     sine_at,
+    steepening,
     travel_of,
 )
 
@@ -144,10 +145,12 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
             continue
         dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
         length = band_length(sin, cos, dx, dy, r)
-        l1, l2, l3 = length_slopes(sin, cos, length, dx, dy, r)
+        g, g1, g2 = reach_slopes(sin, cos, dx, dy, r)
         x = length - rest - rows[row, 0]
-        t0, t1, t2 = cubic(x, rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4])
-        f0, f1, f2 = force_slopes(k * t0, k * t1, k * t2, l1, l2, l3)
+        c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        t0, _, t2 = cubic(x, c0, c1, c2, c3)
+        h = steepening(length, x, c0, c1, c2, c3)
+        f0, f1, f2 = force_slopes(k * t0, k * t2, k * h, length, g, g1, g2)
         force += f0
         slope += f1
         bend += f2

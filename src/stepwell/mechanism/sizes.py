@@ -144,6 +144,9 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
         return ()
     points = np.ravel(np.asarray(turning_points, float))
     most, unit = chain.full_stroke, "m"
+    if np.max(np.abs(points), initial=0.0) > most:
+        # A soft open end goes on far past its curve.
+        most = max(most, *map(abs, chain.stroke_range))
     # A little out of a rigid actuator's reach is no slip, and refused where the chain is followed.
     noticed = 10 * most
     if not math.isinf(chain.actuator_stiffness):

@@ -32,7 +32,14 @@ PREDICTION: Schema = (
     Quantity("advance", "over_u_max"),
     Quantity("sideways", "over_u_max"),
     Quantity("turn", "deg"),
+    Quantity("first_advance", "over_u_max"),
+    Quantity("too_soft"),
     Quantity("near_boundary"),
+)
+NEEDS: Schema = (
+    Quantity("push", "N"),
+    Quantity("pull", "N"),
+    Quantity("stiffness", "N_per_m"),
 )
 PUSH: Schema = (
     Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
@@ -54,6 +61,7 @@ FLIP: Schema = (
 PREDICTED: Schema = (
     Quantity("name", head="leg"),
     Quantity("gait", head="states"),
+    Quantity("first_gait", head="first cycle"),
     Quantity("advance", "over_u_max", "d/u_max", form=".2f"),
     Quantity("slip", "mm"),
     Quantity("margin", "mN", "margin", form=3, none="over 2000"),
@@ -134,6 +142,7 @@ def robot_record(
         **record(ROBOT, robot),
         "prediction": {
             **record(PREDICTION, prediction),
+            "drive_needs": record(NEEDS, prediction.drive_needs),
             "legs": [record(PREDICTED, leg, feet=feet) for leg, feet in legs],
             "assumptions": list(prediction.assumptions),
         },
@@ -142,10 +151,11 @@ def robot_record(
 
 def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
     """What a robot did while it walked, as docs/commands.md describes it."""
-    from stepwell.simulation import Trial
+    from stepwell.simulation import Trial, compare_gaits
 
-    robot = walk.robot
-    legs = zip(walk.gaits.items(), walk.slip, _depths(robot), strict=True)
+    robot, compared = walk.robot, compare_gaits(walk)
+    predicted = compared.predicted or (None,) * len(robot.legs)
+    legs = zip(walk.gaits.items(), predicted, walk.slip, _depths(robot), strict=True)
     return {
         **head("stepwell.walk/1", design or robot, None, "mujoco"),
         **record(WALKED, walk),
@@ -154,14 +164,17 @@ def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
         **record(MEAN, Trial.of(walk)),
         **record(CYCLES, walk),
         "foot_mm": plain(robot.foot.below, 1e3),
+        "as_predicted": compared.same,
+        "comparison": compared.text,
         "legs": [
             {
                 "name": name,
                 "gaits": list(gaits),
+                "predicted_gait": expected,
                 "slip_mm": plain(slip, 1e3),
                 "feet_mm": plain(feet, 1e3),
             }
-            for (name, gaits), slip, feet in legs
+            for (name, gaits), expected, slip, feet in legs
         ],
         "parameters": _parameters(robot),
     }

@@ -1,6 +1,15 @@
 """Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
 
-from stepwell.robot.gait import Flip, LegPrediction, Motion, Prediction, Push, PushEnd, predict
+from stepwell.robot.gait import (
+    DriveNeeds,
+    Flip,
+    LegPrediction,
+    Motion,
+    Prediction,
+    Push,
+    PushEnd,
+    predict,
+)
 from stepwell.robot.parts import (
     Antenna,
     Arena,
@@ -26,6 +35,7 @@ __all__ = [
     "Body",
     "Cylinder",
     "Drive",
+    "DriveNeeds",
     "Flip",
     "Floor",
     "Foot",

@@ -1,7 +1,10 @@
 """What to tell the user when the model ties or the follower cannot go on."""
 
 import math
+from collections.abc import Sequence
 from typing import NoReturn
+
+import numpy as np
 
 from stepwell.base import Floats, StepwellError, told_in
 from stepwell.mechanism import Cell, Chain, Element
@@ -23,17 +26,16 @@ class StaticsError(StepwellError, RuntimeError):
 
 _FAILURES = {
     STALLED: (
-        "two events keep undoing each other at {place}: two cells balance to the last digit. Move "
-        "an anchor by 0.01 mm, or give the cells a little friction."
+        "two events keep undoing each other at {place}: the forces of {cells} balance to the last "
+        "digit. {advice}"
     ),
     NOT_SETTLED: (
-        "after a snap at {place} the cells come to rest too slowly to say where: the landing is "
-        "almost flat. Move an anchor by 0.1 mm or give the cells a little friction."
+        "after a snap at {place} {cells} come to rest too slowly to say where: the landing is "
+        "almost flat. {advice}"
     ),
     GAVE_UP: (
-        "at {place} the run was given up after as many looks as take some seconds: forces that are "
-        "alike to the last digits, or that turn very often. Move an anchor by 0.01 mm, or smooth "
-        "the tables."
+        "at {place} the run was given up after as many looks as take some seconds: the forces of "
+        "{cells} are alike to the last digits, or turn very often. {advice}"
     ),
     RUNS_AWAY: (
         "at {place} all cells stand at their stops and the drive goes on: turn back earlier."
@@ -41,8 +43,10 @@ _FAILURES = {
 }
 
 
-def refuse_failure(status: int, chain: Chain, travels: Floats, force: float) -> NoReturn:
-    """Raise StaticsError with the advice that belongs to `status`."""
+def refuse_failure(
+    status: int, chain: Chain, travels: Floats, force: float, involved: Sequence[int]
+) -> NoReturn:
+    """Raise StaticsError with the advice that belongs to `status` and to the cells involved."""
     measure, (unit, factor) = chain.measure, told_in(chain.measure.travel_unit)
     pull, by = told_in(measure.force_unit)
     inside = ", ".join(
@@ -51,7 +55,49 @@ def refuse_failure(status: int, chain: Chain, travels: Floats, force: float) -> 
     )
     stroke = f"{measure.stroke} {math.fsum(travels) * factor:.6g} {unit}"
     place = f"{stroke}, {force * by:.4g} {pull} ({inside})"
-    raise StaticsError(_FAILURES[status].format(place=place))
+    alike = _with_alike(chain, involved)
+    cells, advice = _listed(chain, alike), _setting_apart(chain, alike[1:] or alike)
+    raise StaticsError(_FAILURES[status].format(place=place, cells=cells, advice=advice))
+
+
+def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
+    """The cells involved, and all that are like one of them."""
+    ends = [
+        np.array([force for phase in own for force in (phase.force_low, phase.force_high)])
+        for own in chain.phases
+    ]
+    return [
+        i
+        for i, own in enumerate(ends)
+        if any(
+            i == j or (len(own) == len(ends[j]) and np.allclose(own, ends[j], rtol=1e-6, atol=0.0))
+            for j in involved
+        )
+    ]
+
+
+def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
+    """The names of cells, the first few of them."""
+    names = ", ".join(chain.names[i] for i in cells[:most])
+    return f"{names} and {len(cells) - most} more" if len(cells) > most else names
+
+
+def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:
+    """What sets cells apart from each other and from one more that is like them."""
+    if len(cells) == 1:
+        return f"{_nudge(chain, cells[0])}, or give it {_friction(chain, cells[0])}."
+    elements = [i for i in cells if isinstance(chain.cells[i], Element)]
+    levers = [i for i in cells if i not in elements]
+    ways = [
+        f"{way} of {_listed(chain, own)} by {steps}"
+        for own, way, steps in (
+            (elements, "scale the forces", "1, 2, … percent"),
+            (levers, "move the anchors", "0.1, 0.2, … mm"),
+        )
+        if own
+    ]
+    text = " and ".join(ways)
+    return f"{text[:1].upper()}{text[1:]}, each by another step, so that no two are alike."
 
 
 _BROKEN = {
@@ -73,13 +119,16 @@ def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: fl
     )
 
 
-def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bool) -> str:
+def advice_on_tie(
+    chain: Chain, cells: tuple[int, ...], drive: float, force: float, drifts: bool
+) -> str:
     """What happens at a tie and what the user can do about it.
 
     Args:
         chain: the chain.
         cells: the cells that tie, or the one whose landing does.
         drive: where [m], or [N] under force control.
+        force: the actuator's there [N].
         drifts: whether the cells drift together, at the same constant force.
     """
     names, where = [chain.names[c] for c in cells], _drive(chain, drive)
@@ -88,19 +137,24 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bo
             f"Two landings of the snap of {names[0]} at {where} are closer than the tolerance, so "
             f"friction will decide. {_nudge(chain, cells[0])} and look again."
         )
+    other = chain.cells[cells[1]]
     if drifts:
+        way = "Give its flat part a slope" if isinstance(other, Element) else "Keep its band taut"
         return (
             f"{names[0]} and {names[1]} offer the same constant force up to {where}, so only "
-            f"friction tells how they share the motion. Keep a band taut, give one of them "
-            f"friction, or pass prefer= to say which one goes first."
+            f"friction tells how they share the motion. {way}, or give {names[1]} "
+            f"{_friction(chain, cells[1])}, or pass prefer= to say which one goes first."
         )
-    other = chain.cells[cells[1]]
-    way = (
-        f"Scale the forces of {names[1]} by more than one percent"
-        if isinstance(other, Element)
-        else f"Move an anchor of {names[1]} by more than {_anchor_step(other) * 1e3:.2g} mm to set "
-        f"them one percent of its peak force apart"
-    )
+    if not isinstance(other, Element):
+        way = (
+            f"Move an anchor of {names[1]} by more than {_anchor_step(other, force) * 1e3:.2g} mm "
+            f"to set them one percent of its peak force apart"
+        )
+    elif abs(force) > 0.01 * other.largest_force:
+        way = f"Scale the forces of {names[1]} by more than one percent"
+    else:
+        # No scale changes a force of zero.
+        way = f"Give {names[1]} {_friction(chain, cells[1])}"
     return (
         f"{names[0]} and {names[1]} tie at {where}, so friction will decide; {names[0]} was taken "
         f"first. {way}, or pass prefer= to say which one you mean."
@@ -119,11 +173,21 @@ def _nudge(chain: Chain, index: int) -> str:
     return f"Move an anchor of {chain.names[index]} by 0.1 mm or more"
 
 
-def _anchor_step(cell: Cell) -> float:
-    """Anchor move along x [m] that changes F0 by one percent of the cell's peak force."""
-    step = 1e-5
+def _friction(chain: Chain, index: int) -> str:
+    """A friction that sets the forces of a cell one percent of their largest apart."""
+    pull, by = told_in(chain.measure.force_unit)
+    return f"a friction of {0.01 * chain.cells[index].largest_force * by:.2g} {pull}"
+
+
+def _anchor_step(cell: Cell, force: float) -> float:
+    """Anchor move along x [m] that sets a cell's force one percent of its peak apart.
+
+    Of the forces at its two stops, the one nearer to `force` is meant.
+    """
+    step, ends = 1e-5, np.array([cell.force_0, cell.force_1])
     dx, dy = cell.bands[0].q
     moved = cell.with_anchors(q=(dx + step, dy)) if len(cell.bands) == 1 else cell
-    slope = abs(moved.force_0 - cell.force_0) / step
-    peak = max(abs(cell.force_0), abs(cell.force_1))
+    changes = np.abs(np.array([moved.force_0, moved.force_1]) - ends)
+    slope = float(changes[np.argmin(np.abs(ends - force))]) / step
+    peak = float(np.max(np.abs(ends)))
     return 0.01 * peak / slope if slope > 0 else 1e-4

@@ -211,7 +211,9 @@ class Path(ByValue, Drawn):
             cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
             drive = float(row[logged.DRIVE_1])
             drifts = int(row[logged.KIND]) == logged.DRIFT
-            ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive, drifts)))
+            force = float(row[logged.FORCE_1])
+            advice = advice_on_tie(self.chain, cells, drive, force, drifts)
+            ties.append(Tie(drive, cells, advice))
         return tuple(ties)
 
     def landings(

@@ -15,6 +15,7 @@ from stepwell.statics.following import (
     KEPT,
     LOG_FULL,
     STALLED,
+    TRIGGER,
     Problem,
     State,
     audit,
@@ -125,7 +126,7 @@ def _follow_from(
             break
     if status != DONE:
         status = STALLED if status == LOG_FULL else status
-        refuse_failure(status, chain, state.travel, float(state.force[0]))
+        refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
     log = state.log
     broken, promise, by = watched(
         lambda effort: audit(problem._replace(effort=effort), log, start.travel, sheets),
@@ -136,6 +137,14 @@ def _follow_from(
         refuse_broken(promise, chain, drive, by, problem.scale)
     begin = Configuration(tuple(start.travel.tolist()), tuple(sheets.tolist()))
     return _as_path(chain, problem, turning, begin, float(start.force[0]), log)
+
+
+def _involved(state: State) -> list[int]:
+    """The cells that moved in the last two segments, and the one that sets off the next snap."""
+    log, trigger = state.log, int(state.next_snap[TRIGGER])
+    begin, end = log.first[[max(int(log.used[0]) - 2, 0), int(log.used[0])]].tolist()
+    moved = log.movers[begin:end, logged.CELL].astype(int).tolist()
+    return sorted({*moved, trigger} - {-1}) or list(range(len(state.travel)))
 
 
 def _watched(problem: Problem, turning: Floats, state: State, progress: Progress | None) -> int:

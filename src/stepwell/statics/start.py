@@ -120,7 +120,8 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
         force = (drive - alpha * stroke) / beta
     # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
     # it leaves open the cells tell.
-    rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta if beta > 0 else 0.0
+    size = abs(drive) + alpha * float(np.sum(np.abs(travels)))
+    rounding = 4.0 * EPSILON * size / beta if beta > 0 else 0.0
     slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:

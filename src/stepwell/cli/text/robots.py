@@ -32,6 +32,8 @@ def robot(record: dict[str, Any]) -> None:
         "Weight": f"{number(record['mass_g'])} g, {number(record['weight_N'])} N",
         "Predicted": f"{motion}: d/u_max {said['advance_over_u_max']:.2f}, "
         f"{said['turn_deg']:z.1f}° to the left a cycle, u_max {number(record['u_max_mm'])} mm",
+        "Drive": said["too_soft"].removeprefix("the drive is "),
+        "Drive needs": _needs(said["drive_needs"]),
         "Assumed": _assumed(record["parameters"])
         and f"{_assumed(record['parameters'])}; see below",
     }
@@ -62,6 +64,13 @@ def robot(record: dict[str, Any]) -> None:
         record["parameters"],
         most=None,
     )
+
+
+def _needs(needs: dict[str, Any]) -> str:
+    """What a motor must have for the gait."""
+    stiffness = needs["stiffness_N_per_m"]
+    enough = f"{number(stiffness, 3)} N/m or more" if stiffness else "any stiffness"
+    return f"{number(needs['push_N'], 3)} N out, {number(needs['pull_N'], 3)} N back, {enough}"
 
 
 def _of_legs(legs: list[dict[str, Any]], name: str) -> list[dict[str, Any]]:
@@ -115,6 +124,7 @@ def walk(record: dict[str, Any]) -> None:
         f"{number(record['period_s'])} s",
         "A cycle": _mean(record),
         "Work": per_cycle is not None and f"{number(per_cycle)} mJ a cycle",
+        "Statics": record["comparison"],
         "Transport": record["cost_of_transport"] is not None
         and f"{number(record['cost_of_transport'], 3)} of work over weight and distance",
         "Stopped": record["stopped"].removeprefix("Stopped "),

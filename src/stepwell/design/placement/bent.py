@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepwell.base import Bools, Floats
-from stepwell.mechanism import Band, band_force, band_length, length_slopes
+from stepwell.mechanism import Band, band_force, band_length, length_slope
 
 # Places over the travel at which the force is looked at, and steps of the derivatives [1].
 LOOKS = 129
@@ -60,5 +60,5 @@ class Bent:
         cosine = np.sqrt(1.0 - sine**2)
         dx, dy = d[:, :1], d[:, 1:]
         length = band_length(sine, cosine, dx, dy, self.lever)
-        first, _, _ = length_slopes(sine, cosine, length, dx, dy, self.lever)
+        first = length_slope(sine, cosine, length, dx, dy)
         return np.asarray(band_force(self.band.tension(length), first)), length

@@ -19,7 +19,7 @@ from stepwell.mechanism import (
     Table,
     band_force,
     band_length,
-    length_slopes,
+    length_slope,
     sine_at,
 )
 
@@ -183,7 +183,7 @@ def force(values: Mapping[str, float], data: Rows, law: Law) -> Floats:
     sine = sine_at(travel, data.lever, data.sin_limit)
     cosine = np.sqrt(1.0 - sine**2)
     length = band_length(sine, cosine, data.dx, data.dy, data.lever)
-    slope, _, _ = length_slopes(sine, cosine, length, data.dx, data.dy, data.lever)
+    slope = length_slope(sine, cosine, length, data.dx, data.dy)
     # The band is longest where the lever points along d, or where it has come nearest to that.
     limit = np.arcsin(data.sin_limit)
     theta, along = np.arcsin(sine), np.arctan2(data.dy, data.dx)

@@ -34,6 +34,7 @@ def robot_page(
         HTML text.
     """
     said = record["prediction"]
+    needs = said["drive_needs"]
     named = {q.name: q for q in PREDICTED}
     order = ("name", "gait", "feet", "advance", "margin", "uncertainty", "nearest")
     flips = [{"leg": leg["name"]} | one for leg in said["legs"] for one in leg["flips"]]
@@ -50,11 +51,14 @@ def robot_page(
         [
             f"In a cycle it advances by {number(said['advance_over_u_max'], 2)} of its longest "
             f"step, {number(record['u_max_mm'])} mm, and turns by {said['turn_deg']:z.1f}° to the "
-            f"left."
+            f"left.",
+            parts.sentence(said["too_soft"]),
         ],
         {
             "Mass": f"{number(record['mass_g'])} g",
             "Weight": f"{number(record['weight_N'], 3)} N",
+            "Drive": f"{number(needs['push_N'], 3)} N out, {number(needs['pull_N'], 3)} N back, "
+            f"{number(needs['stiffness_N_per_m'], 3)} N/m or more",
             **_assumed(record["parameters"]),
         },
         [
@@ -106,7 +110,11 @@ def walk_page(
         f"Simulated: {counted(record['cycles'], 'cycle')} of "
         f"{number(record['period_s'])} s on the floor.",
         f"It went {number(record['distance_mm'], 3)} mm",
-        [_cycle(record), parts.sentence(record["stopped"])],
+        [
+            _cycle(record),
+            parts.sentence(record["comparison"]),
+            parts.sentence(record["stopped"]),
+        ],
         {
             "A cycle, of the longest step": _number(record["mean_advance_over_u_max"], 3),
             "Turn in a cycle": _degrees(record["mean_turn_deg"]),

@@ -1,6 +1,7 @@
 """What a robot will do, from statics alone."""
 
 from stepwell.robot.gait.predict import (
+    DriveNeeds,
     Flip,
     LegPrediction,
     Motion,
@@ -8,6 +9,9 @@ from stepwell.robot.gait.predict import (
     Push,
     PushEnd,
     depths,
+    drive_needs,
     predict,
+    predicted_gaits,
+    too_soft,
 )
 from stepwell.robot.gait.states import TOLERANCE, gait, states

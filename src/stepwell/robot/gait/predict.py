@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from itertools import product
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Vec2
-from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
+from stepwell.base import ByValue, Drawn, Floats, Vec2, bisected
+from stepwell.robot.gait.round import (
+    ROUNDING,
+    Round,
+    go_round,
+    go_rounds,
+    rounds,
+    stances_beside,
+)
 from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
+from stepwell.robot.gait.spring import Spring, largest
 from stepwell.robot.gait.standing import leaning
+from stepwell.robot.gait.states import gait
 from stepwell.robot.parts import Leg, Robot
 from stepwell.statics import StaticsError
 
@@ -36,6 +45,14 @@ FORCES = (0.0, *np.geomspace(0.004, 2.0, 10).tolist())
 DEEPER = tuple(1e-4 * 2.0**k for k in range(7))
 DEPTH_HALVINGS = 4
 
+# Between which shares and multiples of the largest force over the command the least stiffness of
+# a drive is looked for; how close; in how many steps where the ways alone do not tell it, and how
+# often the last of these stretches is halved.
+STIFFNESSES = 1e4
+WITHIN = 0.01
+LOOKS_FOR_STIFFNESS = 7
+STIFFNESS_HALVINGS = 6
+
 ASSUMPTIONS = (
     "The drive is slow: no inertia. Damping enters as a lag at the drive's mean speed.",
     "Links, levers, blocks and floor are rigid; supports and feet touch in points.",
@@ -44,7 +61,10 @@ ASSUMPTIONS = (
     "which feet stick and how the body turns.",
     "A snap is overdamped and takes no time, and a foot grips at once; really the stroke goes on "
     "meanwhile, so that a forward step is shorter and a backward one longer than is said here.",
-    "The robot starts every cycle from rest with every cell at 0, far from walls.",
+    "All legs end at one carriage behind the drive's spring. Where its force lets the carriage go "
+    "at once, the cells still follow their equilibria stroke by stroke.",
+    "The robot starts from rest with every cell at 0, far from walls, and each cycle where the one "
+    "before it ended.",
 )
 
 
@@ -143,7 +163,7 @@ class LegPrediction(ByValue):
     Attributes:
         name: of the leg.
         gait: states as "00>10>11>01>00", a cell within a fifth of its travel from a stop
-            counting as there.
+            counting as there; of the cycle that repeats itself.
         advance: how far a cycle takes the body over this leg's foot while it stands, over
             u_max, the leg's largest step [1].
         slip: how far the foot slides on the floor in a cycle [m].
@@ -156,6 +176,10 @@ class LegPrediction(ByValue):
             drag, other feet in the air, a cell within 0.15 or 0.25 of its stop counting as there.
         pushes: of its foot, on the way out and back.
         flips: what its antennas do to it, in the order in which they come.
+        first_gait: of the first cycle, from all cells at 0. It is another where the drive is too
+            soft to bring the leg back to where it began; then margin, alternatives and flips
+            are those of the first cycle.
+        rigid_gait: of a drive that does not give.
     """
 
     name: str
@@ -168,6 +192,8 @@ class LegPrediction(ByValue):
     alternatives: tuple[str, ...]
     pushes: tuple[Push, ...]
     flips: tuple[Flip, ...]
+    first_gait: str
+    rigid_gait: str
 
     @property
     def near_boundary(self) -> bool:
@@ -188,15 +214,33 @@ class LegPrediction(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class DriveNeeds(ByValue):
+    """What a motor must have for the gait that a robot has behind a drive that does not give.
+
+    Attributes:
+        push, pull: largest force on the carriage on the way out and back [N], with the damping
+            of the cells at the drive's mean speed.
+        stiffness: least, to 1 %, at which all legs keep their gaits [N/m]; 0 where any will do.
+    """
+
+    push: float
+    pull: float
+    stiffness: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Prediction(ByValue, Drawn):
     """What a robot will do in a cycle, said without simulation.
 
     Attributes:
         robot: which.
         legs: for each leg.
-        advance: displacement forward in a cycle over u_max, the legs' largest step [1].
+        advance: displacement forward in a cycle over u_max, the legs' largest step [1]; of the
+            cycle that repeats itself, as all below.
         sideways: displacement to the left over u_max [1].
         turn: rotation to the left in a cycle [rad].
+        first_advance: displacement forward in the first cycle over u_max [1].
+        strokes: least and largest stroke of the carriage [m].
         assumptions: what all of this rests on.
     """
 
@@ -205,7 +249,19 @@ class Prediction(ByValue, Drawn):
     advance: float
     sideways: float
     turn: float
+    first_advance: float
+    strokes: tuple[float, float]
     assumptions: tuple[str, ...] = ASSUMPTIONS
+
+    @property
+    def drive_needs(self) -> DriveNeeds:
+        """What a motor must have for the gait; worked out when it is first asked for."""
+        return drive_needs(self.robot)
+
+    @property
+    def too_soft(self) -> str:
+        """What the drive's spring does to the gait, in words; "" where it changes nothing."""
+        return too_soft(self.robot)
 
     @property
     def depths(self) -> tuple[tuple[float, float], ...]:
@@ -257,25 +313,28 @@ class Prediction(ByValue, Drawn):
         near = [leg.name for leg in self.legs if leg.near_boundary]
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         # Nothing is ever minus zero.
+        soft = f"; {self.too_soft}" if self.too_soft else ""
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
         # The depths at which all legs keep their gaits.
         lows, highs = zip(*self.depths, strict=True)
         least, most = 1e3 * max(lows), 1e3 * min(highs)
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
-            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
+            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
         )
 
 
 def predict(robot: Robot) -> Prediction:
     """Say what a robot will do in a cycle, without simulation. All else as for `Robot.predict`."""
     found = rounds(robot)
-    slid = slide(robot, found)
+    slid, firsts = slide(robot, found), tuple(one.first for one in found)
     x, y, turn = slid.displacement()
+    begun = x if firsts == found else slide(robot, firsts).displacement()[0]
     most = max(leg.stroke for leg in robot.legs)
+    rigid, softer = _other_drives(robot, found)
     # What can be doubted of legs that are alike, and what antennas do to them, is the same.
-    doubts = cache(lambda i: _doubts(robot, found[i]))
-    flips = cache(lambda i, *antenna: tuple(_flips(robot, found[i], *antenna)))
+    doubts = cache(lambda i: _doubts(robot, firsts[i]))
+    flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
     legs: list[LegPrediction] = []
     for i, (one, first) in enumerate(zip(found, _first_alike(found), strict=True)):
         margin, nearest, alternatives = doubts(first)
@@ -288,7 +347,7 @@ def predict(robot: Robot) -> Prediction:
                 margin,
                 nearest,
                 _uncertainty(robot, one.leg),
-                alternatives,
+                tuple(sorted({*alternatives, *(gaits[i] for gaits in softer)} - {one.gait()})),
                 tuple(_pushes(robot, i, one, slid)),
                 tuple(
                     replace(flip, antenna=antenna.name, leg=one.leg.name)
@@ -296,9 +355,125 @@ def predict(robot: Robot) -> Prediction:
                     if antenna.leg == one.leg.name and antenna.connected
                     for flip in flips(first, antenna.cell, antenna.moves, antenna.swing)
                 ),
+                firsts[i].gait(),
+                rigid[i],
             )
         )
-    return Prediction(robot, tuple(legs), x / most, y / most, turn)
+    strokes = found[0].turns.back, found[0].turns.out
+    return Prediction(robot, tuple(legs), x / most, y / most, turn, begun / most, strokes)
+
+
+def predicted_gaits(robot: Robot) -> tuple[str, ...]:
+    """For each leg the states of the cycle that repeats itself, without doubts and advance.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    return tuple(one.gait() for one in rounds(robot))
+
+
+def too_soft(robot: Robot) -> str:
+    """What the drive's spring does to the gait, in words; "" where it changes nothing.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found, gaits, stiffness = rounds(robot), predicted_gaits(robot), robot.drive.stiffness
+    if _passes(robot, found, stiffness) or gaits == tuple(
+        one.gait() for one in rounds(robot, math.inf)
+    ):
+        return ""
+    text = (
+        f"the drive is too soft: with {stiffness:g} N/m the legs go from "
+        f"{found[0].turns.back * 1e3:.1f} to {found[0].turns.out * 1e3:.1f} mm of "
+        f"{robot.drive.amplitude * 1e3:g} mm"
+    )
+    firsts = tuple(one.first for one in found)
+    if gaits == tuple(one.gait() for one in firsts):
+        return text
+    most = max(leg.stroke for leg in robot.legs)
+    advance = slide(robot, firsts).displacement()[0] / most
+    states = ", ".join(dict.fromkeys(gait or "none" for gait in gaits))
+    stuck = all(">" not in gait for gait in gaits)
+    then = f"is stuck in state {states}" if stuck else f"goes on as {states}"
+    return f"{text}; the first cycle goes {advance:.2f} of u_max, then the robot {then}"
+
+
+def _other_drives(robot: Robot, found: tuple[Round, ...]) -> tuple[list[str], list[list[str]]]:
+    """Gaits of all legs behind a drive that does not give; and with what is not known of forces.
+
+    Where the drive has force to spare they are those found, and nothing is followed again.
+    """
+    stances, own = [one.stances for one in found], [one.gait() for one in found]
+    unknown = sum(_uncertainty(robot, one.leg) for one in found)
+    if _passes(robot, found, robot.drive.stiffness, unknown):
+        return own, []
+    rigid = [one.gait() for one in rounds(robot, math.inf)]
+    others = (go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown))
+    return rigid, [[one.gait() for one in other] for other in others]
+
+
+def _ways(found: Sequence[Round]) -> tuple[list[tuple[Floats, Floats]], ...]:
+    """For the way out and the way back, strokes [m] and forces [N] of every leg."""
+    return tuple(
+        [(one.halves[half].stroke, one.halves[half].force) for one in found] for half in (0, 1)
+    )
+
+
+def _passes(robot: Robot, found: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
+    """Whether a drive takes the carriage all the way out and back along these rounds."""
+    spring, (out, back) = Spring(robot.drive.amplitude, stiffness, more), _ways(found)
+    reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in found))
+    return spring.stops(out, 1) >= reach - ROUNDING and spring.stops(back, -1) <= ROUNDING
+
+
+def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
+    """Whether it takes it so far that the legs visit the same states on these ways."""
+    spring = Spring(robot.drive.amplitude, stiffness)
+    for half, (legs, way) in enumerate(zip(_ways(found), (1, -1), strict=True)):
+        end = spring.stops(legs, way)
+        for one in found:
+            ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
+            gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
+            rests = np.concatenate([gone, ahead.at(np.array([end]))[0]])
+            if gait(rests / full) != gait(ahead.travel / full):
+                return False
+    return True
+
+
+@lru_cache(maxsize=32)
+def drive_needs(robot: Robot) -> DriveNeeds:
+    """What a motor must have for the gait that a robot has behind a drive that does not give.
+
+    Args:
+        robot: any robot; its drive's stiffness is not looked at.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found = rounds(robot, math.inf)
+    push, pull = (largest(legs, way) for legs, way in zip(_ways(found), (1, -1), strict=True))
+    scale = max(push, pull) / robot.drive.amplitude
+    softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
+
+    def least(does: Callable[[float], bool]) -> float:
+        """The least stiffness that does, by what is known of these ways alone."""
+        if does(softest):
+            return softest
+        logs = math.log(stiffest), math.log(softest)
+        return math.exp(bisected(lambda log: does(math.exp(log)), logs[0], logs[1], 30)[0])
+
+    # Between these two the drive stops the carriage past the last state that a leg visits.
+    enough = least(partial(_passes, robot, found))
+    needed = min(enough, least(partial(_visits, robot, found)))
+
+    def gaits(stiffness: float) -> str:
+        return str([one.gait() for one in go_rounds(robot, [e.stances for e in found], stiffness)])
+
+    looks = np.geomspace(enough, needed * (1.0 - WITHIN), LOOKS_FOR_STIFFNESS).tolist()
+    if needed < (1.0 - WITHIN) * enough:
+        enough = next(changes(gaits, looks, STIFFNESS_HALVINGS), (0.0, ""))[0]
+    return DriveNeeds(push, pull, enough if enough > softest else 0.0)
 
 
 @lru_cache(maxsize=32)
@@ -316,7 +491,7 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     Raises:
         StaticsError: the engine could not go on; its text says what to do.
     """
-    found = rounds(robot)
+    found = tuple(one.first for one in rounds(robot))
     own = cache(lambda i: _depths(robot, i, found))
     return tuple(map(own, _first_alike(found)))
 
@@ -354,7 +529,8 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
     for cell, sense in product(tried, (1.0, -1.0)):
 
         def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
-            return go_round(robot, one.leg, one.stances, {cell: sense * force}).gait()
+            extra = {cell: sense * force}
+            return go_round(robot, one.leg, one.stances, extra, one.turns).gait()
 
         nearer = [force for force in FORCES if force < margin]
         looks = [*nearer, margin] if math.isfinite(margin) else nearer
@@ -367,7 +543,7 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
         [replace(foot, drags=False) for foot in one.stances],
         [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances],
     ):
-        others.add(go_round(robot, one.leg, (out, back)).gait())
+        others.add(go_round(robot, one.leg, (out, back), turns=one.turns).gait())
     return margin, nearest, tuple(sorted(others - {one.gait()}))
 
 
@@ -383,7 +559,8 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
         stances = stances_beside(other, index, found, leaning(other))
         for force in (unknown, -unknown):
             try:
-                after = go_round(other, leg, stances, {len(leg.chain) - 1: force}).gait()
+                extra = {len(leg.chain) - 1: force}
+                after = go_round(other, leg, stances, extra, found[index].turns).gait()
             except StaticsError:
                 return "not followed"  # so it is not sure
             if after != gait:
@@ -406,7 +583,7 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
     def thresholds(force: float) -> list[tuple[float, str]]:
         def pressed(share: float) -> str:
             leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
-            return go_round(robot, leg, one.stances, {last: force}).gait()
+            return go_round(robot, leg, one.stances, {last: force}, one.turns).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
@@ -454,7 +631,7 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
     def dragged(drag: float) -> str:
         other = replace(robot, floor=replace(robot.floor, drag=drag))
         out, back = (replace(foot, robot=other) for foot in one.stances)
-        return go_round(other, one.leg, (out, back)).gait()
+        return go_round(other, one.leg, (out, back), turns=one.turns).gait()
 
     start = robot.floor.drag
     if slips > start:

@@ -1,16 +1,19 @@
-"""One round of a leg: out and back through its equilibria, stance by stance."""
+"""The rounds of the legs: out and back through their equilibria, stance by stance."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import Floats
 from stepwell.mechanism import Cell, Chain, Load, value
+from stepwell.robot.gait.spring import Spring
 from stepwell.robot.gait.standing import HANDOVER, POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.states import TOLERANCE, gait
 from stepwell.robot.parts import Leg, Robot
@@ -21,6 +24,17 @@ MOST_PHASES = 16  # a foot that lands and lifts more often in one way is chatter
 PASSES = 3
 SAMPLES = 12  # on each smooth branch
 SETTLED = 1e-4  # weights that differ by less [N] are the same
+MOST_CYCLES = 4  # after which a cycle that does not end where it began is taken as it is
+CLOSES = 0.02  # share of its travel by which every cell of a cycle may end beside its beginning
+ROUNDING = 1e-9  # strokes that differ by less [m] are the same
+
+
+class Turns(NamedTuple):
+    """Where a cycle of a leg begins and turns."""
+
+    begin: tuple[float, ...]  # (cells,) travels [m]
+    out: float  # stroke at which it turns [m]
+    back: float  # stroke at which it ends [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +48,8 @@ class Phase:
         weighed: step at which the weight was taken that the last cell feels [m].
         begin: (cells,) travels at its start [m].
         travel: (n, cells) [m].
+        shared: (n,) force that all cells share as they are followed [N], see `_loaded`.
+        added: (k,) load of the stepping cell in place of the last one's, at the stance's steps [N].
     """
 
     foot: Stance
@@ -42,6 +58,19 @@ class Phase:
     weighed: float
     begin: Floats
     travel: Floats
+    shared: Floats
+    added: Floats
+
+    def force(self) -> Floats:
+        """(n,) force with which the drive pushes this leg's outermost block out [N].
+
+        At a given stroke a force that is the same on every cell moves nothing, and the cells are
+        followed without it. The drive bears it: what holds the foot along the floor, less what
+        the stepping cell was given in place of the last one, and the other half of the lag.
+        """
+        foot, step = self.foot, self.travel[:, :-1].sum(axis=1)
+        along = foot.hold(self.load(), step) + _lag(foot.robot)
+        return self.shared + self.way * along - np.interp(step, foot.step, self.added)
 
     def load(self) -> Floats:
         """(n,) force of the floor on the foot [N]."""
@@ -83,8 +112,13 @@ class HalfRound:
         return np.concatenate([phase.load() for phase in self.phases])
 
     @cached_property
+    def force(self) -> Floats:
+        """(n,) with which the drive pushes the outermost block out [N]."""
+        return np.concatenate([phase.force() for phase in self.phases])
+
+    @cached_property
     def stroke(self) -> Floats:
-        """(n,) of the actuator [m]."""
+        """(n,) of the outermost block [m]."""
         return self.travel.sum(axis=1)
 
     def at(self, stroke: Floats) -> tuple[Floats, Floats]:
@@ -98,11 +132,26 @@ class HalfRound:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A leg's way out and back, and how its foot stands on each."""
+    """A leg's way out and back, and how its foot stands on each.
+
+    Attributes:
+        leg: whose.
+        halves: out and back.
+        stances: of its foot, out and back.
+        turns: where it begins, turns and ends.
+        before: the cycle before this one, None for the first, which begins with every cell at 0.
+    """
 
     leg: Leg
     halves: tuple[HalfRound, HalfRound]
     stances: tuple[Stance, Stance]
+    turns: Turns
+    before: Round | None = None
+
+    @property
+    def first(self) -> Round:
+        """The first cycle, which begins with every cell at 0."""
+        return self if self.before is None else self.before.first
 
     def gait(self, tolerance: float = TOLERANCE) -> str:
         """The states visited, as "00>10>11>01>00"."""
@@ -110,16 +159,100 @@ class Round:
         return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
 
-def rounds(robot: Robot) -> list[Round]:
-    """The round of every leg, each with the others where they are at the same stroke."""
+@lru_cache(maxsize=32)
+def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
+    """The round of every leg, each with the others where they are at the same stroke.
+
+    Args:
+        robot: any robot.
+        stiffness: of the drive [N/m]; its own by default.
+    """
     setting_out = leaning(robot)
-    found: list[Round] = []
+    found: tuple[Round, ...] = ()
     for _ in range(PASSES):
-        found = [
-            go_round(robot, leg, stances_beside(robot, i, found, setting_out))
-            for i, leg in enumerate(robot.legs)
-        ]
+        stances = [stances_beside(robot, i, found, setting_out) for i in range(len(robot.legs))]
+        found = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
     return found
+
+
+def go_rounds(
+    robot: Robot, stances: Sequence[tuple[Stance, Stance]], stiffness: float, more: float = 0.0
+) -> tuple[Round, ...]:
+    """Follow all legs from all cells at 0, cycle after cycle until one ends where it began.
+
+    The legs' outermost blocks are one carriage that the drive pushes through a spring. At every
+    stroke the legs are chains of their own, and the carriage stands where the spring gives the
+    sum of their forces. It goes through a stretch in which they fall faster than the spring's at
+    once, and turns where the command, at its end, takes it no further.
+
+    Args:
+        robot: whose weight, floor and command.
+        stances: how the foot of each leg stands on the way out and back.
+        stiffness: of the drive [N/m].
+        more: force that the drive has to bear besides, against the carriage [N].
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    spring = Spring(robot.drive.amplitude, stiffness, more)
+    reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
+    begins: list[tuple[float, ...]] = [(0.0,) * len(leg.chain) for leg in robot.legs]
+    found = _cycle(robot, stances, spring, begins, reach)
+    for _ in range(MOST_CYCLES - 1):
+        ends = [tuple(one.halves[1].travel[-1].tolist()) for one in found]
+        if all(_closes(one, end) for one, end in zip(found, ends, strict=True)):
+            break
+        try:
+            then = _cycle(robot, stances, spring, ends, reach)
+        except ValueError:
+            # It rests in the middle of a jump: the next cycle is not known.
+            break
+        found = [replace(one, before=past) for past, one in zip(found, then, strict=True)]
+    return tuple(found)
+
+
+def _alike(one: Round, leg: Leg, stances: tuple[Stance, Stance], begin: tuple[float, ...]) -> bool:
+    """Whether another leg does what a leg did: the same one, or so in a mirror."""
+    return (
+        one.leg.chain == leg.chain
+        and one.turns.begin == begin
+        and all(a.alike(b) for a, b in zip(one.stances, stances, strict=True))
+    )
+
+
+def _closes(one: Round, end: Sequence[float]) -> bool:
+    """Whether a cycle ends where it began."""
+    off = np.abs(np.subtract(one.turns.begin, end)) / np.array(one.leg.chain.full_travels)
+    return bool(np.all(off < CLOSES))
+
+
+def _cycle(
+    robot: Robot,
+    stances: Sequence[tuple[Stance, Stance]],
+    spring: Spring,
+    begins: Sequence[tuple[float, ...]],
+    reach: float,
+) -> list[Round]:
+    """All legs out and back, as far as the spring takes them."""
+
+    def go(out: float, back: float) -> list[Round]:
+        done: list[Round] = []
+        for leg, each, begin in zip(robot.legs, stances, begins, strict=True):
+            # What legs that are alike do is the same.
+            twin = next((one for one in done if _alike(one, leg, each, begin)), None)
+            if twin is None:
+                done.append(go_round(robot, leg, each, turns=Turns(begin, out, back)))
+            else:
+                done.append(replace(twin, leg=leg))
+        return done
+
+    least = math.fsum(begins[0])
+    found = go(max(reach, least), 0.0)
+    out = spring.stops([(one.halves[0].stroke, one.halves[0].force) for one in found], 1)
+    if out < reach - ROUNDING:
+        found = go(out, 0.0)
+    back = spring.stops([(one.halves[1].stroke, one.halves[1].force) for one in found], -1)
+    return found if back < ROUNDING else go(out, back)
 
 
 def stances_beside(
@@ -142,7 +275,7 @@ def stances_beside(
     stroke = np.linspace(0.0, leg.stroke, POINTS)
     out, back = (
         [
-            together if one.leg.chain == leg.chain else one.halves[half].at(stroke)[0]
+            together if one.leg.chain == leg.chain else one.first.halves[half].at(stroke)[0]
             for one, together in zip(found, alike, strict=True)
         ]
         if found
@@ -153,36 +286,49 @@ def stances_beside(
 
 
 def go_round(
-    robot: Robot, leg: Leg, stances: tuple[Stance, Stance], extra: Extra = MappingProxyType({})
+    robot: Robot,
+    leg: Leg,
+    stances: tuple[Stance, Stance],
+    extra: Extra = MappingProxyType({}),
+    turns: Turns | None = None,
 ) -> Round:
-    """Follow a leg from all cells at 0 to the drive's amplitude and back.
+    """Follow a leg out and back.
 
     Args:
         robot: whose weight and floor.
         leg: of this robot, or with anchors moved.
         stances: how its foot stands on the way out and back.
         extra: cell number to a constant force against its travel to add [N].
+        turns: where it begins and turns; from all cells at 0 to the drive's amplitude and back by
+            default.
 
     Raises:
         StaticsError: the engine could not go on; its text says what to do.
     """
-    reach, begin = min(robot.drive.amplitude, leg.chain.full_stroke), np.zeros(len(leg.chain))
-    out = _half(leg, stances[0], 1, begin, reach, extra)
-    if out.travel[-1, -1] <= touch(robot):
-        # The foot still stands where the drive turns, and the drag cannot change over from one
-        # way to the other in no time; without it both ways have one law.
+    reach = min(robot.drive.amplitude, leg.chain.full_stroke)
+    turns = turns or Turns((0.0,) * len(leg.chain), reach, 0.0)
+    begin = np.array(turns.begin)
+    out = _half(leg, stances[0], 1, begin, turns.out, extra)
+    try:
+        back = _half(leg, stances[1], -1, out.travel[-1], turns.back, extra)
+    except ValueError:
+        # The foot still stands where the drive turns, and cannot while the drag changes over from
+        # one way to the other in no time; without it both ways have one law.
         quiet = replace(stances[0], drags=False)
         stances = (quiet, quiet)
-        out = _half(leg, quiet, 1, begin, reach, extra)
-    back = _half(leg, stances[1], -1, out.travel[-1], 0.0, extra)
-    return Round(leg, (out, back), stances)
+        out = _half(leg, quiet, 1, begin, turns.out, extra)
+        back = _half(leg, quiet, -1, out.travel[-1], turns.back, extra)
+    return Round(leg, (out, back), stances, turns)
 
 
 def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: Extra) -> HalfRound:
     """Follow one way in phases, in each of which the foot stands or is in the air."""
     stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
-    phase, ahead = Phase(foot, way, stands, weighed, begin, begin[None]), begin[:0]
-    phases: list[Phase] = []
+    nothing = np.zeros_like(foot.step)
+    phase = Phase(foot, way, stands, weighed, begin, begin[None], np.zeros(1), nothing)
+    if abs(until - float(begin.sum())) < ROUNDING:
+        return HalfRound((phase,))
+    ahead, phases = phase, list[Phase]()
     for _ in range(MOST_PHASES):
         try:
             phase, ahead = _phase(leg, phase, until, extra)
@@ -192,27 +338,29 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
             # It turns in the middle of a jump, where it cannot rest: it goes on as it did.
             break
         phases.append(phase)
-        if not len(ahead):
+        if not len(ahead.travel):
             return HalfRound(tuple(phases))
         phase = replace(phase, stands=not phase.stands, begin=phase.travel[-1])
     # Here, or where it chatters: the rest of the way as it was last seen.
-    return HalfRound((*phases, replace(phases[-1], travel=ahead)))
+    return HalfRound((*phases, ahead))
 
 
-def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Floats]:
+def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Phase]:
     """Follow from the beginning of a phase until the foot lifts or lands.
 
     Returns:
-        The phase; and (n, cells) travels past its end [m], as if it went on.
+        The phase; and what would come past its end, if it went on.
     """
     foot, at = phase.foot, phase.begin
     # Half a handover either side tells a foot that stands from one that does not.
     margin = HANDOVER / 2 if phase.stands else -HANDOVER / 2
-    taken, end = at[None], 0
+    taken, shared, end = at[None], np.zeros(1), 0
     for _ in range(PASSES):
-        chain = _loaded(leg, phase, extra)
+        chain, added = _loaded(leg, phase, extra)
+        phase = replace(phase, added=added)
         followed = chain.path([float(at.sum()), until], start=tuple(at.tolist()))
-        taken = followed.resampled(SAMPLES).travel
+        samples = followed.resampled(SAMPLES)
+        taken, shared = samples.travel, samples.force
         beyond = taken[:, -1] - touch(foot.robot) - margin
         over = beyond > 0 if phase.stands else beyond < 0
         end = int(np.argmax(over)) if over.any() else len(taken) - 1
@@ -221,26 +369,35 @@ def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, F
             break
         # It comes down elsewhere, under another weight.
         phase = replace(phase, weighed=lands)
-    return replace(phase, travel=taken[: end + 1]), taken[end + 1 :]
+    end += 1
+    return (
+        replace(phase, travel=taken[:end], shared=shared[:end]),
+        replace(phase, travel=taken[end:], shared=shared[end:]),
+    )
 
 
-def _loaded(leg: Leg, phase: Phase, extra: Extra) -> Chain:
+def _lag(robot: Robot) -> float:
+    """Half of the damping of a cell at the drive's mean speed [N]."""
+    return robot.blocks.damping * robot.drive.amplitude / robot.drive.period
+
+
+def _loaded(leg: Leg, phase: Phase, extra: Extra) -> tuple[Chain, Floats]:
     """The leg's chain with all that the floor does to it, as loads of its cells.
 
     The last cell feels the weight that the foot carries at the step where it was weighed. While
     it stands, the change of that from where it is, is a load on the cells that step: at a
     given stroke the same force against those moves the chain as much as it would for the last.
+    That load of the stepping cell, at the stance's steps [N], comes with the chain.
     """
     foot, way, at = phase.foot, phase.way, phase.begin
-    robot = foot.robot
-    speed = 2.0 * robot.drive.amplitude / robot.drive.period
     # Damping holds back what moves and not what rests. Half of it as friction on every cell
     # makes that difference: one half on the cell that moves, one on the cell that would start.
-    lag = robot.blocks.damping * speed / 2
+    lag = _lag(foot.robot)
     cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.levers]
     travel, load = _handing_over(foot, phase.weighed, cells[-1].full_travel)
     force = -foot.push(load, travel, phase.weighed, way)
     cells[-1] = _with_load(cells[-1], travel, force)
+    added = np.zeros_like(foot.step)
     if phase.stands:
         more = foot.change(float(at[:-1].sum()), way)
         for i, cell in enumerate(cells[:-1]):
@@ -256,10 +413,11 @@ def _loaded(leg: Leg, phase: Phase, extra: Extra) -> Chain:
                 here = cell.force(cell.angle(np.append(share, at[i])))
                 change = np.minimum(change, np.maximum(here[-1] - here[:-1], 0.0))
             cells[i] = _with_load(cell, share, change)
+            added = change if len(cells) == 2 else more
     for i, constant in extra.items():
         if constant:
             cells[i] = _with_load(cells[i], np.zeros(1), np.array([constant]))
-    return replace(leg.chain, cells=tuple(cells))
+    return replace(leg.chain, cells=tuple(cells)), added
 
 
 def _handing_over(foot: Stance, step: float, full: float) -> tuple[Floats, Floats]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +48,7 @@ class Slide:
         return float(x), float(y), float(yaw)
 
 
-def slide(robot: Robot, rounds: list[Round]) -> Slide:
+def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
     """What the legs' motion does to the body on the floor.
 
     At every step the body takes, of all small motions, the one in which friction under feet
@@ -57,14 +58,15 @@ def slide(robot: Robot, rounds: list[Round]) -> Slide:
     Args:
         robot, rounds: the robot, and the round of each of its legs.
     """
-    reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     edge = touch(robot)
     rows: list[tuple[Floats, ...]] = []
     supports = np.asarray(robot.body.supports, float)
     for half in (0, 1):
-        stroke = np.linspace(0.0, reach, STEPS + 1)[:: -1 if half else 1]
-        followed = [one.halves[half].at(stroke) for one in rounds]
-        middles = [one.halves[half].at((stroke[1:] + stroke[:-1]) / 2) for one in rounds]
+        ways = [one.halves[half] for one in rounds]
+        begin, end = ways[0].stroke[[0, -1]]
+        stroke = np.linspace(min(begin, end), max(begin, end), STEPS + 1)[:: -1 if half else 1]
+        followed = [way.at(stroke) for way in ways]
+        middles = [way.at((stroke[1:] + stroke[:-1]) / 2) for way in ways]
         for k in range(STEPS):
             before, after = ([s[j] for s, _ in followed] for j in (k, k + 1))
             middle = [s[k] for s, _ in middles]

@@ -40,6 +40,13 @@ class Stance:
     sharing: Floats
     drags: bool = True
 
+    def alike(self, other: Stance) -> bool:
+        """Whether another foot stands the same, but for rounding."""
+        pairs = ((self.step, other.step), (self.load, other.load), (self.sharing, other.sharing))
+        return self.drags == other.drags and all(
+            len(a) == len(b) and bool(np.all(np.abs(a - b) < 1e-9)) for a, b in pairs
+        )
+
     def load_at(self, step: float) -> float:
         """Force of the floor on the foot [N] when the leg has stepped that far [m]."""
         return float(np.interp(step, self.step, self.load))

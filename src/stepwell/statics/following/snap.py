@@ -35,6 +35,7 @@ from stepwell.statics.following.state import (
     NOT_SETTLED,
     SENSE,
     STALLED,
+    TIE,
     TRIGGER,
     WHY,
     Movers,
@@ -154,7 +155,8 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
         share = problem.mobility[back] / (problem.mobility[back] + problem.mobility[forth])
     line = Line(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
     size = laws.full[forth] if forth >= 0 else laws.full[back]
-    if state.next_snap[WHY] != FOLD and _is_neutral(problem, line):
+    begun, neutral = line, state.next_snap[WHY] != FOLD and _is_neutral(problem, line)
+    if neutral:
         line = _driven_on(line, direction, 1e-10 * size)
     # The start is itself an equilibrium, at a fold a double one, and next to a double root
     # the sign of the pull is rounding noise: no landing is looked for this near to it.
@@ -169,7 +171,8 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
             break
         start = 4.0 * max(start, shift / size)
         outcome, shift, level = land(problem, line, start, 0.0)
-    tie = False
+    # On a line all in balance, every place up to the landing is one to rest at.
+    tie = bool(neutral and abs(pull_at(problem, begun, 0.5 * shift)) <= TIE * scale)
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
             other_outcome, other_shift, _ = land(problem, line, 1e-3, bias)
