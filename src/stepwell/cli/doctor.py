@@ -24,7 +24,8 @@ from stepwell.cli.screen import (
 # As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
 # nothing of it. What extras bring is in `base`.
 NEEDED = (
-    "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy", "tomli-w", "typer",
+    "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy",
+    "tomli-w", "typer",
 )  # fmt: skip
 _PACKAGE: Schema = (
     Quantity("name", head="package"),

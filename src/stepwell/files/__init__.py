@@ -34,6 +34,7 @@ from stepwell.files.folder import (
     manifest,
     staged_folder,
 )
+from stepwell.files.lock import BusyError
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
 from stepwell.files.parameters import Given, key_unit, parameters, provenance, vary
 from stepwell.files.rig import loads_rig, rig_toml
@@ -44,6 +45,7 @@ from stepwell.files.write import dumps, save, with_program
 
 __all__ = [
     "OUTPUTS",
+    "BusyError",
     "DesignError",
     "Given",
     "IncompleteError",
