@@ -63,9 +63,11 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
     finally:
         # Before it is given back: whoever waits for a file that is gone opens a new one. Windows
         # keeps open files, and there the lock removes its own.
-        with suppress(OSError):
-            os.unlink(lock.lock_file)
-        lock.release()
+        try:
+            with suppress(OSError):
+                os.unlink(lock.lock_file)
+        finally:
+            lock.release()
 
 
 def _locked(file: Path, timeout: float) -> BaseFileLock:

@@ -15,6 +15,8 @@ from stepwell.cli.screen.progress import Interrupted
 from stepwell.cli.screen.show import escaped, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
+# The reader of the output has left, as `head` does: 128 and the number of SIGPIPE, as in a shell.
+PIPE_CLOSED = 141
 # Wrong usage of any kind, which Typer does not export.
 _USAGE = cast("type[Exception]", typer.BadParameter.__base__)
 _LOOK_AGAIN = 0.005  # s
