@@ -104,6 +104,7 @@ CASES = {
         3,
     ),
     "a map": ("letters", lambda: files.loads_arena("cell 100 mm\n....\n.S.."), 8),
+    "a file's keys": ("keys", lambda: files.loads_chain(CHAIN), CHAIN.count("=")),
     "a key": ("depth", lambda: files.loads_chain(CHAIN), 2),
     "places": (
         "points",

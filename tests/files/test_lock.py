@@ -1,4 +1,4 @@
-"""One process writes into a folder at a time: nothing is lost, and what the dead left is removed."""
+"""One process writes into a folder at a time; what killed processes left is removed."""
 
 from __future__ import annotations
 

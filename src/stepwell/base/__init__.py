@@ -38,6 +38,7 @@ from stepwell.base.write import (
     csv_text,
     draft_beside,
     naming,
+    refuse_address,
     sync_folder,
     write_atomic,
     write_netcdf,

@@ -21,12 +21,12 @@ def printable(text: str) -> str:
 
 
 def described(function: Callable[..., object]) -> str:
-    """What a function says of itself, also where Python was told to forget it (PYTHONOPTIMIZE=2)."""
+    """The docstring of a function, from its source where PYTHONOPTIMIZE=2 removed it."""
     if function.__doc__ is None and sys.flags.optimize > 1:
         with suppress(OSError, SyntaxError):  # there is no source
             node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-            function.__doc__ = ast.get_docstring(cast("ast.FunctionDef", node))
-    return inspect.getdoc(function) or ""
+            function.__doc__ = ast.get_docstring(cast("ast.FunctionDef", node), clean=False)
+    return function.__doc__ or ""
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str | None:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from stepwell.base import content_of, nearest_word
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
-from stepwell.files.schema import chain as schema, robot as robot_schema, worded
+from stepwell.files.schema import chain as schema, refused, robot as robot_schema
 from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of, robot
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
@@ -276,7 +276,7 @@ def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProg
         return _chain(schema.FileKeys.model_validate(tables), name)
     except ValidationError as error:
         known = robot_schema.TABLES if is_robot else schema.TABLES
-        raise DesignError(name, worded(error, known)) from None
+        raise refused(name, error, known) from None
 
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:

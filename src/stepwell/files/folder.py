@@ -20,6 +20,7 @@ from stepwell.base import (
     draft_beside,
     naming,
     printable,
+    refuse_address,
     sync_folder,
     write_atomic,
 )
@@ -116,6 +117,7 @@ def check_folder(
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
+    refuse_address(folder)
     shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
     _check(shown, target, command, dict.fromkeys(_names(command, names), "") | hashes, force)
@@ -159,6 +161,7 @@ def staged_folder(
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
+    refuse_address(folder)
     shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
     known = _names(command, names)
     _check(shown, target, command, {}, force)

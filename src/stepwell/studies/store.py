@@ -29,6 +29,7 @@ from stepwell.base import (
     ReadOnly,
     __version__,
     need,
+    refuse_address,
     sync_folder,
     told_in,
     write_atomic,
@@ -75,7 +76,7 @@ class Study(ByValue):
         version: of Stepwell that fills it.
 
     Raises:
-        ValueError: chunks of nothing.
+        ValueError: chunks of nothing, or the folder is an address.
     """
 
     folder: Path
@@ -87,6 +88,7 @@ class Study(ByValue):
     version: str = __version__
 
     def __post_init__(self):
+        refuse_address(self.folder)
         object.__setattr__(self, "folder", Path(self.folder))
         object.__setattr__(self, "given", ReadOnly(self.given))
         if self.chunk < 1:

@@ -18,6 +18,7 @@ from stepwell.cli.options import (
     Force,
     Json,
     free,
+    local,
     read_design,
     read_range,
     tolerances as parts,
@@ -51,7 +52,11 @@ _Table = Annotated[
 _Store = Annotated[
     Path,
     typer.Option(
-        "--out", "-o", metavar="STORE", help="The store, a folder that xarray opens as Zarr."
+        "--out",
+        "-o",
+        metavar="STORE",
+        help="The store, a folder that xarray opens as Zarr.",
+        callback=local,
     ),
 ]
 _Sobol = Annotated[
@@ -344,6 +349,7 @@ def export(
             metavar="FILE",
             help="The table: .csv, or .parquet.",
             dir_okay=False,
+            callback=local,
         ),
     ],
     best: Annotated[
@@ -388,7 +394,14 @@ def report(
     store: _There,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="DIR", help="Write the results here.", file_okay=False),
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write the results here.",
+            file_okay=False,
+            callback=local,
+        ),
     ],
     force: Force = False,
     as_json: Json = False,

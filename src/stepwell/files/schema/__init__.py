@@ -16,4 +16,4 @@ from stepwell.files.schema.keys import (
     written,
 )
 from stepwell.files.schema.robot import ASSUMED
-from stepwell.files.schema.wording import worded
+from stepwell.files.schema.wording import refused

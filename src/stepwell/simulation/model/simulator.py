@@ -16,7 +16,6 @@ Model: TypeAlias = Any  # mujoco.MjModel
 Spec: TypeAlias = Any  # mujoco.MjSpec
 
 
-
 def _simulator() -> Any:
     """MuJoCo, which brings what draws along: nothing here draws, so that may be broken."""
     try:
