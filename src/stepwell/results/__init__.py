@@ -75,6 +75,7 @@ from stepwell.results.study import (
     STUDY_DECIDED,
     STUDY_OUTCOME,
     deciding_rows,
+    missing_text,
     screen_facts,
     study_record,
 )

@@ -90,7 +90,7 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     from stepwell.mechanism import SlipError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
-    from stepwell.studies import StudyError, SweepError, WorkerError
+    from stepwell.studies import GapError, StudyError, SweepError, WorkerError
 
     if isinstance(error, DesignError | LabError | OverwriteError | StudyError):
         return WRONG_INPUT, str(error)
@@ -99,7 +99,7 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     if isinstance(error, Unreachable):
         return NO, str(error)
     # Any other missing module is a bug of ours.
-    if isinstance(error, StaticsError | ExtraError | SweepError | WorkerError):
+    if isinstance(error, StaticsError | ExtraError | GapError | SweepError | WorkerError):
         return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""
