@@ -92,6 +92,7 @@ def _text(name: str) -> str:
 def _kept(text: str) -> Path:
     """The file of a report, beside the last ones."""
     name = f"stepwell-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt"
+    failed = OSError("no folder to write into")
     for folder in _folders():
         try:
             folder.mkdir(0o700, parents=True, exist_ok=True)

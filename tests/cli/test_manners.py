@@ -127,8 +127,11 @@ def test_a_bug_ends_in_one_line_and_a_report_and_is_no_user_error(tmp_path, wher
         if where == "a command"
         else "sys.modules['typer'] = type('T', (), {'__getattr__': lambda s, n: {}['bug']})()"
     )
-    folder = f"import stepwell.crash as r, pathlib\nr._folders = lambda: [pathlib.Path({str(tmp_path)!r})]"
-    result = patched(f"{folder}\n{patch}", "run", "preset:paper-forward", cwd=tmp_path)
+    folder = (
+        "import stepwell.crash as r, pathlib\n"
+        f"r._folders = lambda: [pathlib.Path({str(tmp_path)!r})]\n"
+    )
+    result = patched(folder + patch, "run", "preset:paper-forward", cwd=tmp_path)
     (report,) = tmp_path.iterdir()
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr == (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stepwell.cli.options import Force, Json, Out, free, local, read_design, tolerances as parts
-from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable
+from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable, warn
 from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
@@ -184,9 +184,12 @@ def find(
 
 def _opened(store: Path | None) -> Study:
     from stepwell.atlas import THREE
-    from stepwell.studies import opened
+    from stepwell.studies import gaps_text, opened
 
-    return opened(store or THREE)
+    study = opened(store or THREE)
+    if gaps := study.gaps():
+        warn(f"{study.folder}: {gaps_text(gaps, study.count)}. What follows is of the others.")
+    return study
 
 
 def _percent(text: str) -> float:
