@@ -104,6 +104,7 @@ CASES = {
         3,
     ),
     "a map": ("letters", lambda: files.loads_arena("cell 100 mm\n....\n.S.."), 8),
+    "a file's keys": ("keys", lambda: files.loads_chain(CHAIN), CHAIN.count("=")),
     "a key": ("depth", lambda: files.loads_chain(CHAIN), 2),
     "places": (
         "points",
@@ -288,7 +289,6 @@ def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypa
     text = CHAIN + "".join(f"key_{i} = 1\n" for i in range(20_000))
     with pytest.raises(DesignError) as error:
         files.loads_chain(text)
-    assert len(error.value.problems) == 20_000
     assert str(error.value).endswith("and 19960 more like these.")
     assert len(asked) < 1200
     with pytest.raises(DesignError, match="cell: is missing"):

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 
 def _leave(*_: object) -> None:
@@ -10,14 +11,25 @@ def _leave(*_: object) -> None:
 
 
 def main() -> None:
-    """Open the command line; until it is open, Ctrl-C ends the program at once."""
+    """Open the command line; until it is open, Ctrl-C ends the program at once.
+
+    An error that nothing expected, of any package, ends in one line and a report of it.
+    """
     signal.signal(signal.SIGINT, _leave)
     # Matrices are small here. Threads of the linear algebra would wait for each other: a fit takes
     # ten times as long on a busy machine. NumPy reads this as it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from stepwell.cli import main
+    try:
+        from stepwell.cli import main
 
-    main()
+        main()
+    except Exception as error:
+        from stepwell.crash import reported
+
+        line = reported(error, sys.argv[1:])
+        if sys.stderr is not None:
+            print(line, file=sys.stderr)  # noqa: T201
+        sys.exit(1)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,34 @@ def test_a_missing_package_is_named_and_ends_with_1(stepwell, monkeypatch):
     assert "pip install" in result.stdout
 
 
+def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_at(
+    stepwell, monkeypatch
+):
+    kept = doctor.import_module
+
+    def broken(name):
+        if name in ("mujoco", "networkx", "av"):
+            raise AttributeError(f"{name} has\nno such thing")
+        return kept(name)
+
+    def failing():
+        raise RuntimeError("no kernels")
+
+    monkeypatch.setattr(doctor, "import_module", broken)
+    monkeypatch.setattr(doctor, "_opengl", failing)
+    monkeypatch.setenv("MUJOCO_GL", "bogus")
+    result = stepwell("doctor")
+    assert result.exit_code == 1  # for networkx, without which nothing goes
+    assert "packages are broken" in result.stdout
+    record = json.loads(stepwell("doctor", "--json").stdout)
+    assert [one["part"] for one in record["broken"]] == [
+        "networkx", "mujoco with MUJOCO_GL=bogus", "av", "H.264 encoder", "OpenGL",
+    ]  # fmt: skip
+    assert record["broken"][0]["reason"] == "AttributeError: networkx has no such thing"
+    monkeypatch.setattr(doctor, "import_module", kept)
+    assert stepwell("doctor").exit_code == 0  # drawing is no more than an extra
+
+
 @pytest.mark.parametrize("writable", [True, False])
 def test_it_says_whether_compiled_kernels_can_be_kept(tmp_path, monkeypatch, writable):
     place = tmp_path / "cache"

@@ -27,7 +27,8 @@ def installed(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
 def patched(patch: str, *arguments, cwd) -> subprocess.CompletedProcess[str]:
     """The command with a line of Python run before it."""
     script = (
-        f"import sys; sys.argv[1:] = {[*arguments]!r}\n{patch}\nimport stepwell.cli as c; c.main()"
+        f"import sys; sys.argv[1:] = {[*arguments]!r}\n{patch}\n"
+        "from stepwell.__main__ import main; main()"
     )
     return subprocess.run(
         [sys.executable, "-c", script], cwd=cwd, env=ENVIRONMENT, text=True, capture_output=True
@@ -119,11 +120,24 @@ def test_a_setting_that_is_none_ends_in_one_line(tmp_path, setting):
 
 
 @pytest.mark.slow
-def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
-    patch = "import stepwell.design as d\ndef f(*a, **k): raise KeyError('bug')\nd.margin = f"
-    result = patched(patch, "run", "preset:paper-forward", cwd=tmp_path)
-    assert result.returncode == 1
-    assert "Traceback" in result.stderr
+@pytest.mark.parametrize("where", ["a command", "a package"])
+def test_a_bug_ends_in_one_line_and_a_report_and_is_no_user_error(tmp_path, where):
+    patch = (
+        "import stepwell.design as d\ndef f(*a, **k): raise KeyError('bug')\nd.margin = f"
+        if where == "a command"
+        else "sys.modules['typer'] = type('T', (), {'__getattr__': lambda s, n: {}['bug']})()"
+    )
+    folder = (
+        "import stepwell.crash as r, pathlib\n"
+        f"r._folders = lambda: [pathlib.Path({str(tmp_path)!r})]\n"
+    )
+    result = patched(folder + patch, "run", "preset:paper-forward", cwd=tmp_path)
+    (report,) = tmp_path.iterdir()
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr == (
+        f"KeyError: 'bug' (unexpected). To report this error, attach {report}\n"
+    )
+    assert "Traceback" in report.read_text("utf-8")
 
 
 @pytest.mark.slow
@@ -169,7 +183,7 @@ def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
     assert process.stderr is not None
     assert process.stderr.read() == b""
     process.stderr.close()
-    process.wait()
+    assert process.wait() == 141
 
 
 @pytest.mark.slow

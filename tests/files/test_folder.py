@@ -271,19 +271,17 @@ def test_a_folder_that_cannot_be_made_is_told_before_the_work(tmp_path):
     assert os.listdir(tmp_path) == ["file"]
 
 
-def test_two_commands_in_one_folder_at_once_never_mix(tmp_path):
+def test_a_draft_that_was_removed_is_an_error_and_the_old_result_stays(tmp_path):
     out = tmp_path / "out"
     write(out, OLD)
 
-    def slower():
+    def removed():
         with staged_folder(out, "run", names=NAMES) as draft:
-            (draft / "design.toml").write_text("slower")
-            write(out, NEW)
+            shutil.rmtree(draft)
 
-    with pytest.raises(OSError, match="another command wrote into this folder"):
-        slower()
-    assert held(out) == NEW
-    assert manifest(out)["command"] == "run"
+    with pytest.raises(OSError, match="its draft was removed"):
+        removed()
+    assert held(out) == OLD
 
 
 def test_no_writer_adds_a_file_that_the_look_beforehand_does_not_know(tmp_path):

@@ -176,7 +176,7 @@ def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, undisturbed):
     # What holds can be read meanwhile.
     told = {one["column"]: one for one in sw.results.study_record(status(folder))["numbers"]}
     assert told["snaps"]["designs"] == GRID.count - CHUNK
-    assert study.to_csv(tmp_path / "some.csv") == GRID.count - 3 * CHUNK
+    assert study.to_csv(tmp_path / "some.csv", partial=True) == GRID.count - 3 * CHUNK
     assert resumed(opened(folder), 2).finished
     assert bytes_of(folder) == undisturbed
 

@@ -31,7 +31,7 @@ from stepwell.base.quantities import (
     write_csv,
 )
 from stepwell.base.showing import Drawn, Shown, bar, brief, of_kind, on_terminal
-from stepwell.base.text import Advised, nearest_word, printable
+from stepwell.base.text import Advised, described, nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
@@ -39,6 +39,7 @@ from stepwell.base.write import (
     csv_text,
     draft_beside,
     naming,
+    refuse_address,
     sync_folder,
     write_atomic,
     write_netcdf,

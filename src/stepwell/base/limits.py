@@ -35,6 +35,7 @@ LIMITS = {
     "sources": Limit(10_000, "keys of one source"),
     "letters": Limit(160_000, "letters of a map"),
     "depth": Limit(100, "names in one key"),
+    "keys": Limit(200_000, "keys of a design file"),
     "design_bytes": Limit(4 << 20, "bytes of a design file"),
     "recording_bytes": Limit(64 << 20, "bytes of a recording"),
     "points": Limit(25_000_000, "places of a map"),

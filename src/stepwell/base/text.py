@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import difflib
-from collections.abc import Iterable
+import inspect
+import sys
+import textwrap
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from enum import StrEnum
-from typing import Self
+from typing import Self, cast
 
 
 def printable(text: str) -> str:
@@ -13,6 +18,15 @@ def printable(text: str) -> str:
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text
     )
+
+
+def described(function: Callable[..., object]) -> str:
+    """The docstring of a function, from its source where PYTHONOPTIMIZE=2 removed it."""
+    if function.__doc__ is None and sys.flags.optimize > 1:
+        with suppress(OSError, SyntaxError):  # there is no source
+            node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+            function.__doc__ = ast.get_docstring(cast("ast.FunctionDef", node), clean=False)
+    return function.__doc__ or ""
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Iterable, Iterator
@@ -11,8 +12,28 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stepwell.base.errors import InputError
+from stepwell.base.text import printable
+
 if TYPE_CHECKING:
     import xarray
+
+
+# memory://x, s3://x, file:///x; `Path` drops one of the strokes. One letter is a disk of Windows.
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")
+
+
+def refuse_address(path: str | os.PathLike[str]) -> None:
+    """Refuse an address where a file or folder of this machine is meant.
+
+    Raises:
+        ValueError: it begins as file:///x, memory://x or s3://x do.
+    """
+    if _ADDRESS.match(os.fspath(path)):
+        raise InputError(
+            f"{printable(os.fspath(path))}: is an address, and results go into files of this "
+            f"machine. Give a path, such as results or /tmp/results."
+        )
 
 
 def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
@@ -25,7 +46,9 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
     Raises:
         OSError: the folder is missing or cannot be written, or the disk is full; it names
             `path`, and nothing has changed then.
+        ValueError: `path` is an address.
     """
+    refuse_address(path)
     target = Path(os.path.realpath(path))
     content = data.encode("utf-8") if isinstance(data, str) else data
     if not target.parent.is_dir():

@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from stepwell.base import __version__
+from stepwell.base import __version__, described
 from stepwell.cli import demo, doctor, figure, lab, paper, presets, replay, schema, studio
 from stepwell.cli.chains import check, design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
-from stepwell.cli.screen import EXIT_CODES, Commands, styled
+from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 from stepwell.cli.studies import atlas, sweep
 
 app = typer.Typer(
@@ -69,6 +69,20 @@ def stepwell(
     """Design, check and understand machines whose motion is programmed into their springs."""
 
 
+def _describe(commands: typer.Typer) -> None:
+    """Have the help of every command ready."""
+    callback = commands.registered_callback
+    for one in (*commands.registered_commands, *filter(None, [callback])):
+        if one.callback is not None:
+            described(one.callback)
+    for group in commands.registered_groups:
+        if group.typer_instance is not None:
+            _describe(group.typer_instance)
+
+
+_describe(app)
+
+
 def main() -> None:
     """Run the command line; what `stepwell` starts."""
     for stream in (sys.stdout, sys.stderr):
@@ -79,6 +93,10 @@ def main() -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):
+            sys.exit(PIPE_CLOSED)
+        raise
     finally:
         # What is left to do is to leave.
         for name in ("SIGINT", "SIGALRM"):

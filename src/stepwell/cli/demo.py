@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Force, free
+from stepwell.cli.options import Force, free, local
 from stepwell.cli.screen import (
     WRITING,
     at_terminal,
@@ -26,8 +26,7 @@ def demo(
         Path,
         typer.Option(
             "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
-            file_okay=False,
-        ),
+            file_okay=False, callback=local),
     ] = Path("stepwell-demo"),
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Name the page and open no browser.")

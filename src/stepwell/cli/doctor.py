@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import shutil
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, TypeVar
 
 import typer
 
-from stepwell.base import EXTRAS, Column, Extra, Quantity, Schema, __version__
+from stepwell.base import EXTRAS, Column, Extra, Quantity, Schema, __version__, printable
 from stepwell.cli.options import Json
 from stepwell.cli.screen import (
     FAILED,
@@ -21,10 +25,13 @@ from stepwell.cli.screen import (
     show_verbatim,
 )
 
+T = TypeVar("T")
+
 # As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
 # nothing of it. What extras bring is in `base`.
 NEEDED = (
-    "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy", "tomli-w", "typer",
+    "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy",
+    "tomli-w", "typer",
 )  # fmt: skip
 _PACKAGE: Schema = (
     Quantity("name", head="package"),
@@ -41,14 +48,16 @@ _TOOL: Schema = (
     Quantity("used_for", head="used for"),
     Quantity("found", head="here", none="no"),
 )
+_VERDICTS = ("packages are broken", "packages are missing")
+_BROKEN: Schema = (Quantity("part", head="broken"), Quantity("reason", head="why"))
 
 
 def doctor(as_json: Json = False) -> None:
     """Say what is installed, what is kept and what is missing.
 
     Packages and extras with the command that adds each, compiled kernels and where they are kept,
-    browser, video encoder and OpenGL, cores. It ends with 0 where all that Stepwell needs is
-    there, extras or not.
+    browser, video encoder and OpenGL, cores. What is there and does not work is listed with the
+    reason. It ends with 0 where all that Stepwell needs is there, extras or not.
     """
     record = examined()
     finish(record, _show, as_json)
@@ -58,21 +67,42 @@ def doctor(as_json: Json = False) -> None:
 
 def examined() -> dict[str, Any]:
     """What `stepwell doctor --json` prints."""
+    broken: list[dict[str, str]] = []
     packages = [{"name": name, "version": _version(name)} for name in NEEDED]
     whole = all(one["version"] for one in packages)
+    for name in NEEDED if whole else ():
+        _checked(name, partial(import_module, name.replace("-", "_")), broken)
+    whole = whole and not broken
     extras = [_extra(name, one) for name, one in EXTRAS.items()]
+    for one in extras:
+        for package in one["versions"]:
+            module = EXTRAS[one["name"]].packages[package]
+            system = os.environ.get("MUJOCO_GL") if "mujoco" in package else None
+            part = f"{package} with MUJOCO_GL={system}" if system else package
+            _checked(part, partial(import_module, module), broken)
     return {
         "schema": "stepwell.doctor/1",
         "stepwell": __version__,
         "ok": whole,
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
-        "cores": _cores() if whole else None,
+        "cores": _checked("cores", _cores, broken) if whole else None,
         "packages": packages,
         "extras": extras,
-        "kernels": _kernels() if whole else None,
-        "tools": _tools({one["name"] for one in extras if one["present"]}),
+        "kernels": _checked("kernels", _kernels, broken) if whole else None,
+        "tools": _tools({one["name"] for one in extras if one["present"]}, broken),
+        "broken": broken,
     }
+
+
+def _checked(part: str, check: Callable[[], T], broken: list[dict[str, str]]) -> T | None:
+    """What a check finds; None, and a line among what is broken, where it fails."""
+    try:
+        return check()
+    except Exception as error:  # whatever a package that is broken raises
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        broken.append({"part": part, "reason": printable(reason)})
+        return None
 
 
 def _version(package: str) -> str | None:
@@ -111,19 +141,19 @@ def _kernels() -> dict[str, Any]:
     }
 
 
-def _tools(extras: set[str]) -> list[dict[str, Any]]:
-    tools = (
-        ("browser", "opening the studio's page", _browser()),
-        (
-            "Chromium",
-            "the tests of the page",
-            _path("chromium", "chromium-browser", "google-chrome"),
-        ),
-        ("H.264 encoder", "videos as MP4", _encoder() if "video" in extras else None),
-        ("OpenGL", "drawing robots off screen", _opengl() if "robot" in extras else None),
-        ("display", "`stepwell view`", _display()),
+def _tools(extras: set[str], broken: list[dict[str, str]]) -> list[dict[str, Any]]:
+    chromium = partial(_path, "chromium", "chromium-browser", "google-chrome")
+    tools: tuple[tuple[str, str, Callable[[], str | None] | None], ...] = (
+        ("browser", "opening the studio's page", _browser),
+        ("Chromium", "the tests of the page", chromium),
+        ("H.264 encoder", "videos as MP4", _encoder if "video" in extras else None),
+        ("OpenGL", "drawing robots off screen", _opengl if "robot" in extras else None),
+        ("display", "`stepwell view`", _display),
     )
-    return [{"name": name, "used_for": what, "found": found} for name, what, found in tools]
+    return [
+        {"name": name, "used_for": what, "found": find and _checked(name, find, broken)}
+        for name, what, find in tools
+    ]
 
 
 def _path(*names: str) -> str | None:
@@ -140,8 +170,6 @@ def _browser() -> str | None:
 
 
 def _encoder() -> str | None:
-    from importlib import import_module
-
     try:
         return import_module("av").Codec("libx264", "w").name
     except (ImportError, ValueError):
@@ -162,9 +190,9 @@ def _show(record: dict[str, Any]) -> None:
     kernels = record["kernels"]
     missing = [one["name"] for one in record["packages"] if one["version"] is None]
     found = {
-        "Verdict": "all that Stepwell needs is here" if record["ok"] else "packages are missing",
+        "Verdict": "all that Stepwell needs is here" if record["ok"] else _VERDICTS[bool(missing)],
         "Missing": ", ".join(missing),
-        "Repair": missing and "pip install --upgrade --force-reinstall stepwell",
+        "Repair": not record["ok"] and "pip install --upgrade --force-reinstall stepwell",
         "Stepwell": f"{record['stepwell']}, Python {record['python']}, {record['system']}",
         "Cores": record["cores"],
         "Kernels": kernels and f"{kernels['compiled']} compiled, {kernels['size_MB']:.0f} MB",
@@ -182,7 +210,8 @@ def _show(record: dict[str, Any]) -> None:
         show_lines("", "What is missing comes with:")
         show_verbatim("\n".join(lacking))
     show_records("Tools", _TOOL, record["tools"], most=None)
-    if not record["ok"]:
+    show_records("Broken", _BROKEN, record["broken"], most=None)
+    if missing:
         show_lines("", "Nothing else was looked at before the packages are there.")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli.options import Design, ForceFile, free_file, own
+from stepwell.cli.options import Design, ForceFile, free_file, local, own
 from stepwell.cli.screen import show_lines, show_table, show_verbatim, usable, warn
 
 if TYPE_CHECKING:
@@ -71,7 +71,9 @@ def figure(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False),
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False, callback=local
+        ),
     ] = None,
     kind: Annotated[
         str | None,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import ForceFile, completing, free_file
+from stepwell.cli.options import ForceFile, completing, free_file, local
 from stepwell.cli.screen import finish, show_lines, show_table
 
 
@@ -28,7 +28,9 @@ def presets(
 
 
 def new(
-    file: Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="NAME.toml", help="The file to write.", callback=local)
+    ],
     preset: Annotated[
         str,
         typer.Option(

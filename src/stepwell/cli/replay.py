@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options import Arena, ForceFile, completing, free_file, own, read_design
+from stepwell.cli.options import Arena, ForceFile, completing, free_file, local, own, read_design
 from stepwell.cli.screen import Progress, progress, show_lines, usable
 
 if TYPE_CHECKING:
@@ -36,7 +36,8 @@ def replay(
         ),
     ] = None,
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.")
+        Path,
+        typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.", callback=local),
     ] = Path("replay.html"),
     force: ForceFile = False,
 ) -> None:

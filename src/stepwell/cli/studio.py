@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import completing
+from stepwell.cli.options import completing, local
 from stepwell.cli.screen import Interrupted, show_verbatim
 
 
@@ -39,6 +39,7 @@ def studio(
             help="Where the page finds and keeps studies; by default a folder of your own data.",
             file_okay=False,
             show_default=False,
+            callback=local,
         ),
     ] = None,
     demo: Annotated[

@@ -29,6 +29,7 @@ from stepwell.files.folder import (
     manifest,
     staged_folder,
 )
+from stepwell.files.lock import BusyError
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
 from stepwell.files.schema import slips_text
 from stepwell.files.tables import WrittenProgram
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "OUTPUTS",
+    "BusyError",
     "DesignError",
     "Given",
     "IncompleteError",

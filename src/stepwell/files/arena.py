@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from stepwell.files.design import text_of
-from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
+from stepwell.files.schema import arena as schema, fields, refused, slip_lines, table_lines
 from stepwell.files.tables import drawn, part_of
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import SlipError
@@ -105,7 +105,7 @@ def _arena(tables: dict[str, Any], name: str) -> Arena:
     try:
         keys = schema.ArenaKeys.model_validate(tables)
     except ValidationError as error:
-        raise DesignError(name, worded(error, schema.TABLES)) from None
+        raise refused(name, error, schema.TABLES) from None
     problems: list[str] = []
     walls: list[Any] = [
         part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)

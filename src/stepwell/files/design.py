@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from stepwell.base import content_of, nearest_word
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
-from stepwell.files.schema import chain as schema, worded
+from stepwell.files.schema import chain as schema, refused
 from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
@@ -277,7 +277,7 @@ def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProg
     try:
         return _chain(schema.FileKeys.model_validate(tables), name)
     except ValidationError as error:
-        raise DesignError(name, worded(error, schema.TABLES)) from None
+        raise refused(name, error, schema.TABLES) from None
 
 
 def _robot(tables: dict[str, Any], name: str) -> Robot | None:
@@ -291,7 +291,7 @@ def _robot(tables: dict[str, Any], name: str) -> Robot | None:
     try:
         return robot(robot_schema.RobotKeys.model_validate(tables), name)
     except ValidationError as error:
-        raise DesignError(name, worded(error, robot_schema.TABLES)) from None
+        raise refused(name, error, robot_schema.TABLES) from None
 
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:

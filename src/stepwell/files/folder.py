@@ -6,10 +6,9 @@ import hashlib
 import json
 import os
 import re
-import secrets
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -21,14 +20,18 @@ from stepwell.base import (
     draft_beside,
     naming,
     printable,
+    refuse_address,
     sync_folder,
     write_atomic,
 )
+from stepwell.files.lock import only_writer
 from stepwell.files.outputs import OUTPUTS
 
 FOLDER_SCHEMA = "stepwell.folder/1"
 # What is in a folder that is whole; and what may be in one whose files are being replaced.
 MANIFEST, UNFINISHED = "stepwell.json", "stepwell.unfinished.json"
+# What drafts and lock are named after in a folder that is there.
+_INSIDE = "stepwell"
 _MOST_BYTES = 1 << 20
 _MOST_NAMED = 6
 
@@ -114,6 +117,7 @@ def check_folder(
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
+    refuse_address(folder)
     shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
     _check(shown, target, command, dict.fromkeys(_names(command, names), "") | hashes, force)
@@ -123,7 +127,8 @@ def check_folder(
             place = place.parent
         trial = draft_beside(place / "stepwell")
         trial.mkdir()
-        trial.rmdir()
+        with suppress(FileNotFoundError):  # a command that ends here removes all drafts
+            trial.rmdir()
 
 
 @contextmanager
@@ -138,7 +143,8 @@ def staged_folder(
     """A draft folder whose files become `folder`'s when the block ends without error.
 
     They appear together with the manifest, `stepwell.json`. Files of an earlier result of the
-    same command are replaced, or removed where there is no new one; all others stay.
+    same command are replaced, or removed where there is no new one; all others stay. One process
+    writes into a folder at a time: the next one waits, and its results stay.
 
     Args:
         folder: made if missing.
@@ -152,26 +158,57 @@ def staged_folder(
 
     Raises:
         OverwriteError: as `check_folder`; nothing has changed then.
+        BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
+    refuse_address(folder)
     shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
     known = _names(command, names)
     _check(shown, target, command, {}, force)
-    # A folder that is missing appears in one step. One that is there may be a file system of its
-    # own, into which nothing can be renamed from beside it.
-    draft = target / f".stepwell.{secrets.token_hex(6)}.tmp"
     with _made(shown):
-        if not target.exists():
-            target.parent.mkdir(parents=True, exist_ok=True)
-            draft = draft_beside(target)
-        draft.mkdir()
-    try:
-        with naming(draft, target):
-            yield draft
-            _commit(shown, draft, target, command, record or {}, known, force)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
+    with _only_writer(shown, target) as place:
+        draft = draft_beside(place)
+        with _made(shown):
+            draft.mkdir()
+        try:
+            with naming(draft, target):
+                yield draft
+                with ExitStack() as also:
+                    if place != _place(target):
+                        # Somebody else made the folder meanwhile: others now write inside it.
+                        also.enter_context(_only_writer(shown, target))
+                    _commit(shown, draft, target, command, record or {}, known, force)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
     _clear(target)
+
+
+@contextmanager
+def _only_writer(shown: str, target: Path) -> Iterator[Path]:
+    """Keep others out of a folder; gives what drafts are named after."""
+    while True:
+        place = _place(target)
+        with ExitStack() as held:
+            with _made(shown):
+                held.enter_context(only_writer(_lock(place), shown))
+            if place == _place(target):
+                yield place
+                return
+
+
+def _place(target: Path) -> Path:
+    """What drafts and lock of a folder stand beside and are named after.
+
+    A folder that is missing appears in one step, of a draft beside it. One that is there may be a
+    file system of its own, into which nothing can be renamed from beside it.
+    """
+    return target / _INSIDE if target.exists() else target
+
+
+def _lock(place: Path) -> Path:
+    """The lock of those who write there."""
+    return place.with_name(f".{place.name[:80]}.lock")
 
 
 def _commit(
@@ -185,7 +222,7 @@ def _commit(
 ) -> None:
     """Put a draft in its place; `manifest` tells what a kill after any step leaves."""
     if not draft.is_dir():
-        raise OSError(f"{shown}: another command wrote into this folder: name one for each.")
+        raise OSError(f"{shown}: its draft was removed while results were written: run it again.")
     files = sorted(file for file in draft.rglob("*") if file.is_file())
     new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
     if not new.keys() <= known:
@@ -347,15 +384,27 @@ def _made(shown: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        if isinstance(error, StepwellError):
+            raise
         why = f"cannot be made or written ({error.strerror}): name a folder where you may write"
         raise type(error)(error.errno, why, shown) from None
 
 
 def _clear(target: Path) -> None:
-    """Remove drafts of this folder that killed commands left."""
-    for place, name in ((target, "stepwell"), (target.parent, target.name[:80])):
-        draft = re.compile(rf"\.{re.escape(name)}\.[0-9a-f]{{12}}\.tmp")
+    """Remove what killed commands left of this folder: drafts and locks that no process holds."""
+    for place in (target / _INSIDE, target):
         with suppress(OSError):
-            for left in place.iterdir():
-                if draft.fullmatch(left.name) and left.is_dir() and not left.is_symlink():
-                    shutil.rmtree(left, ignore_errors=True)
+            if _left(place) or _lock(place).exists():
+                with only_writer(_lock(place), str(target), 0.0):
+                    for draft in _left(place):
+                        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _left(place: Path) -> list[Path]:
+    """Drafts that are there; those of a process that is alive only while it holds the lock."""
+    draft = re.compile(rf"\.{re.escape(place.name[:80])}\.[0-9a-f]{{12}}\.tmp")
+    return [
+        found
+        for found in place.parent.iterdir()
+        if draft.fullmatch(found.name) and found.is_dir() and not found.is_symlink()
+    ]

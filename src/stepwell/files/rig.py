@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import fields, rig as schema, table_lines, worded
-from stepwell.files.text import DesignError, parsed
+from stepwell.files.schema import fields, refused, rig as schema, table_lines
+from stepwell.files.text import parsed
 
 if TYPE_CHECKING:
     from stepwell.lab import Rig
@@ -33,7 +33,7 @@ def loads_rig(text: str, name: str = "rig") -> Rig:
     try:
         keys = schema.RigKeys.model_validate(parsed(text, name, _EMPTY))
     except ValidationError as error:
-        raise DesignError(name, worded(error, schema.TABLES)) from None
+        raise refused(name, error, schema.TABLES) from None
     return Rig(**fields(keys))
 
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads_robot
-from stepwell.files.schema import robot as schema, unit_of, worded
+from stepwell.files.schema import refused, robot as schema, unit_of
 from stepwell.files.tables import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
 from stepwell.files.text import DesignError, Item, Steps, find, spelled, value_text
 from stepwell.robot import Robot
@@ -101,7 +101,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     try:
         made = robot_of(schema.RobotKeys.model_validate(tree), name)
     except ValidationError as error:
-        raise DesignError(name, worded(error, schema.TABLES)) from None
+        raise refused(name, error, schema.TABLES) from None
     return replace(made, sources=_assumed(robot, list(changed)))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING
 
 from stepwell.base import InputError
@@ -23,13 +22,26 @@ _CAPTIONS = {
 
 
 def write_study(
-    found: Status, folder: Folder, *, progress: Progress | None = None, force: bool = False
+    found: Status,
+    folder: Folder,
+    *,
+    partial: bool = False,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
-    """Write what a study has found so far: study.csv, study.json, outcomes and influences.
+    """Write what a study has found: study.csv, study.json, outcomes and influences.
 
     report.html tells it. Influences are drawn of 50 designs or more.
 
+    Args:
+        found: of the study.
+        folder: made if missing.
+        partial: write what is done, where designs are missing; the page then names them.
+        progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
+
     Raises:
+        GapError: designs are missing.
         ValueError: an atlas, which `stepwell atlas show` tells, or a study without designs yet.
     """
     from stepwell import figures
@@ -38,13 +50,15 @@ def write_study(
     study = found.study
     if study.what == "atlas":
         raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")
-    draws: dict[str, Callable[[], Figure]] = {"outcomes": partial(figures.outcomes, study)}
+    if not partial:
+        study.require_whole()
+    draws: dict[str, Callable[[], Figure]] = {"outcomes": lambda: figures.outcomes(study)}
     if what_decides := decided(study):
-        draws["influences"] = partial(figures.influences, what_decides)
+        draws["influences"] = lambda: figures.influences(what_decides)
     drawn = pictured(draws, _CAPTIONS)
     record = study_record(found)
     contents = {
-        "study.csv": study.to_csv,
+        "study.csv": lambda file: study.to_csv(file, partial=partial),
         "study.json": record,
         "report.html": study_page(record, drawn.wide, drawn.narrow),
     }

@@ -80,6 +80,7 @@ if TYPE_CHECKING:
         STUDY_DECIDED,
         STUDY_OUTCOME,
         deciding_rows,
+        missing_text,
         screen_facts,
         study_record,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +54,7 @@ def study_record(found: Status) -> dict[str, Any]:
         "chunks": study.chunks,
         "done": found.done,
         "finished": found.finished,
+        "missing": [asdict(gap) for gap in found.gaps],
         "problems": problems,
         "screen": _screen(found),
         "outcomes": [
@@ -75,6 +77,14 @@ def deciding_rows(record: Mapping[str, Any]) -> list[dict[str, Any]]:
         for each in one["influences"][:_FOREMOST]
         if each["share"] > one["floor"]
     ]
+
+
+def missing_text(record: Mapping[str, Any]) -> str:
+    """Of a study's record which designs are missing, in words; "" where all are there."""
+    from stepwell.studies import Gap, gaps_text
+
+    gaps = [Gap(**one) for one in record["missing"]]
+    return gaps_text(gaps, record["count"]) if gaps else ""
 
 
 def screen_facts(record: Mapping[str, Any]) -> dict[str, str]:

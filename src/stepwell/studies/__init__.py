@@ -29,7 +29,16 @@ from stepwell.studies.run import (
     sweep,
 )
 from stepwell.studies.screen import Screened, screened
-from stepwell.studies.store import Study, StudyError, begun, extended, opened
+from stepwell.studies.store import (
+    Gap,
+    GapError,
+    Study,
+    StudyError,
+    begun,
+    extended,
+    gaps_text,
+    opened,
+)
 from stepwell.studies.work import SCREEN_COLUMNS, WORKS, function_of
 
 __all__ = [
@@ -43,6 +52,8 @@ __all__ = [
     "Decided",
     "Designs",
     "Estimate",
+    "Gap",
+    "GapError",
     "How",
     "Influence",
     "Pace",
@@ -67,6 +78,7 @@ __all__ = [
     "function_of",
     "mapped",
     "mapped_on",
+    "gaps_text",
     "opened",
     "pace",
     "packed",

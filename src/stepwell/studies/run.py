@@ -16,7 +16,7 @@ from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
 from stepwell.studies.screen import aimed
-from stepwell.studies.store import PROBLEM, Study, StudyError, begun, opened
+from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened
 from stepwell.studies.work import WARP
 
 # Of a chunk that nobody has given the size of: some seconds, and files that are not too many.
@@ -41,12 +41,14 @@ class Status(ByValue):
     Attributes:
         study: which.
         done: chunks that are there and hold.
+        gaps: designs that are missing.
         problems: how many designs could not be computed, by the kind of their problem.
     """
 
     study: Study
     done: int
     problems: dict[str, int]
+    gaps: tuple[Gap, ...] = ()
 
     @property
     def finished(self) -> bool:
@@ -213,9 +215,10 @@ def status(study: Study | str | os.PathLike[str]) -> Status:
         StudyError: the folder holds no study.
     """
     study = study if isinstance(study, Study) else opened(study)
-    done = study.done_chunks()
+    missing = study.missing()
+    done = sorted({*range(study.chunks)} - {*missing})
     problems = Counter(_kinds(study.values(PROBLEM, done)))
-    return Status(study, len(done), dict(problems.most_common()))
+    return Status(study, len(done), dict(problems.most_common()), tuple(study.gaps(missing)))
 
 
 def _kinds(problems: Iterable[object]) -> list[str]:

@@ -27,8 +27,10 @@ from stepwell.base import (
     InputError,
     Quantity,
     ReadOnly,
+    StepwellError,
     __version__,
     need,
+    refuse_address,
     sync_folder,
     told_in,
     write_atomic,
@@ -53,12 +55,36 @@ if TYPE_CHECKING:
 # What is wrong with a design is a row's last column; empty where nothing is.
 PROBLEM = "problem"
 _FORMAT = 1
+# Stretches of missing designs that a message names.
+_MOST_NAMED = 6
 # The designs that somebody listed, beside the columns.
 _LISTED = "listed"
 
 
 class StudyError(InputError):
     """A folder that holds no study, another one, or one that this version cannot go on with."""
+
+
+class GapError(StepwellError, RuntimeError):
+    """A store that lacks designs of its study; the text says which, and what to do."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Designs that a store lacks, from `first` to `last`, and whether they were there once.
+
+    Attributes:
+        first, last: numbers of designs.
+        damaged: a file is there whose checksum does not hold; else it is not there (yet).
+    """
+
+    first: int
+    last: int
+    damaged: bool
+
+    def __str__(self):
+        which = f"{self.first} to {self.last}" if self.last > self.first else f"{self.first}"
+        return f"{which} ({'damaged' if self.damaged else 'not there'})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +101,7 @@ class Study(ByValue):
         version: of Stepwell that fills it.
 
     Raises:
-        ValueError: chunks of nothing.
+        ValueError: chunks of nothing, or the folder is an address.
     """
 
     folder: Path
@@ -87,6 +113,7 @@ class Study(ByValue):
     version: str = __version__
 
     def __post_init__(self):
+        refuse_address(self.folder)
         object.__setattr__(self, "folder", Path(self.folder))
         object.__setattr__(self, "given", ReadOnly(self.given))
         if self.chunk < 1:
@@ -173,6 +200,36 @@ class Study(ByValue):
         """Chunks that are not done: a file is not there, or its checksum does not hold."""
         return [chunk for chunk in range(self.chunks) if not self.is_done(chunk)]
 
+    def gaps(self, missing: Sequence[int] | None = None) -> list[Gap]:
+        """Designs that are missing, in stretches of one kind.
+
+        Args:
+            missing: the chunks that `missing` lists, where they are known already.
+        """
+        found: list[Gap] = []
+        for chunk in self.missing() if missing is None else missing:
+            rows = self.rows(chunk)
+            files = (self.folder / name / "c" / str(chunk) for name in self.columns)
+            gap = Gap(rows[0], rows[-1], any(one.exists() and not _holds(one) for one in files))
+            last = found[-1] if found else None
+            if last and (last.last + 1, last.damaged) == (gap.first, gap.damaged):
+                found[-1] = replace(last, last=gap.last)
+            else:
+                found.append(gap)
+        return found
+
+    def require_whole(self) -> None:
+        """Refuse a store that lacks designs.
+
+        Raises:
+            GapError: it does.
+        """
+        if gaps := self.gaps():
+            raise GapError(
+                f"{self.folder}: {gaps_text(gaps, self.count)}. `stepwell sweep resume "
+                f"{self.folder}` computes them; --partial (in Python partial=True) goes without."
+            )
+
     def is_done(self, chunk: int) -> bool:
         """Whether all columns of a chunk are there and hold."""
         return all(_holds(self.folder / name / "c" / str(chunk)) for name in self.columns)
@@ -231,6 +288,13 @@ class Study(ByValue):
         missing = set(self.missing())
         return [k for k in range(self.chunks) if k not in missing]
 
+    def _chunks(self, partial: bool) -> list[int]:
+        """All chunks; where some are missing, those that are done, if that is wanted."""
+        chunks = self.done_chunks()
+        if len(chunks) < self.chunks and not partial:
+            self.require_whole()
+        return chunks
+
     def values(self, name: str, chunks: Sequence[int] | None = None) -> np.ndarray[Any, Any]:
         """What a column holds, row after row, as it is kept.
 
@@ -260,7 +324,7 @@ class Study(ByValue):
         """What was read last of each column: of which chunks, and what."""
         return {}
 
-    def best(self, count: int, by: Sequence[str]) -> Table:
+    def best(self, count: int, by: Sequence[str], *, partial: bool = False) -> Table:
         """The best of the designs that are done, best first, as a list of designs.
 
         Args:
@@ -270,10 +334,11 @@ class Study(ByValue):
 
         Raises:
             ValueError: no such column of numbers, or no design that has a value in the first.
+            GapError: designs are missing; not where `partial` is set.
         """
         if count < 1 or not by:
             raise InputError(f"best {count} by {list(by)}: must be 1 or more, by a column or more.")
-        chunks = self.done_chunks()
+        chunks = self._chunks(partial)
         columns = {}
         for name in dict.fromkeys(one.removeprefix("-") for one in by):
             if self.columns.get(name, TEXT) == TEXT:
@@ -286,24 +351,26 @@ class Study(ByValue):
         rows = [self.values(name, chunks)[order] for name in self.varied]
         return Table(tuple(self.varied), np.column_stack(rows))
 
-    def to_csv(self, file: str | os.PathLike[str]) -> int:
-        """Write what is done as CSV, a line for every design, units in the headings.
+    def to_csv(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
+        """Write a study as CSV, a line for every design, units in the headings.
 
         Args:
             file: where to.
+            partial: write what is done, where designs are missing.
 
         Returns:
-            How many designs are done.
+            How many designs are written.
 
         Raises:
+            GapError: designs are missing.
             OSError: it cannot be written.
         """
-        done, columns = self._table()
+        done, columns = self._table(partial)
         write_csv(file, columns)
         return len(done)
 
-    def to_parquet(self, file: str | os.PathLike[str]) -> int:
-        """Write what is done as Parquet, columns as in `to_csv`; all else as there.
+    def to_parquet(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
+        """Write a study as Parquet, columns as in `to_csv`; all else as there.
 
         Raises:
             ExtraError: the extra parquet is not installed.
@@ -313,7 +380,7 @@ class Study(ByValue):
         import pyarrow as pa
         from pyarrow import parquet
 
-        done, columns = self._table()
+        done, columns = self._table(partial)
         table = pa.table(
             {
                 q.key: values if isinstance(values, list) else np.asarray(values) * q.factor
@@ -326,9 +393,9 @@ class Study(ByValue):
         write_atomic(file, whole.getvalue())
         return len(done)
 
-    def _table(self) -> tuple[list[int], list[tuple[Quantity, Any]]]:
+    def _table(self, partial: bool) -> tuple[list[int], list[tuple[Quantity, Any]]]:
         """What is done, and every column of it in SI with how it is told."""
-        chunks = self.done_chunks()
+        chunks = self._chunks(partial)
         done = [number for k in chunks for number in self.rows(k)]
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), done)]
         for name, unit in self.columns.items():
@@ -558,6 +625,14 @@ def _make(study: Study) -> None:
         sync_folder(study.folder.parent)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+
+
+def gaps_text(gaps: Sequence[Gap], count: int) -> str:
+    """How many designs of a study are missing, and which."""
+    lacking = sum(gap.last - gap.first + 1 for gap in gaps)
+    named = ", ".join(map(str, gaps[:_MOST_NAMED]))
+    more = f" and {len(gaps) - _MOST_NAMED} more stretches" if len(gaps) > _MOST_NAMED else ""
+    return f"{lacking} of {count} designs are missing: {named}{more}"
 
 
 def _holds(file: Path) -> bool:

@@ -24,6 +24,7 @@ from stepwell.cli.options import (
     drive_of,
     free,
     free_file,
+    local,
     own,
     planned,
     read_chain,
@@ -97,6 +98,7 @@ def graph(
             metavar="FILE",
             help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
             dir_okay=False,
+            callback=local,
         ),
     ] = None,
     force: ForceFile = False,
@@ -183,7 +185,8 @@ def program(
 def animate(
     design: Design,
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")
+        Path,
+        typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.", callback=local),
     ] = Path("cycle.gif"),
     seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
     fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,

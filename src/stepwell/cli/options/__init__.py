@@ -14,6 +14,7 @@ from stepwell.cli.options.common import (
     Robust,
     free,
     free_file,
+    local,
     read_chain,
     read_design,
     read_robot,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import need
+from stepwell.base import need, refuse_address
 from stepwell.cli.options import completing
 
 if TYPE_CHECKING:
@@ -38,10 +38,27 @@ Arena = Annotated[
         autocompletion=completing.arenas,
     ),
 ]
+
+
+def local(out: Path | None) -> Path | None:
+    """Where results go, if it is a place on this machine."""
+    if out is not None:
+        try:
+            refuse_address(out)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+    return out
+
+
 Out = Annotated[
     Path | None,
     typer.Option(
-        "--out", "-o", metavar="DIR", help="Write the results into this folder.", file_okay=False
+        "--out",
+        "-o",
+        metavar="DIR",
+        help="Write the results into this folder.",
+        file_okay=False,
+        callback=local,
     ),
 ]
 Force = Annotated[

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stepwell.base import require
-from stepwell.cli.options import Force, Json, Out, Range, Robot, free, read_range, read_robot
+from stepwell.cli.options import Force, Json, Out, Range, Robot, free, local, read_range, read_robot
 from stepwell.cli.screen import EXIT_CODES, Progress, finish, progress, styled, usable
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ def sweep(
             metavar="DIR",
             help="Write the results into this folder.",
             file_okay=False,
+            callback=local,
         ),
     ],
     random: Annotated[

@@ -13,6 +13,7 @@ from stepwell.cli.options import (
     ForceFile,
     Robot as RobotName,
     free_file,
+    local,
     read_robot,
 )
 from stepwell.cli.screen import has_display, show_verbatim, usable
@@ -31,7 +32,12 @@ def export(
     out: Annotated[
         Path,
         typer.Option(
-            "--out", "-o", metavar="FILE.xml", help="The file to write.", show_default=False
+            "--out",
+            "-o",
+            metavar="FILE.xml",
+            help="The file to write.",
+            show_default=False,
+            callback=local,
         ),
     ] = Path("robot.xml"),
     arena: ArenaName = None,

@@ -15,6 +15,8 @@ from stepwell.cli.screen.progress import Interrupted
 from stepwell.cli.screen.show import escaped, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
+# The reader of the output has left, as `head` does: 128 and the number of SIGPIPE, as in a shell.
+PIPE_CLOSED = 141
 # Wrong usage of any kind, which Typer does not export.
 _USAGE = cast("type[Exception]", typer.BadParameter.__base__)
 _LOOK_AGAIN = 0.005  # s
@@ -88,7 +90,7 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     from stepwell.mechanism import SlipError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
-    from stepwell.studies import StudyError, SweepError, WorkerError
+    from stepwell.studies import GapError, StudyError, SweepError, WorkerError
 
     if isinstance(error, DesignError | LabError | OverwriteError | StudyError):
         return WRONG_INPUT, str(error)
@@ -97,7 +99,7 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     if isinstance(error, Unreachable):
         return NO, str(error)
     # Any other missing module is a bug of ours.
-    if isinstance(error, StaticsError | ExtraError | SweepError | WorkerError):
+    if isinstance(error, StaticsError | ExtraError | GapError | SweepError | WorkerError):
         return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options import Force, Json, Out, free, read_design, tolerances as parts
-from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable
+from stepwell.cli.options import Force, Json, Out, free, local, read_design, tolerances as parts
+from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable, warn
 from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
@@ -40,7 +40,9 @@ _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)
 def build(
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="STORE", help="The store, a folder of Zarr."),
+        typer.Option(
+            "--out", "-o", metavar="STORE", help="The store, a folder of Zarr.", callback=local
+        ),
     ],
     design: Annotated[
         str | None,
@@ -154,6 +156,7 @@ def find(
             metavar="FILE",
             help="Write the first one as a design file, .toml.",
             dir_okay=False,
+            callback=local,
         ),
     ] = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
@@ -181,9 +184,12 @@ def find(
 
 def _opened(store: Path | None) -> Study:
     from stepwell.atlas import THREE
-    from stepwell.studies import opened
+    from stepwell.studies import gaps_text, opened
 
-    return opened(store or THREE)
+    study = opened(store or THREE)
+    if gaps := study.gaps():
+        warn(f"{study.folder}: {gaps_text(gaps, study.count)}. What follows is of the others.")
+    return study
 
 
 def _percent(text: str) -> float:

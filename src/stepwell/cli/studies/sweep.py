@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,11 +18,21 @@ from stepwell.cli.options import (
     Force,
     Json,
     free,
+    local,
     read_design,
     read_range,
     tolerances as parts,
 )
-from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable, warn
+from stepwell.cli.screen import (
+    EXIT_CODES,
+    FAILED,
+    finish,
+    progress,
+    show_lines,
+    styled,
+    usable,
+    warn,
+)
 
 if TYPE_CHECKING:
     from stepwell.studies import Axis, Designs, Estimate, Status, Study
@@ -51,7 +61,11 @@ _Table = Annotated[
 _Store = Annotated[
     Path,
     typer.Option(
-        "--out", "-o", metavar="STORE", help="The store, a folder that xarray opens as Zarr."
+        "--out",
+        "-o",
+        metavar="STORE",
+        help="The store, a folder that xarray opens as Zarr.",
+        callback=local,
     ),
 ]
 _Sobol = Annotated[
@@ -89,6 +103,10 @@ Scheduler = Annotated[
 ]
 _Estimate = Annotated[
     bool, typer.Option("--estimate", help="Only say how long it will take, and how much room.")
+]
+_Partial = Annotated[
+    bool,
+    typer.Option("--partial", help="Go without designs that are missing, instead of failing."),
 ]
 _There = Annotated[Path, typer.Argument(metavar="STORE", help="What --out said.")]
 
@@ -330,7 +348,10 @@ def status(store: _There, as_json: Json = False) -> None:
     """Say how far a study is, and what it has found so far."""
     from stepwell import studies
 
-    _show(studies.status(store), as_json)
+    found = studies.status(store)
+    _show(found, as_json)
+    if any(gap.damaged for gap in found.gaps):
+        raise typer.Exit(FAILED)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -344,6 +365,7 @@ def export(
             metavar="FILE",
             help="The table: .csv, or .parquet.",
             dir_okay=False,
+            callback=local,
         ),
     ],
     best: Annotated[
@@ -363,8 +385,9 @@ def export(
             "before it; given again, what decides between ties.",
         ),
     ] = None,
+    partial: _Partial = False,
 ) -> None:
-    """Write the designs of a store that are done as a table, units in the headings."""
+    """Write the designs of a store as a table, units in the headings."""
     from stepwell.studies import opened
 
     if bool(best) != bool(by):
@@ -375,12 +398,14 @@ def export(
     study = opened(store)
     if best and by:
         with usable("--by"):
-            table = study.best(best, by)
+            table = study.best(best, by, partial=partial)
         table.to_csv(out, study.subject)
         show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
         return
-    count = study.to_parquet(out) if out.suffix == ".parquet" else study.to_csv(out)
-    show_lines(f"Written into {out}: {count} designs.")
+    write = study.to_parquet if out.suffix == ".parquet" else study.to_csv
+    count = write(out, partial=partial)
+    of = "" if count == study.count else f" of {study.count}"
+    show_lines(f"Written into {out}: {count}{of} designs.")
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -388,18 +413,28 @@ def report(
     store: _There,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="DIR", help="Write the results here.", file_okay=False),
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write the results here.",
+            file_okay=False,
+            callback=local,
+        ),
     ],
+    partial: _Partial = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw what a study has found so far, and say which number decides it, on one page."""
+    """Draw what a study has found, and say which number decides it, on one page."""
     from stepwell import reports, results, studies
     from stepwell.cli.text import studies as texts
 
     free(out, "sweep report", force)
     found = studies.status(store)
-    write = partial(reports.write_study, found)
+    if not partial:
+        found.study.require_whole()
+    write = functools.partial(reports.write_study, found, partial=partial)
     finish(results.study_record(found), texts.study, as_json, out, force, write)
 
 

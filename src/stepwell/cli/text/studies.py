@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell.base import Column, number
 from stepwell.cli.screen import show_facts, show_records, show_text
-from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, screen_facts
+from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, missing_text, screen_facts
 
 _ENDS = ("least", "median", "most")
 
@@ -20,6 +20,7 @@ def study(record: dict[str, Any]) -> None:
         "Done": "all of it"
         if record["finished"]
         else f"{record['done']} of {record['chunks']} chunks",
+        "Missing": missing_text(record),
         "Store": record["store"],
     }
     show_facts(record, facts | screen_facts(record), 8)

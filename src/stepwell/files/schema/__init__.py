@@ -17,7 +17,7 @@ from stepwell.files.schema.keys import (
     unit_of,
     written,
 )
-from stepwell.files.schema.wording import worded
+from stepwell.files.schema.wording import refused
 
 if TYPE_CHECKING:
     # Opened where one of these files is read: a chain needs none of them.

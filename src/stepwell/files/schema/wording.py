@@ -8,13 +8,13 @@ from pydantic_core import ErrorDetails
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.checks import Tables
-from stepwell.files.text import MOST_LINES, did_you_mean, key_path, value_text
+from stepwell.files.text import MOST_LINES, DesignError, did_you_mean, key_path, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant
 
 
-def worded(error: ValidationError, tables: Tables = schema.TABLES) -> list[str]:
-    """One line for every problem, in the order of the file's tables."""
+def refused(name: str, error: ValidationError, tables: Tables = schema.TABLES) -> DesignError:
+    """The error that lists the problems of a file, in the order of its tables."""
     problems = error.errors(include_url=False)
     # A misspelt key is also a missing one: that is said once.
     missing = {problem["loc"] for problem in problems if problem["type"] == "missing"}
@@ -24,14 +24,14 @@ def worded(error: ValidationError, tables: Tables = schema.TABLES) -> list[str]:
         near = nearest_word(str(loc[-1]), _known(list(loc), tables))
         missing.discard((*loc[:-1], near or ""))
     told = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
-    return [_line(problem, tables, i < MOST_LINES) for i, problem in enumerate(told)]
+    # Only what will be shown is put in words: there may be many more.
+    shown = [_line(problem, tables) for problem in told[:MOST_LINES]]
+    return DesignError(name, shown, more=len(told) - len(shown))
 
 
-def _line(problem: ErrorDetails, tables: Tables, advise: bool) -> str:
+def _line(problem: ErrorDetails, tables: Tables) -> str:
     keys: list[str | int] = list(problem["loc"])
     kind: str = problem["type"]
-    if kind == "extra_forbidden" and not advise:
-        return f"{key_path(keys)}: unknown key."
     value = value_text(problem["input"])
     if kind == "extra_forbidden":
         return f"{key_path(keys)}: unknown key. {_advice(keys, tables)}"

@@ -18,14 +18,15 @@ class DesignError(InputError):
     Args:
         name: the file, as the user called it.
         problems: one line each: where, what came, what is allowed, what was probably meant.
+        more: problems there are besides.
     """
 
-    def __init__(self, name: str, problems: Iterable[str]):
+    def __init__(self, name: str, problems: Iterable[str], more: int = 0):
         self.name = printable(name)
         self.problems = tuple(problems)
         lines = [f"{self.name}: {problem}" for problem in self.problems[:MOST_LINES]]
-        if len(self.problems) > MOST_LINES:
-            lines.append(f"{self.name}: and {len(self.problems) - MOST_LINES} more like these.")
+        if (unlisted := len(self.problems) + more - len(lines)) > 0:
+            lines.append(f"{self.name}: and {unlisted} more like these.")
         super().__init__("\n".join(lines))
 
 

@@ -25,6 +25,9 @@ def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
     if not text.strip():
         raise DesignError(name, [empty])
     _refuse_deep(text, name)
+    # Counted before they are read, which takes far longer: every key has its sign.
+    if (keys := text.count("=")) > limits.most("keys"):
+        raise DesignError(name, [f"has {limits.problem('keys', keys)}"])
     try:
         return tomllib.loads(text.replace("\r\n", "\n"), parse_float=_decimal)
     except RecursionError:

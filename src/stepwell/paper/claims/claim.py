@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, InputError, described
 
 
 class Judgement(StrEnum):
@@ -107,7 +107,7 @@ def claim(
     """
 
     def made(find: Callable[..., Finding]) -> Claim:
-        name, said = find.__name__.replace("_", "-"), find.__doc__ or ""
+        name, said = find.__name__.replace("_", "-"), described(find)
         return Claim(name, said, where, paper_value, tolerance, find)
 
     return made

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Column, counted, number, percent
 from stepwell.reports.pages import parts
-from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, screen_facts
+from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, missing_text, screen_facts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +48,7 @@ def study_page(
         [
             ""
             if record["finished"]
-            else f"{record['done']} of {record['chunks']} chunks are done.",
+            else f"{record['done']} of {record['chunks']} chunks are done: {missing_text(record)}.",
             f"{counted(failed, 'design')} could not be computed." if failed else "",
         ],
         screen_facts(record),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -14,8 +15,24 @@ from stepwell.base import need
 Model: TypeAlias = Any  # mujoco.MjModel
 Spec: TypeAlias = Any  # mujoco.MjSpec
 
+
+def _simulator() -> Any:
+    """MuJoCo, which brings what draws along: nothing here draws, so that may be broken."""
+    try:
+        return import_module("mujoco")
+    except Exception:
+        wanted = os.environ.get("MUJOCO_GL")
+        if wanted is None:
+            raise
+        os.environ["MUJOCO_GL"] = "disable"  # read once, as the module opens
+        try:
+            return import_module("mujoco")
+        finally:
+            os.environ["MUJOCO_GL"] = wanted
+
+
 need("robot")
-mujoco: Any = import_module("mujoco")
+mujoco: Any = _simulator()
 rollout: Any = import_module("mujoco.rollout")
 
 __all__ = ["Model", "Spec", "mujoco", "quietly", "rollout"]

@@ -1,0 +1,64 @@
+"""A store that lacks designs is told from a whole one by every command, and by its exit code."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
+
+SWEEP = ("sweep", "cycle", "forward.toml", "--vary", "outer.q.x=0:20:12", "--chunk", "3")
+
+
+@pytest.fixture
+def damaged(stepwell):
+    """`stepwell`, in a folder with a study of 4 chunks: the second is damaged, the last is gone."""
+    assert stepwell(*SWEEP, "--workers", "0", "--out", "study.zarr").exit_code == 0
+    file = Path("study.zarr/snaps/c/1")
+    spoilt = bytearray(file.read_bytes())
+    spoilt[len(spoilt) // 2] ^= 4
+    file.write_bytes(bytes(spoilt))
+    Path("study.zarr/sequence/c/3").unlink()
+    return stepwell
+
+
+MISSING = "6 of 12 designs are missing: 3 to 5 (damaged), 9 to 11 (not there)"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("export", "--out", "all.csv"),
+        ("export", "--out", "best.csv", "--best", "2", "--by", "snaps"),
+        ("report", "--out", "report"),
+    ],
+    ids=["export", "best", "report"],
+)
+def test_it_is_refused_unless_it_is_asked_for(damaged, arguments):
+    command, *others = arguments
+    result = damaged("sweep", command, "study.zarr", *others)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert f"study.zarr: {MISSING}. `stepwell sweep resume study.zarr`" in result.stderr
+    assert not Path(others[1]).exists()
+    assert damaged("sweep", command, "study.zarr", *others, "--partial").exit_code == 0
+    if command == "report":
+        assert MISSING in Path("report/report.html").read_text("utf-8")
+    elif "--best" not in others:
+        assert len(Path("all.csv").read_text("utf-8").splitlines()) == 1 + 6
+
+
+def test_the_status_names_what_is_missing_and_fails_where_something_is_damaged(damaged):
+    result = damaged("sweep", "status", "study.zarr")
+    assert result.exit_code == 1
+    assert f"Missing {MISSING}" in " ".join(result.stdout.split())
+    record = json.loads(damaged("sweep", "status", "study.zarr", "--json").stdout)
+    assert record["missing"] == [
+        {"first": 3, "last": 5, "damaged": True},
+        {"first": 9, "last": 11, "damaged": False},
+    ]
+
+
+def test_once_it_is_computed_again_nothing_is_missing(damaged):
+    assert damaged("sweep", "resume", "study.zarr", "--workers", "0").exit_code == 0
+    result = damaged("sweep", "export", "study.zarr", "--out", "all.csv")
+    assert (result.exit_code, result.stdout) == (0, "Written into all.csv: 12 designs.\n")
