@@ -18,6 +18,21 @@ One word for one thing, here and in all rooms above:
 
 # pyright: reportUnusedImport=false
 
+from stepwell.statics.batch import (
+    LOST,
+    PEAK,
+    SNAPS,
+    STEPS_DOWN,
+    STEPS_UP,
+    STROKE_DOWN,
+    STROKE_UP,
+    TIES,
+    Designs,
+    can_follow,
+    full_cycles,
+    nominal,
+    stacked,
+)
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following import Problem
 from stepwell.statics.inertial import History, InertialLanding

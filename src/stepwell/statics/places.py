@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, told_in
-from stepwell.mechanism import FIRST, Chain, Stretch, ends_of
-from stepwell.statics.following import Problem, invert, of_curve
+from stepwell.mechanism import Chain, Stretch, ends_of
+from stepwell.statics.following import Problem, of_curve, travel_between
 from stepwell.statics.problem import problem_of
 
 # Beyond the last force at which a cell goes on to another phase, as a share of all forces.
@@ -189,22 +189,8 @@ def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
 
 def travel_in(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
     """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
-    sheet, low, high = stretch
-    if low == high:
-        return low
-    laws, pieces = problem.laws, problem.pieces
-    sheets = problem.sheets
-    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
-    begin, end = int(pieces.of_sheet[at]), int(pieces.of_sheet[at + 1])
-    # A phase begins and ends where pieces do.
-    first = begin + int(np.searchsorted(pieces.left[begin:end], low))
-    last = begin + int(np.searchsorted(pieces.right[begin:end], high, side="right")) - 1
-    if force <= pieces.force_left[first]:
-        return float(pieces.left[first])
-    if force >= pieces.force_right[last]:
-        return float(pieces.right[last])
-    piece = first + int(np.searchsorted(pieces.force_right[first : last + 1], force))
-    return float(invert(laws, pieces, cell, piece, force))
+    laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
+    return float(travel_between(laws, sheets, pieces, cell, stretch, force))
 
 
 def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:

@@ -478,6 +478,43 @@ def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> f
 
 
 @leaf
+def _first_at(values: Floats, begin: int, end: int, bound: float) -> int:
+    """The first of rising values from `begin` to before `end` that is not below a bound."""
+    while begin < end:
+        middle = (begin + end) // 2
+        if values[middle] < bound:
+            begin = middle + 1
+        else:
+            end = middle
+    return begin
+
+
+@leaf
+def travel_between(
+    laws: Laws,
+    sheets: Sheets,
+    pieces: Pieces,
+    cell: int,
+    stretch: tuple[int, float, float],
+    force: float,
+) -> float:
+    """Travel of a cell on a stretch of rising force [m], (sheet, low, high); clipped to it."""
+    sheet, low, high = stretch
+    if low == high:
+        return low
+    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    # A phase begins and ends where pieces do.
+    begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
+    first, last = _first_at(pieces.left, begin, end, low), _first_at(pieces.right, begin, end, high)
+    if force <= pieces.force_left[first]:
+        return float(pieces.left[first])
+    if force >= pieces.force_right[last]:
+        return float(pieces.right[last])
+    piece = _first_at(pieces.force_right, first, last + 1, force)
+    return invert(laws, pieces, cell, piece, force)
+
+
+@leaf
 def invert_near(
     laws: Laws, pieces: Pieces, cell: int, piece: int, force: float, near: float
 ) -> float:
