@@ -17,7 +17,7 @@ from stepwell.design import (
     parameter_boundaries,
     parameter_map,
 )
-from stepwell.design.maps.outcomes import snapping_steps
+from stepwell.sequences.cycles.batch import snapping_steps
 from stepwell.design.parameters.parameter import parameter, parameters
 
 

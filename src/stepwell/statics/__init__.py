@@ -19,8 +19,14 @@ One word for one thing, here and in all rooms above:
 # pyright: reportUnusedImport=false
 
 from stepwell.statics.batch import (
+    FOUND,
+    FRICTION,
+    FULL,
+    LEVER,
     LOST,
+    MOBILITY,
     PEAK,
+    SIN_LIMIT,
     SNAPS,
     STEPS_DOWN,
     STEPS_UP,
@@ -28,7 +34,6 @@ from stepwell.statics.batch import (
     STROKE_UP,
     TIES,
     Designs,
-    can_follow,
     full_cycles,
     nominal,
     stacked,
@@ -40,7 +45,7 @@ from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
-from stepwell.statics.problem import problem_of
+from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.run import full_cycle, path
 
 __all__ = [

@@ -57,6 +57,8 @@ from stepwell.statics.problem import drive_weights
 from stepwell.statics.sorted_cycle import WORTH_SORTING
 from stepwell.statics.start import EPSILON
 
+# What designs of one shape share.
+_SHAPE = "band_first", "two_sided", "band_rows", "load_rows"
 # Columns of what is known of a cell of a design.
 LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY = range(5)
 # And of a phase.
@@ -126,19 +128,27 @@ class Followed(NamedTuple):
     found: Floats
 
 
-def can_follow(chain: Chain) -> bool:
-    """Whether chains of this shape go through here, and not through sorting."""
-    return len(chain) < WORTH_SORTING
+def nominal(chain: Chain, count: int) -> Designs | None:
+    """A number of designs that are all the chain; whoever asks writes over what differs.
+
+    None for chains that are long enough for sorting.
+    """
+    return None if len(chain) >= WORTH_SORTING else _stacked([chain], count)
 
 
-def nominal(chain: Chain, count: int) -> Designs:
-    """A number of designs that are all the chain; whoever asks writes over what differs."""
-    return _stacked([chain], count)
+def stacked(chains: Sequence[Chain]) -> Designs | None:
+    """Chains as designs of one shape; None where they have none in common, or are long.
 
-
-def stacked(chains: Sequence[Chain]) -> Designs:
-    """Designs that are chains of one shape: as many cells, bands, rows, sheets and phases."""
-    return _stacked(chains, len(chains))
+    Of one shape are those with as many cells, bands, sheets and phases, whose bands follow the same
+    laws and whose cells carry the same loads.
+    """
+    if not chains or any(len(one) >= WORTH_SORTING for one in chains):
+        return None
+    try:
+        return _stacked(chains, len(chains))
+    except ValueError:
+        # Arrays that do not fit into one another: other bands, rows, sheets or phases.
+        return None
 
 
 def _stacked(chains: Sequence[Chain], count: int) -> Designs:
@@ -146,6 +156,10 @@ def _stacked(chains: Sequence[Chain], count: int) -> Designs:
     laws, sheets = parts[0]
     chain = chains[0]
     elements = bool(chain.elements)
+    for own, _ in parts[1:]:
+        for name in _SHAPE if elements else (*_SHAPE, "rows"):
+            if not np.array_equal(getattr(own, name), getattr(laws, name)):
+                raise ValueError(f"{name} differ")
     cells, bands = np.empty((count, len(chain), 5)), np.empty((count, len(laws.band), 4))
     drives = np.empty((count, 2))
     for name, column in (("lever", LEVER), ("sin_limit", SIN_LIMIT), ("full", FULL)):

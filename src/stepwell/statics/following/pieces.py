@@ -505,7 +505,8 @@ def travel_between(
     at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
     # A phase begins and ends where pieces do.
     begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
-    first, last = _first_at(pieces.left, begin, end, low), _first_at(pieces.right, begin, end, high)
+    first = _first_at(pieces.left, begin, end, low)
+    last = min(_first_at(pieces.right, begin, end, high), end - 1)
     if force <= pieces.force_left[first]:
         return float(pieces.left[first])
     if force >= pieces.force_right[last]:
