@@ -31,8 +31,8 @@ def lent(function: FunctionType) -> Any:
         code = function.__code__
         names = code.co_varnames[: code.co_argcount]
         scope: dict[str, Any] = {"inner": machine(function), "lend": _lend}
-        lines = f"def made({', '.join(names)}): return inner({', '.join(map('lend({})'.format, names))})"
-        exec(lines, scope)
+        handed = ", ".join(f"lend({name})" for name in names)
+        exec(f"def made({', '.join(names)}): return inner({handed})", scope)
         made = scope["made"]
         made.__name__, made.__qualname__ = (f"lent_{function.__name__.strip('_')}",) * 2
         made.__module__, made.__defaults__ = function.__module__, function.__defaults__

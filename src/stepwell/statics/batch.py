@@ -194,16 +194,14 @@ def _stacked(chains: Sequence[Chain], count: int) -> Designs:
     )
 
 
-def full_cycles(
-    designs: Designs, progress: Callable[[int, int], None] | None = None
-) -> Followed:
+def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = None) -> Followed:
     """What every design does in a full cycle, on all cores.
 
     Args:
         designs: of one shape of chain, for which `can_follow` holds.
         progress: called now and then with (done, total).
     """
-    m, cells, _ = designs.cells.shape
+    m = len(designs.cells)
     out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))
 
     def some(begin: int, end: int) -> None:
@@ -215,7 +213,8 @@ def full_cycles(
 
 
 def _work(designs: Designs) -> _Work:
-    laws, sheets = (type(part)(*(array.copy() for array in part)) for part in designs[:2])
+    laws = Laws._make(array.copy() for array in designs.laws)
+    sheets = Sheets._make(array.copy() for array in designs.sheets)
     n, phases = len(laws.lever), designs.phases.shape[1]
     room = 64 + 16 * n * 3
     return _Work(
@@ -297,7 +296,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
     lever, limit, full = laws.lever[i], laws.sin_limit[i], laws.full[i]
     if not (0.0 < lever < np.inf and 0.0 <= laws.friction[i] < np.inf):
         return False
-    if not (_LEAST_LIMIT < limit < _MOST_LIMIT and 0.0 < full):
+    if not (_LEAST_LIMIT < limit < _MOST_LIMIT and full > 0.0):
         return False
     if not MOBILITIES[0] * (1.0 + _CLEAR) < mobility < MOBILITIES[1] * (1.0 - _CLEAR):
         return False
@@ -324,9 +323,7 @@ def _problem(designs: Designs, k: int, work: _Work) -> Problem:
     scale = -1.0
     if cut_into(laws, sheets, pieces, work.room) >= 0:
         scale = force_scale(laws, sheets, pieces)
-    return Problem(
-        laws, sheets, pieces, alpha, beta, scale, work.rank, work.mobility, work.effort
-    )
+    return Problem(laws, sheets, pieces, alpha, beta, scale, work.rank, work.mobility, work.effort)
 
 
 @leaf
@@ -383,7 +380,7 @@ def _begin(designs: Designs, problem: Problem, work: _Work) -> bool:
 
 @leaf
 def _stand(problem: Problem, work: _Work, drive: float) -> bool:
-    """The state at the beginning, as `starting_state` makes it; False where it has something to say."""
+    """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
     laws, pieces, ends, state = problem.laws, problem.pieces, problem.sheets.ends, work.state
     alpha, beta, scale, travel = problem.alpha, problem.beta, problem.scale, state.travel
     stand_all_on(laws, problem.sheets, pieces, work.sheet)

@@ -112,7 +112,10 @@ class Parameter(ByValue):
             return
         cell = chain.levers[self.cell]
         first = int(designs.laws.band_first[self.cell])
-        cells, bands = designs.cells[:, self.cell], designs.bands[:, first : first + len(cell.bands)]
+        cells, bands = (
+            designs.cells[:, self.cell],
+            designs.bands[:, first : first + len(cell.bands)],
+        )
         anchor, _, axis = self.part.partition(".")
         if anchor in ANCHORS:
             for column in range(2) if not axis else [_AXES.index(axis)]:

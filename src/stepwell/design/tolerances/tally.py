@@ -51,9 +51,7 @@ def followed(
     """
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
-        found = cycles(
-            lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress
-        )
+        found = cycles(lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress)
         texts = [*map(str, found.sequences)]
         words = {IMPOSSIBLE: NOT_BUILT, UNSOLVED: NO_ANSWER}
         for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
