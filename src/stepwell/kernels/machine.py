@@ -75,7 +75,8 @@ def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
         array.parent = cgutils.get_null_value(array.parent.type)
         return array._getvalue()
     if isinstance(kind, types.BaseTuple):
-        parts = zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True)
+        members: Any = kind
+        parts = zip(members, cgutils.unpack_tuple(builder, value), strict=True)
         made = [_without_owner(context, builder, *part) for part in parts]
         return context.make_tuple(builder, kind, made)
     return value

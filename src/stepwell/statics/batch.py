@@ -57,8 +57,6 @@ from stepwell.statics.problem import drive_weights
 from stepwell.statics.sorted_cycle import WORTH_SORTING
 from stepwell.statics.start import EPSILON
 
-# What designs of one shape share.
-_SHAPE = "band_first", "two_sided", "band_rows", "load_rows"
 # Columns of what is known of a cell of a design.
 LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY = range(5)
 # And of a phase.
@@ -133,7 +131,9 @@ def nominal(chain: Chain, count: int) -> Designs | None:
 
     None for chains that are long enough for sorting.
     """
-    return None if len(chain) >= WORTH_SORTING else _stacked([chain], count)
+    if len(chain) >= WORTH_SORTING:
+        return None
+    return _stacked([chain], [packed(chain.cells)], count)
 
 
 def stacked(chains: Sequence[Chain]) -> Designs | None:
@@ -144,22 +144,34 @@ def stacked(chains: Sequence[Chain]) -> Designs | None:
     """
     if not chains or any(len(one) >= WORTH_SORTING for one in chains):
         return None
-    try:
-        return _stacked(chains, len(chains))
-    except ValueError:
-        # Arrays that do not fit into one another: other bands, rows, sheets or phases.
-        return None
-
-
-def _stacked(chains: Sequence[Chain], count: int) -> Designs:
     parts = [packed(chain.cells) for chain in chains]
+    shapes = [_shape(*both) for both in zip(chains, parts, strict=True)]
+    return _stacked(chains, parts, len(chains)) if shapes.count(shapes[0]) == len(shapes) else None
+
+
+def _shape(chain: Chain, part: tuple[Laws, Sheets]) -> tuple[object, ...]:
+    """What designs of one shape share."""
+    laws, sheets = part
+    arrays = laws.band_first, laws.two_sided, laws.band_rows, laws.load_rows
+    # Rows of lever cells alone are those of their laws and loads; elements bring their own.
+    rows = laws.rows.shape if chain.elements else laws.rows.tobytes()
+    phases = tuple(len(cell.stretches) for cell in chain.cells)
+    kinds = tuple(type(cell) for cell in chain.cells)
+    ends = sheets.table.shape, phases, kinds, _is_open_ended(chain)
+    return *(array.tobytes() for array in arrays), rows, *ends
+
+
+def _is_open_ended(chain: Chain) -> bool:
+    """Whether a full cycle goes beyond the forces at which cells leave, and not from stop to stop."""
+    rigid = math.isinf(chain.actuator_stiffness)
+    stops = rigid and all(all(cell.stopped) for cell in chain.cells)
+    return bool(chain.elements) and not stops
+
+
+def _stacked(chains: Sequence[Chain], parts: Sequence[tuple[Laws, Sheets]], count: int) -> Designs:
     laws, sheets = parts[0]
     chain = chains[0]
     elements = bool(chain.elements)
-    for own, _ in parts[1:]:
-        for name in _SHAPE if elements else (*_SHAPE, "rows"):
-            if not np.array_equal(getattr(own, name), getattr(laws, name)):
-                raise ValueError(f"{name} differ")
     cells, bands = np.empty((count, len(chain), 5)), np.empty((count, len(laws.band), 4))
     drives = np.empty((count, 2))
     for name, column in (("lever", LEVER), ("sin_limit", SIN_LIMIT), ("full", FULL)):
@@ -179,11 +191,10 @@ def _stacked(chains: Sequence[Chain], count: int) -> Designs:
         ]
         for one in own
     ]
-    rigid = math.isinf(chain.actuator_stiffness)
     return Designs(
         laws,
         sheets,
-        elements and not (rigid and all(all(cell.stopped) for cell in chain.cells)),
+        _is_open_ended(chain),
         cells,
         bands,
         np.array([laws.rows for laws, _ in apart]),
@@ -198,7 +209,7 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
     """What every design does in a full cycle, on all cores.
 
     Args:
-        designs: of one shape of chain, for which `can_follow` holds.
+        designs: of one shape of chain.
         progress: called now and then with (done, total).
     """
     m = len(designs.cells)

@@ -130,7 +130,9 @@ class Outcomes:
         """For which of (m, 2) values the closed form holds."""
         return self.closed_form(values).sequence != UNSOLVED
 
-    def ask(self, which: Ints, values: Floats, found: Found, progress: Progress = None) -> None:
+    def ask(
+        self, which: NDArray[np.intp], values: Floats, found: Found, progress: Progress = None
+    ) -> None:
         """Have the engine follow those of (m, 2) designs, and note what they do."""
         number, cycles = self._followed(values[which], progress)
         found.sequence[which] = number
