@@ -8,6 +8,7 @@ os.environ.setdefault("STEPWELL_KERNELS", "compiled")
 from rich.console import Console
 from rich.table import Table
 
+import batches
 import commands
 import cycles
 import graphs
@@ -25,7 +26,7 @@ import yields
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    whole = maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, worlds
+    whole = maps, cycles, batches, graphs, programs, yields, inverse, peers, commands, robot, worlds
     for module in (*whole, studies, studio):
         for row in module.rows():
             table.add_row(*row)

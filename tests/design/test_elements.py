@@ -13,7 +13,8 @@ from stepwell.design import Impossible, parameter, parameter_boundaries, paramet
 from stepwell.design.margins import Change
 from stepwell.design.orders import relay_cycle, switching_forces
 from stepwell.design.tolerances.draws import Draws
-from stepwell.statics import StaticsError
+from stepwell.statics import FOUND, StaticsError
+from stepwell.statics.batch import Followed
 
 SNAP = sw.Element.from_points([0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5], "snap")
 SOFT = sw.Element.from_points([0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, 0.3, 1.5], "soft")
@@ -436,6 +437,11 @@ def test_designs_that_cannot_be_followed_are_counted_and_not_raised(monkeypatch)
     def fails(chain, **_):
         raise StaticsError("no answer")
 
-    monkeypatch.setattr("stepwell.design.tolerances.tally.cycle", fails)
+    def leaves_all(designs, *_):
+        m = len(designs.cells)
+        return Followed(np.full((m, 1), -1), np.full((m, FOUND), np.nan))
+
+    monkeypatch.setattr("stepwell.sequences.cycles.batch.full_cycles", leaves_all)
+    monkeypatch.setattr("stepwell.sequences.cycles.batch.cycle", fails)
     found = pair(STROKE).yields(n=3, wanted="00>10>11>01>00")
     assert found.outcomes == {"no answer": 3}

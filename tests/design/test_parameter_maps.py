@@ -17,8 +17,8 @@ from stepwell.design import (
     parameter_boundaries,
     parameter_map,
 )
-from stepwell.design.maps.outcomes import snapping_steps
 from stepwell.design.parameters.parameter import parameter, parameters
+from stepwell.sequences.cycles.batch import snapping_steps
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:

@@ -39,7 +39,17 @@ from stepwell.concave.ends import (
     steepest,
 )
 from stepwell.concave.relays import Relays, fewest_strokes, relays
-from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, Judged, as_made, in_disc
+from stepwell.concave.samples import (
+    ASK,
+    DOES,
+    OTHER,
+    TIE,
+    Judge,
+    Judged,
+    as_made,
+    in_disc,
+    in_discs,
+)
 from stepwell.concave.sorting import (
     TIED,
     Neighbour,

@@ -33,6 +33,15 @@ def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
     return away * math.cos(angle), away * math.sin(angle)
 
 
+@entry(2e-6, "numbers")
+def in_discs(radius: float, numbers: Floats, out: Floats) -> None:
+    """The same of (m, 2 k) numbers, into (m, k, 2)."""
+    for sample in range(len(numbers)):
+        for k in range(out.shape[1]):
+            place = in_disc(radius, numbers[sample, 2 * k], numbers[sample, 2 * k + 1])
+            out[sample, k, 0], out[sample, k, 1] = place
+
+
 @kernel
 def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
     """Cell i as one draw makes it, and its friction [N]; the columns are those of `Draws`."""

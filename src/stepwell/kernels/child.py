@@ -32,12 +32,15 @@ def main() -> None:
 def _compile(module: str, name: str, kinds: bytes) -> None:
     import numba
 
+    from stepwell.kernels.entry import Entry
     from stepwell.kernels.fingerprint import kernel_of
-    from stepwell.kernels.machine import machine
+    from stepwell.kernels.machine import lent, machine
 
-    function = kernel_of(getattr(import_module(module), name))
+    named = getattr(import_module(module), name)
+    function = kernel_of(named)
     assert function is not None, name
-    machine(function).compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
+    made = lent(function) if isinstance(named, Entry) else machine(function)
+    made.compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
 
 
 def _type(numba: Any, kind: Any) -> Any:

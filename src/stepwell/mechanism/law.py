@@ -132,6 +132,25 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
 
 
 @leaf
+def _of_band(
+    band: tuple[float, float, float, float],
+    row: tuple[float, float, float, float, float],
+    sin: float,
+    cos: float,
+    r: float,
+) -> tuple[float, float, float]:
+    """F, κ and dκ/ds that a taut band makes of d_x, d_y, k, ℓ0 and its row."""
+    dx, dy, k, rest = band
+    x0, c0, c1, c2, c3 = row
+    length = band_length(sin, cos, dx, dy, r)
+    g, g1, g2 = reach_slopes(sin, cos, dx, dy, r)
+    x = length - rest - x0
+    t0, _, t2 = cubic(x, c0, c1, c2, c3)
+    h = steepening(length, x, c0, c1, c2, c3)
+    return force_slopes(k * t0, k * t2, k * h, length, g, g1, g2)
+
+
+@leaf
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
     band, rows, r = laws.band, laws.rows, laws.lever[cell]
@@ -143,14 +162,9 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
         slot += 1
         if row < 0:
             continue
-        dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
-        length = band_length(sin, cos, dx, dy, r)
-        g, g1, g2 = reach_slopes(sin, cos, dx, dy, r)
-        x = length - rest - rows[row, 0]
-        c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
-        t0, _, t2 = cubic(x, c0, c1, c2, c3)
-        h = steepening(length, x, c0, c1, c2, c3)
-        f0, f1, f2 = force_slopes(k * t0, k * t2, k * h, length, g, g1, g2)
+        numbers = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
+        on = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        f0, f1, f2 = _of_band(numbers, on, sin, cos, r)
         force += f0
         slope += f1
         bend += f2
@@ -162,6 +176,50 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
         slope += f1
         bend += f2
     return force, slope, bend
+
+
+class Looks(NamedTuple):
+    """Travels of a cell, and its law there; n of them."""
+
+    travel: Floats  # (n,)
+    sin: Floats  # (n,)
+    cos: Floats  # (n,)
+    force: Floats  # (n,)
+    slope: Floats  # (n,)
+    bend: Floats  # (n,)
+
+
+@leaf
+def law_along(laws: Laws, cell: int, picked: Ints, at: Looks) -> None:
+    """The same at many travels, band by band, so that machine code does several at once."""
+    band, rows, r, limit = laws.band, laws.rows, laws.lever[cell], laws.sin_limit[cell]
+    travel, sin, cos, force, slope, bend = at
+    n = len(travel)
+    for i in range(n):
+        sin[i] = sine_at(travel[i], r, limit)
+        cos[i] = np.sqrt(1.0 - sin[i] * sin[i])
+        force[i], slope[i], bend[i] = 0.0, 0.0, 0.0
+    slot = 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        row = picked[slot]
+        slot += 1
+        if row < 0:
+            continue
+        numbers = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
+        on = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        for i in range(n):
+            f0, f1, f2 = _of_band(numbers, on, sin[i], cos[i], r)
+            force[i] += f0
+            slope[i] += f1
+            bend[i] += f2
+    row = picked[slot]
+    if row >= 0:
+        x0, c0, c1, c2, c3 = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        for i in range(n):
+            f0, f1, f2 = cubic(travel[i] - x0, c0, c1, c2, c3)
+            force[i] += f0
+            slope[i] += f1
+            bend[i] += f2
 
 
 @leaf

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.sequences.branches import element_of
-from stepwell.sequences.cycles import Cycle, Pathway, cycle
+from stepwell.sequences.cycles import IMPOSSIBLE, UNSOLVED, Cycle, Cycles, Pathway, cycle, cycles
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 
 from stepwell.sequences.programs import program  # isort: skip - after the module of that name
@@ -44,7 +44,9 @@ __all__ = [
     "Accumulator",
     "Counting",
     "Cycle",
+    "Cycles",
     "Forgetting",
+    "IMPOSSIBLE",
     "ImplicitGraph",
     "Latch",
     "Loop",
@@ -60,8 +62,10 @@ __all__ = [
     "TransitionGraph",
     "TransitionKind",
     "Turn",
+    "UNSOLVED",
     "Unreachable",
     "cycle",
+    "cycles",
     "from_dot",
     "from_graphml",
     "from_json",

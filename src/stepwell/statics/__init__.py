@@ -18,14 +18,34 @@ One word for one thing, here and in all rooms above:
 
 # pyright: reportUnusedImport=false
 
+from stepwell.statics.batch import (
+    FOUND,
+    FRICTION,
+    FULL,
+    LEVER,
+    LOST,
+    MOBILITY,
+    PEAK,
+    SIN_LIMIT,
+    SNAPS,
+    STEPS_DOWN,
+    STEPS_UP,
+    STROKE_DOWN,
+    STROKE_UP,
+    TIES,
+    Designs,
+    full_cycles,
+    nominal,
+    stacked,
+)
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
-from stepwell.statics.following import Problem, travel_in
+from stepwell.statics.following import Problem
 from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.places import Configuration, drive_range, read_state, standing
-from stepwell.statics.problem import problem_of
+from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
+from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.run import full_cycle, path
 
 __all__ = [

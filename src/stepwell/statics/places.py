@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, told_in
 from stepwell.mechanism import Chain, Stretch, ends_of
-from stepwell.statics.following import Problem, of_curve, travels_in
+from stepwell.statics.following import Problem, of_curve, travel_between, travels_between
 from stepwell.statics.problem import problem_of
 
 # Beyond the last force at which a cell goes on to another phase, as a share of all forces.
@@ -184,8 +184,13 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
 def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
-    travels_in(*problem[:3], np.array(stretches, float), force, found)
+    travels_between(*problem[:3], np.array(stretches, float), force, found)
     return found
+
+
+def travel_in(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+    """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
+    return float(travel_between(*problem[:3], cell, stretch, force))
 
 
 def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:

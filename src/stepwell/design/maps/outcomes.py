@@ -14,17 +14,17 @@ from stepwell.concave import closed, simple
 from stepwell.design.maps.sweep import FRICTION, ends, sweep
 from stepwell.design.parameters import Parameter
 from stepwell.kernels import in_blocks
-from stepwell.mechanism import Chain, Element, phase_at
-from stepwell.sequences import Cycle, Pathway, Sequence, cycle
-from stepwell.statics import SegmentKind, StaticsError
+from stepwell.mechanism import Chain, Element
+from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles
+from stepwell.statics import STEPS_DOWN, STEPS_UP, STROKE_DOWN, STROKE_UP, nominal
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bools = NDArray[np.bool_]
+Progress = Callable[[int, int], None] | None
 
-# Instead of a sequence: no such chain, one that the engine cannot follow, and one in a region
-# where only friction could tell.
-IMPOSSIBLE, UNSOLVED, TIED = -1, -2, -3
+# Instead of a sequence, beside what `cycles` says: one in a region where only friction could tell.
+TIED = -3
 _WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
 # Longest chain whose sequences are written out; those of longer ones are told by their moves.
 _SHORT = 12
@@ -130,20 +130,23 @@ class Outcomes:
         """For which of (m, 2) values the closed form holds."""
         return self.closed_form(values).sequence != UNSOLVED
 
-    def ask(self, i: int, values: Floats, found: Found) -> None:
-        """Have the engine follow one design, (2,) values, and note what it does under i."""
-        result, found.sequence[i] = self._follow(values)
-        if result is None:
-            return
-        found.degenerate[i] = bool(result.degenerate)
-        found.snaps[:, i] = snapping_steps(result)
-        for snap in reversed(result.snaps):
-            found.strokes[0 if snap.direction > 0 else 1, i] = snap.stroke
+    def ask(
+        self, which: NDArray[np.intp], values: Floats, found: Found, progress: Progress = None
+    ) -> None:
+        """Have the engine follow those of (m, 2) designs, and note what they do."""
+        number, cycles = self._followed(values[which], progress)
+        found.sequence[which] = number
+        known, at = cycles.found, which[number >= 0]
+        found.degenerate[at] = cycles.tied[number >= 0] > 0
+        for column, way in ((STROKE_UP, 0), (STROKE_DOWN, 1)):
+            found.strokes[way, at] = known[number >= 0, column]
+        for column, way in ((STEPS_UP, 0), (STEPS_DOWN, 1)):
+            found.snaps[way, at] = known[number >= 0, column]
 
     def label(
         self,
         values: Floats,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Progress = None,
         found: Found | None = None,
     ) -> Ints:
         """Numbers for (m, 2) values, of which the closed form says what was `found`.
@@ -151,14 +154,13 @@ class Outcomes:
         `progress` is called with (done, total) engine runs.
         """
         number = (found or self.closed_form(values)).sequence.copy()
-        waiting = np.flatnonzero(number == UNSOLVED).tolist()
-        for done, i in enumerate(waiting):
-            if progress is not None:
-                progress(done, len(waiting))
-            result, number[i] = self._follow(values[i])
-            if result is not None and result.degenerate:
-                result, beside = self._follow(values[i] + _ASIDE * self._spans)
-                number[i] = TIED if result is None or result.degenerate else beside
+        waiting = np.flatnonzero(number == UNSOLVED)
+        number[waiting], cycles = self._followed(values[waiting], progress)
+        ties = waiting[cycles.tied > 0]
+        if len(ties):
+            beside, cycles = self._followed(values[ties] + _ASIDE * self._spans)
+            unclear = (beside < 0) | (cycles.tied > 0)
+            number[ties] = np.where(unclear, TIED, beside)
         if progress is not None:
             progress(len(waiting), len(waiting))
         return number
@@ -200,16 +202,17 @@ class Outcomes:
         ends(self.added(values), self.base, self.rows, self.columns, turned, out)
         return out
 
-    def _follow(self, values: Floats) -> tuple[Cycle | None, int]:
-        try:
-            design = self.design(values)
-        except ValueError:
-            return None, IMPOSSIBLE
-        try:
-            result = cycle(design)
-        except StaticsError:
-            return None, UNSOLVED
-        return result, self._number(result.sequence)
+    def _followed(self, values: Floats, progress: Progress = None) -> tuple[Ints, Cycles]:
+        """What the engine finds of (m, 2) values: numbers of sequences, and the rest."""
+        designs = None if self.chain.elements else nominal(self.chain, len(values))
+        if designs is not None:
+            for parameter, column in zip(self.parameters, values.T, strict=True):
+                parameter.put(designs, self.chain, column)
+        found = cycles(lambda i: self.design(values[i]), len(values), designs, progress)
+        own = np.array([self._number(sequence) for sequence in found.sequences], np.int32)
+        number = found.number.astype(np.int32)
+        number[number >= 0] = own[number[number >= 0]]
+        return number, found
 
     def _of_orders(self, orders: Ints) -> int:
         key = orders.tobytes()
@@ -275,25 +278,3 @@ class Outcomes:
             left = -band.p[column] if end == "q" else band.q[column]
             row[column] = 0.0 if {f"p.{axis}", f"q.{axis}"} <= set(parts) else left
         return row
-
-
-def snapping_steps(result: Cycle) -> tuple[int, int]:
-    """Steps from state to state of a cycle in which it snaps, loading and unloading.
-
-    A step in which the snap is handed on to another cell, and a second one follows, counts once.
-    """
-    stretches = result.chain.stretches
-    between: set[int] = set()
-    counts = {1: 0, -1: 0}
-    snapped = 0
-    for segment in result.path.segments():
-        if segment.kind is SegmentKind.SNAP:
-            snapped = segment.direction
-        moved = zip(segment.cells, segment.after, segment.sheets_after, strict=True)
-        for cell, travel, sheet in moved:
-            in_transit = phase_at(stretches[cell], sheet, travel) == "-"
-            between.add(cell) if in_transit else between.discard(cell)
-        if snapped and not between:
-            counts[snapped] += 1
-            snapped = 0
-    return counts[1], counts[-1]

@@ -66,8 +66,8 @@ def parameter_map(
 
     Any two parameters of any cells or elements, of the actuator's stiffness or of friction; names
     as in `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are
-    sorted in closed form where the actuator is rigid; all others go through the general engine one
-    by one (a millisecond or so each). `attrs` counts both.
+    sorted in closed form where the actuator is rigid; all others go through the general engine.
+    `attrs` counts both.
 
     Args:
         chain: any number of cells.
@@ -103,12 +103,9 @@ def parameter_map(
     nodes = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
     scale, _ = _scale(outcomes)
     found = outcomes.closed_form(nodes, _TIE * scale)
-    waiting = np.flatnonzero(found.sequence == UNSOLVED).tolist()
-    for done, i in enumerate(waiting):
-        if progress is not None:
-            progress(done, len(waiting))
-        outcomes.ask(i, nodes[i], found)
-    for cell in outcomes.turned if waiting else ():
+    waiting = np.flatnonzero(found.sequence == UNSOLVED)
+    outcomes.ask(waiting, nodes, found, progress)
+    for cell in outcomes.turned if len(waiting) else ():
         states = Stability(outcomes, cell, nodes[waiting])
         found.monostable[waiting] |= states(nodes[waiting]) == 1
     if progress is not None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Vec2
+from stepwell.base import Bools, Floats, Vec2
 from stepwell.concave import Neighbour, SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest_place import Place, nearest_place
@@ -17,8 +17,8 @@ from stepwell.design.orders import relay_cycle
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence, cycle
-from stepwell.statics import StaticsError
+from stepwell.sequences import Sequence, cycle, cycles
+from stepwell.statics import StaticsError, nominal
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
 # nothing else has changed. The smaller ones are for regions that are narrower.
@@ -83,6 +83,15 @@ def nearest(
             return False
         return done != now if wanted is None else done == wanted
 
+    def all_do(moves: Floats) -> Bools:
+        designs = nominal(chain, len(moves))
+        assert designs is not None
+        anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
+        found = cycles(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
+        done = [one != now if wanted is None else one == wanted for one in found.sequences]
+        # A design without a number does nothing.
+        return np.array([*done, False])[np.maximum(found.number, -1)]
+
     known, past, proved = None, None, False
     if forces is not None:
         known, proved = _in_closed_form(forces, anchor, wanted, ways)
@@ -95,7 +104,14 @@ def nearest(
     within = ways.reach if known is None or past is None else known.distance
     if not proved:
         found = nearest_found(
-            lambda u: does(ways.frame @ u), ways, within, wanted is not None, progress
+            lambda u: does(ways.frame @ u),
+            ways,
+            within,
+            wanted is not None,
+            progress,
+            None
+            if forces or chain.elements or nominal(chain, 0) is None
+            else lambda us: all_do(us @ ways.frame.T),
         )
         if found is not None and float(np.linalg.norm(found)) < within:
             move = ways.move(found)

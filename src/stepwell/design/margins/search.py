@@ -51,6 +51,7 @@ def nearest_found(
     within: float,
     small: bool,
     progress: Callable[[int, int], None] | None = None,
+    all_do: Callable[[Floats], Bools] | None = None,
 ) -> Floats | None:
     """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
 
@@ -64,25 +65,27 @@ def nearest_found(
         within: the farthest that counts [m].
         small: whether what does it may be a small region, which closer rings have to meet.
         progress: called with (done, total) places, the farthest of which may not be asked.
+        all_do: what to ask at many displacements (m, n), where that takes less than one by one.
     """
+
+    def asked(ring: Floats) -> Bools:
+        return np.array([does(u) for u in ring]) if all_do is None else all_do(ring)
+
     rings = [r for r in _rings(ways, small) if r[0] < within] + [(within, _AROUND)]
     total, done = sum(count for _, count in rings), 0
     best: Floats | None = None
     for number, (radius, count) in enumerate(rings):
         ring = _ring(ways, radius, count, number % 2)
-        hits = np.zeros(len(ring), bool)
-        for i, u in enumerate(ring):
-            if progress is not None:
-                progress(min(done, total), total)
-            hits[i] = does(u)
-            done += 1
-        best = _behind(does, ring, hits, None)
+        if progress is not None:
+            progress(min(done, total), total)
+        best = _behind(does, ring, asked(ring), None)
+        done += len(ring)
         if best is not None:
             break
     while best is not None and ways.dimensions == 2:
         before = float(np.linalg.norm(best))
         ring = _ring(ways, min(_BEYOND * before, within), _AROUND, 0)
-        best = _behind(does, ring, np.array([does(u) for u in ring]), best)
+        best = _behind(does, ring, asked(ring), best)
         assert best is not None
         if float(np.linalg.norm(best)) > _SETTLED * before:
             break

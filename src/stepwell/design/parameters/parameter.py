@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, nearest_word
-from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes
+from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes, travel_of
+from stepwell.statics import FRICTION, FULL, LEVER, SIN_LIMIT, Designs, drive_weights
 
 # How the odd true case is told.
 WAY = "If it is meant so, say unusual=True of a cell of the chain."
@@ -94,6 +95,50 @@ class Parameter(ByValue):
         cells = list(chain.cells)
         cells[self.cell] = replace(cells[self.cell], **self._in_cell(cells[self.cell], value))
         return replace(chain, cells=tuple(cells))
+
+    def put(self, designs: Designs, chain: Chain, values: Floats) -> None:
+        """Write other values of it into designs that are all the same chain of lever cells.
+
+        The same designs as `changed` makes one by one.
+
+        Args:
+            designs: m of them.
+            chain: of lever cells.
+            values: (m,) in SI, of an anchor (m, 2).
+        """
+        if self.cell is None:
+            drives = [drive_weights(replace(chain, actuator_stiffness=v)) for v in values.tolist()]
+            designs.drives[:] = drives
+            return
+        cell = chain.levers[self.cell]
+        first = int(designs.laws.band_first[self.cell])
+        cells, bands = (
+            designs.cells[:, self.cell],
+            designs.bands[:, first : first + len(cell.bands)],
+        )
+        anchor, _, axis = self.part.partition(".")
+        if anchor in ANCHORS:
+            for column in range(2) if not axis else [_AXES.index(axis)]:
+                to = values if axis else values[:, column]
+                was = getattr(cell.bands[0], anchor)[column]
+                for k, band in enumerate(cell.bands):
+                    spot = getattr(band, anchor)[column]
+                    here = to if spot == was else spot + (to - was)
+                    p, q = (here if end == anchor else getattr(band, end)[column] for end in "pq")
+                    bands[:, k, column] = q - p
+        elif self.part in ("stiffness", "rest_length"):
+            column = 2 + (self.part == "rest_length")
+            old = [float(getattr(band, self.part)) for band in cell.bands]
+            for k, own in enumerate(old):
+                # Bands that cannot be scaled are no design, which whoever builds it says.
+                ratio = values / old[0] if old[0] else np.full(len(values), np.nan)
+                bands[:, k, column] = values if own == old[0] else own * ratio
+        elif self.part == "limit":
+            cells[:, SIN_LIMIT] = [math.sin(value) for value in values.tolist()]
+        else:
+            cells[:, FRICTION if self.part == "friction" else LEVER] = values
+        sine = cells[:, SIN_LIMIT]
+        cells[:, FULL] = travel_of(sine, cells[:, LEVER], sine)
 
     def displaced(self, chain: Chain, move: ArrayLike) -> Chain:
         """The chain with this anchor moved by (dx, dy) [m]."""

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import ByValue, Floats
-from stepwell.concave import in_disc
+from stepwell.concave import in_disc, in_discs
 from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.tolerances import Tolerances, levers_of
-from stepwell.mechanism import Band, Cell, Chain, Element
+from stepwell.mechanism import Band, Cell, Chain, Element, travel_of
+from stepwell.statics import FRICTION, FULL, LEVER, MOBILITY, SIN_LIMIT, Designs, nominal
 
 _CUT = 4.0  # standard deviations at which the normal distribution ends
 _AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache
@@ -183,6 +184,31 @@ class Draws(ByValue):
         row = np.empty((1, self.columns))
         self._fill(row, self._streams(number))
         return self.built(self.shaped(row)[0])
+
+    def designs(self, drawn: Floats) -> Designs | None:
+        """The mechanisms of (m, columns) draws as numbers, the same that are `built` one by one.
+
+        None for elements, whose curves have to be built, and for long chains.
+        """
+        t, b, n = self.tolerances, self.bands, len(self.chain)
+        designs = None if self.chain.elements else nominal(self.chain, len(drawn))
+        if designs is None:
+            return None
+        where = np.empty((len(drawn), 2 * b, 2))
+        in_discs(t.anchor, np.ascontiguousarray(drawn[:, : 4 * b]), where)
+        drawing = [band for cell in levers_of(self.chain) for band in cell.bands]
+        p, q = (np.array([getattr(band, end) for band in drawing]) for end in "pq")
+        bands, cells = designs.bands, designs.cells
+        bands[:, :, :2] = (q + where[:, 1::2]) - (p + where[:, ::2])
+        bands[:, :, 2] *= 1.0 + t.stiffness * drawn[:, 4 * b : 5 * b]
+        bands[:, :, 3] *= 1.0 + t.rest_length * drawn[:, 5 * b : 6 * b]
+        lever, rub = np.split(drawn[:, 6 * b : 6 * b + 2 * n], 2, axis=1)
+        cells[:, :, LEVER] += t.lever * (2.0 * lever - 1.0)
+        sine = cells[:, :, SIN_LIMIT]
+        cells[:, :, FULL] = travel_of(sine, cells[:, :, LEVER], sine)
+        cells[:, :, FRICTION] += t.friction * rub
+        cells[:, :, MOBILITY] *= t.mobility ** (drawn[:, self.mobilities :] - 0.5)
+        return designs
 
     def built(self, draw: Floats) -> Chain:
         """The mechanism that one row of draws makes.

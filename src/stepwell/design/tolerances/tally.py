@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +22,7 @@ from stepwell.design.orders import (
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence, cycle
+from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Sequence, cycle, cycles
 from stepwell.statics import Landing, StaticsError
 
 # What a mechanism can do besides a sequence.
@@ -36,12 +36,34 @@ _MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
 _KEPT = 100  # outcomes told apart
 
 
-def followed(draws: Draws, draw: Floats, states: frozenset[str] | None = None) -> str:
-    """What the mechanism of one draw does, by the general engine.
+def followed(
+    draws: Draws,
+    drawn: Floats,
+    states: frozenset[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[str]:
+    """What the mechanisms of (m, columns) draws do, by the general engine.
+
+    `progress` is called with (done, m).
 
     Returns:
-        Its sequence; or where states are wanted, what else it reaches, and what not.
+        Of each its sequence; or where states are wanted, what else it reaches, and what not.
     """
+    forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
+    if states is None and not forced:
+        found = cycles(lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress)
+        texts = [*map(str, found.sequences)]
+        words = {IMPOSSIBLE: NOT_BUILT, UNSOLVED: NO_ANSWER}
+        for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
+            yield words[number] if number < 0 else TIED if tied else texts[number]
+        return
+    for done, draw in enumerate(drawn):
+        if progress is not None:
+            progress(done, len(drawn))
+        yield _one(draws, draw, states)
+
+
+def _one(draws: Draws, draw: Floats, states: frozenset[str] | None) -> str:
     try:
         made = draws.built(draw)
     except ValueError:
@@ -131,13 +153,17 @@ class Tally:
         for drawn in self.draws.chunks(n):
             waiting = drawn if self.judge is None else drawn[self._judged(drawn, self.judge)]
             done += len(drawn) - len(waiting)
-            for draw in waiting:
+
+            def tell(m: int, _: int, begun: int = done) -> None:
                 if progress is not None:
-                    progress(done, n)
-                self._follow(draw)
-                done += 1
-            if progress is not None:
-                progress(done, n)
+                    progress(begun + m, n)
+
+            for draw, does in zip(
+                waiting, followed(self.draws, waiting, self.states, tell), strict=True
+            ):
+                self._note(draw, does)
+            done += len(waiting)
+            tell(len(waiting), n)
 
     def _judged(self, drawn: Floats, judge: Judge | RelayJudge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
@@ -165,9 +191,10 @@ class Tally:
             self._add(ANOTHER, int(np.sum(other)))
         return ask
 
-    def _follow(self, draw: Floats) -> None:
+    def _note(self, draw: Floats, does: str) -> None:
+        """Count what the engine says that the mechanism of a draw does."""
         self.by_engine += 1
-        does, proved = followed(self.draws, draw, self.states), True
+        proved = True
         # A gap between forces tells what a mechanism does, and nothing of its mobilities.
         self.followed_well.append(does == self._success)
         if does == self._success and self.robust is not None:

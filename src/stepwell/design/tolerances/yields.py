@@ -114,7 +114,7 @@ class Yield(Counted, Drawn):
         critical: the pair of neighbours in the wanted order that is most often in the other
             order, or nearest to it where none is; None where nothing was judged in closed form,
             or there is no such pair.
-        by_engine: how many were followed by the general engine, a few milliseconds each.
+        by_engine: how many were followed by the general engine.
         robust: the ratio of mobilities for which each has to do it; None where only those it has
             count.
         proved: how many of the successes do it for all of these by proof: the closed form asks for
@@ -387,7 +387,7 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
     elif tally.judge is None:
         how = (
             f"no closed form for such cells (several bands, a bent law or a load), so the general "
-            f"engine followed all {n}, slowly"
+            f"engine followed all {n}"
         )
     else:
         how = (

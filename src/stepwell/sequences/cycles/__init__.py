@@ -2,3 +2,10 @@
 
 from stepwell.sequences.cycles.cycle import Cycle, arrival, cycle, sequence_of
 from stepwell.sequences.cycles.sequence import Pathway, Sequence
+
+from stepwell.sequences.cycles.batch import (  # isort: skip - of single cycles
+    IMPOSSIBLE,
+    UNSOLVED,
+    Cycles,
+    cycles,
+)

@@ -96,7 +96,7 @@ class Travels:
         key = cell, phase, force
         if key not in self._known:
             stretch = self._stretches[cell][phase]
-            self._known[key] = float(travel_in(*self._problem[:3], cell, stretch, force))
+            self._known[key] = travel_in(self._problem, cell, stretch, force)
         return self._known[key]
 
     def shown(self, phases: tuple[int, ...], force: float) -> tuple[float, tuple[float, ...]]:

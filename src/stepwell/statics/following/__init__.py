@@ -19,17 +19,22 @@ from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
+    Pieces,
+    Room,
     cut,
+    cut_into,
     find_piece,
     force_scale,
     invert,
     of_curve,
     resting_piece,
+    room_for,
+    room_of_pieces,
     sheets_of,
     stand_all_on,
     stand_on,
-    travel_in,
-    travels_in,
+    travel_between,
+    travels_between,
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.smooth import LOST, choose

@@ -18,9 +18,11 @@ from stepwell.mechanism import (
     HIGH,
     LOW,
     Laws,
+    Looks,
     Sheets,
     change_sheet,
     law,
+    law_along,
     pick_rows,
     travel_of,
     turn_at,
@@ -65,8 +67,46 @@ _TO_SERIES = _transform()
 _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 
 
-@kernel
-def cut_points(laws: Laws, ends: Floats, cell: int) -> Floats:
+class Room(NamedTuple):
+    """What cutting writes to on its way, so that no cut makes an array."""
+
+    points: Floats  # (kinks,)
+    cuts: Floats  # (4 MOST_PIECES,)
+    rows: Ints  # (bands + 1,)
+    at: Looks  # the nodes of a stretch
+    series: Floats  # (2, _NODES + 1) of a function there, and of its derivative
+    ends: Floats  # (2, 4 _DEPTH) stretches that wait
+    depth: Ints  # (2, 4 _DEPTH) how small they are, and what is open on them
+
+
+def room_for(laws: Laws) -> Room:
+    """Room to cut these cells in."""
+    bands = np.diff(laws.band_first)
+    kinks = 2 + 2 * len(laws.rows) + 4 * int(np.max(bands))
+    return Room(
+        np.empty(kinks),
+        np.empty(4 * MOST_PIECES),
+        np.empty(int(np.max(bands)) + 1, np.int64),
+        Looks._make(np.empty((6, _NODES))),
+        np.empty((2, _NODES + 1)),
+        np.empty((2, 4 * _DEPTH)),
+        np.empty((2, 4 * _DEPTH), np.int64),
+    )
+
+
+@leaf
+def _sort(values: Floats, count: int) -> None:
+    """Sort the first values, which are few."""
+    for i in range(1, count):
+        value, j = values[i], i
+        while j > 0 and values[j - 1] > value:
+            values[j] = values[j - 1]
+            j -= 1
+        values[j] = value
+
+
+@leaf
+def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
     r, sin_limit, low, high = (
         laws.lever[cell],
@@ -74,15 +114,10 @@ def cut_points(laws: Laws, ends: Floats, cell: int) -> Floats:
         ends[cell, LOW],
         ends[cell, HIGH],
     )
-    count = 2
-    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
-        count += 2 * (laws.band_rows[b + 1] - laws.band_rows[b]) + 2
-    count += laws.load_rows[cell, 1] - laws.load_rows[cell, 0]
-    points = np.empty(count)
     points[0], points[1] = low, high
     used = 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
-        dx, dy, _, rest = laws.band[b]
+        dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
         reach = np.sqrt(dx * dx + dy * dy)
         # Looking from where the band is longest and where it is shortest puts the dense ends of
         # the Chebyshev points at the only places where its law can turn sharply.
@@ -111,157 +146,180 @@ def cut_points(laws: Laws, ends: Floats, cell: int) -> Floats:
         if low < laws.rows[row, 0] < high:
             points[used] = laws.rows[row, 0]
             used += 1
-    points = np.sort(points[:used])
+    # Those of an element are in order but for the end.
+    _sort(points, used)
     kept = 1
     for i in range(1, used):
         if points[i] - points[kept - 1] > 1e-12 * laws.full[cell]:
             points[kept] = points[i]
             kept += 1
     points[kept - 1] = high
-    return points[:kept]
+    return kept
 
 
-class Derivative(NamedTuple):
-    """The force of a cell by its travel on fixed rows, or a derivative of it."""
-
-    laws: Laws
-    cell: int
-    picked: Ints
-    order: int  # 0 for F, 1 for κ, 2 for dκ/ds
-    noise: float  # where it is nowhere larger than this it is zero, which has no sign to change
-
-
-@kernel
-def _verdict(of: Derivative, a: float, b: float) -> int:
-    """0: no root of the derivative in [a, b]; 1: monotone there; 2: unknown."""
-    laws, cell, picked, order, noise = of
-    values = np.empty(_NODES)
+@leaf
+def _look(laws: Laws, cell: int, a: float, b: float, room: Room) -> None:
+    """F, κ and dκ/ds at the Chebyshev points of [a, b], of which the first is b and the last a."""
+    travel = room.at.travel
     for i in range(_NODES):
-        values[i] = law(laws, cell, picked, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])[order]
-    series = np.zeros(_NODES)
+        travel[i] = 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i]
+    travel[0], travel[_NODES - 1] = b, a
+    law_along(laws, cell, room.rows, room.at)
+
+
+@leaf
+def _verdict(values: Floats, noise: float, room: Room) -> int:
+    """0: no root of a function with these values; 1: it is monotone; 2: unknown.
+
+    Where it is nowhere larger than `noise` it is zero, which has no sign to change.
+    """
+    series, slopes = room.series[0], room.series[1]
     for k in range(_NODES):
-        for i in range(_NODES):
-            series[k] += _TO_SERIES[k, i] * values[i]
+        series[k] = 0.0
+    for i in range(_NODES):
+        value = values[i]
+        for k in range(_NODES):
+            series[k] += _TO_SERIES[i, k] * value
     rest, size = 0.0, abs(series[0])
     for k in range(1, _NODES):
         rest += abs(series[k])
         size = max(size, abs(series[k]))
     if size <= noise:
         return 0
-    tail = abs(series[-1]) + abs(series[-2]) + abs(series[-3])
+    tail = abs(series[_NODES - 1]) + abs(series[_NODES - 2]) + abs(series[_NODES - 3])
     if tail > _RESOLVED * size:
         return 2
     if abs(series[0]) > rest + 10.0 * tail:
         return 0
     # Coefficients of the derivative, by the backward recurrence.
-    slopes = np.zeros(_NODES + 1)
+    slopes[_NODES] = slopes[_NODES - 1] = 0.0
     for k in range(_NODES - 1, 0, -1):
-        above = slopes[k + 1] if k + 1 <= _NODES else 0.0
-        slopes[k - 1] = above + 2.0 * k * series[k]
-    slopes[0] /= 2.0
+        slopes[k - 1] = slopes[k + 1] + 2.0 * k * series[k]
     rest = 0.0
     for k in range(1, _NODES - 1):
         rest += abs(slopes[k])
-    if abs(slopes[0]) > rest + 10.0 * tail * _NODES * _NODES:
+    if abs(0.5 * slopes[0]) > rest + 10.0 * tail * _NODES * _NODES:
         return 1
     return 2
 
 
 @leaf
-def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[float, float]:
-    """Largest |F| and |κ| seen on [a, b]."""
-    force, slope = 0.0, 0.0
-    for i in range(_NODES):
-        travel = 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i]
-        value, stiff, _ = law(laws, cell, picked, travel)
-        force, slope = max(force, abs(value)), max(slope, abs(stiff))
-    return force, slope
+def _root(
+    laws: Laws, cell: int, picked: Ints, order: int, ends: tuple[float, float, float, float]
+) -> float:
+    """The sign change of F, κ or dκ/ds between two travels; `ends` are these and the values there.
 
-
-@leaf
-def _root(of: Derivative, a: float, b: float) -> float:
-    """The sign change in [a, b], by bisection with a secant guess each time."""
-    laws, cell, picked, order, _ = of
-    fa = law(laws, cell, picked, a)[order]
-    fb = law(laws, cell, picked, b)[order]
+    The secant of both ends, with half the value of an end that stays (Dowell and Jarratt 1971), and
+    every fourth time the middle.
+    """
+    a, b, fa, fb = ends
+    falls, stays, last = fa < 0.0, 0, a
     for step in range(200):
         middle = 0.5 * (a + b)
         if not a < middle < b:
             break
-        guess = b - fb * (b - a) / (fb - fa) if step % 2 == 0 and fb != fa else middle
+        guess = b - fb * (b - a) / (fb - fa) if step % 4 != 3 and fb != fa else middle
         if not a < guess < b:
             guess = middle
         value = law(laws, cell, picked, guess)[order]
-        if value == 0.0:
+        if value == 0.0 or abs(guess - last) <= 1e-16 * laws.full[cell]:
             return guess
-        if (value < 0.0) == (fa < 0.0):
+        last = guess
+        if (value < 0.0) == falls:
             a, fa = guess, value
+            fb *= 0.5 if stays == 1 else 1.0
+            stays = 1
         else:
             b, fb = guess, value
+            fa *= 0.5 if stays == -1 else 1.0
+            stays = -1
     return 0.5 * (a + b)
 
 
-@kernel
-def _roots(of: Derivative, a: float, b: float, out: Floats, used: int) -> int:
-    """Append to `out` every root in (a, b), and any place where a root cannot be ruled out."""
-    laws, cell, picked, order, _ = of
-    left = np.empty(4 * _DEPTH)
-    right = np.empty(4 * _DEPTH)
-    depth = np.empty(4 * _DEPTH, np.int64)
-    left[0], right[0], depth[0] = a, b, 0
-    waiting = 1
-    while waiting > 0 and used < len(out):
+@leaf
+def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: Room) -> int:
+    """Write to the cuts every root of κ and of dκ/ds in (a, b); how many.
+
+    With them any place where a root cannot be ruled out. The law has been looked at on [a, b].
+    """
+    at, out, picked = room.at, room.cuts, room.rows
+    lefts, rights, depth, open_on = room.ends[0], room.ends[1], room.depth[0], room.depth[1]
+    lefts[0], rights[0], depth[0], open_on[0] = a, b, 0, 3
+    waiting, used = 1, 0
+    while waiting > 0:
         waiting -= 1
-        lo, hi, level = left[waiting], right[waiting], depth[waiting]
-        verdict = _verdict(of, lo, hi)
-        if verdict == 0:
+        lo, hi, level, asked = lefts[waiting], rights[waiting], depth[waiting], open_on[waiting]
+        if level > 0:
+            _look(laws, cell, lo, hi, room)
+        unknown = 0
+        # 1 for κ, 2 for dκ/ds, as in what a law returns.
+        for order in (1, 2):
+            if not asked & order:
+                continue
+            values = at.slope if order == 1 else at.bend
+            verdict = _verdict(values, 0.0 if order == 1 else noise, room)
+            at_lo, at_hi = values[_NODES - 1], values[0]
+            if verdict == 2:
+                unknown += order
+            elif verdict == 1 and (at_lo < 0.0) != (at_hi < 0.0):
+                if used == len(out):
+                    return used
+                out[used] = _root(laws, cell, picked, order, (lo, hi, at_lo, at_hi))
+                used += 1
+        if unknown == 0:
             continue
-        at_lo = law(laws, cell, picked, lo)[order]
-        at_hi = law(laws, cell, picked, hi)[order]
-        if verdict == 1 and (at_lo < 0.0) == (at_hi < 0.0):
-            continue
-        if verdict == 1:
-            out[used] = _root(of, lo, hi)
-            used += 1
-        elif level >= _DEPTH or hi - lo < 1e-10 * (b - a):
+        middle = 0.5 * (lo + hi)
+        if level >= _DEPTH or hi - lo < 1e-10 * (b - a):
             # A needless cut costs nothing; a missed one would cost the proof.
-            out[used] = 0.5 * (lo + hi)
+            if used == len(out):
+                return used
+            out[used] = middle
             used += 1
         else:
-            middle = 0.5 * (lo + hi)
-            left[waiting], right[waiting], depth[waiting] = middle, hi, level + 1
-            left[waiting + 1], right[waiting + 1], depth[waiting + 1] = lo, middle, level + 1
+            lefts[waiting], rights[waiting] = middle, hi
+            lefts[waiting + 1], rights[waiting + 1] = lo, middle
+            for j in (waiting, waiting + 1):
+                depth[j], open_on[j] = level + 1, unknown
             waiting += 2
     return used
 
 
 def cut(laws: Laws, sheets: Sheets) -> Pieces:
     """All pieces of all cells."""
-    cells = len(laws.lever)
-    slots = int(np.max(np.diff(laws.band_first))) + 1
-    room = 16 * cells + 64
+    size = 16 * len(laws.lever) + 64
     while True:
-        among = np.zeros(len(sheets.table) + 1, np.int64), np.zeros((cells, 2), np.int64)
-        columns = *np.empty((4, room)), np.empty(room, np.int64)
-        pieces = Pieces._make((*among, *columns, np.full((room, slots), -1, np.int64)))
-        total = _cut(laws, sheets, pieces)
+        pieces = room_of_pieces(laws, sheets, size)
+        total = _cut(laws, sheets, pieces, room_for(laws))
         if total >= 0:
-            return Pieces._make((*among, *(column[:total].copy() for column in pieces[2:])))
-        room *= 2
+            columns = (column[:total].copy() for column in pieces[2:])
+            return Pieces._make((*pieces[:2], *columns))
+        size *= 2
 
 
-@entry(6e-3, "laws.lever")
-def _cut(laws: Laws, sheets: Sheets, out: Pieces) -> int:
+def room_of_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
+    """Room for so many pieces."""
+    cells, slots = len(laws.lever), int(np.max(np.diff(laws.band_first))) + 1
+    among = np.zeros(len(sheets.table) + 1, np.int64), np.zeros((cells, 2), np.int64)
+    columns = *np.empty((4, size)), np.empty(size, np.int64)
+    return Pieces._make((*among, *columns, np.full((size, slots), -1, np.int64)))
+
+
+@entry(1e-3, "laws.lever")
+def _cut(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
     """Fill the pieces; how many there are, or -1 where they are more than fit in."""
-    found = np.empty(4 * MOST_PIECES)
-    rows = np.full(out.picked.shape[1], -1, np.int64)
+    return cut_into(laws, sheets, out, room)
+
+
+@leaf
+def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
+    """Fill the pieces; how many there are, or -1 where they are more than fit in."""
     total = 0
     cell, last = -1, len(sheets.table)
     for sheet in range(last):
         cell += sheets.table[sheet, FIRST] == sheet
         change_sheet(laws, sheets, cell, sheet)
         out.of_sheet[sheet] = total
-        total = _cut_sheet(laws, sheets.ends, cell, out, found, rows, total)
+        total = _cut_sheet(laws, sheets.ends, cell, out, room, total)
         if total < 0:
             return -1
     out.of_sheet[last] = total
@@ -270,46 +328,39 @@ def _cut(laws: Laws, sheets: Sheets, out: Pieces) -> int:
     return total
 
 
-@kernel
-def _cut_sheet(
-    laws: Laws, ends: Floats, i: int, out: Pieces, found: Floats, rows: Ints, total: int
-) -> int:
+@leaf
+def _cut_sheet(laws: Laws, ends: Floats, i: int, out: Pieces, room: Room, total: int) -> int:
     """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
-    sign, picked = out.sign, out.picked
+    sign, picked, rows, cuts = out.sign, out.picked, room.rows, room.cuts
     bands = laws.band_first[i + 1] - laws.band_first[i]
-    points = cut_points(laws, ends, i)
+    kinks = _kinks(laws, ends, i, room.points)
     before = np.nan
-    for j in range(len(points) - 1):
-        a, b = points[j], points[j + 1]
+    for j in range(kinks - 1):
+        a, b = room.points[j], room.points[j + 1]
         pick_rows(laws, i, 0.5 * (a + b), rows)
-        flat = rows[bands] < 0
-        load_row = rows[bands]
-        if load_row >= 0:
-            flat = (
-                laws.rows[load_row, 2] == 0.0
-                and laws.rows[load_row, 3] == 0.0
-                and laws.rows[load_row, 4] == 0.0
-            )
-        for slot in range(bands):
-            flat = flat and rows[slot] < 0
+        flat = _is_flat(laws, rows, bands)
         used = 0
         if not flat:
-            force, slope = _largest(laws, i, rows, a, b)
+            force, slope = 0.0, 0.0
+            if bands > 0:
+                _look(laws, i, a, b, room)
+                for node in range(_NODES):
+                    force = max(force, abs(room.at.force[node]))
+                    slope = max(slope, abs(room.at.slope[node]))
+            else:
+                # The rows of an element come cut where they turn: they are largest at their ends.
+                for end in (a, b):
+                    value, stiff, _ = law(laws, i, rows, end)
+                    force, slope = max(force, abs(value)), max(slope, abs(stiff))
             flat = slope * (b - a) <= _FLAT * force
-            # The pieces of an element come cut where they turn.
             if not flat and bands > 0:
-                used = _roots(Derivative(laws, i, rows, 1, 0.0), a, b, found, used)
-                steady = _FLAT * slope / (b - a)
-                used = _roots(Derivative(laws, i, rows, 2, steady), a, b, found, used)
-        cuts = np.empty(used + 2)
-        cuts[0], cuts[1] = a, b
-        cuts[2:] = found[:used]
-        cuts = np.sort(cuts)
-        for c in range(len(cuts) - 1):
-            lo, hi = cuts[c], cuts[c + 1]
-            if hi - lo <= 1e-13 * laws.full[i] and c + 2 < len(cuts):
-                cuts[c + 1] = lo
+                used = _turns(laws, i, a, b, _FLAT * slope / (b - a), room)
+                _sort(cuts, used)
+        lo = a
+        for c in range(used + 1):
+            hi = cuts[c] if c < used else b
+            if hi - lo <= 1e-13 * laws.full[i] and c < used:
                 continue
             if total == len(left):
                 return -1
@@ -321,10 +372,23 @@ def _cut_sheet(
             left[total], right[total] = lo, hi
             force_left[total], force_right[total] = begin, end
             sign[total] = 0 if end == begin else (1 if end > begin else -1)
-            picked[total] = rows
-            before = end
+            for slot in range(bands + 1):
+                picked[total, slot] = rows[slot]
+            before, lo = end, hi
             total += 1
     return total
+
+
+@leaf
+def _is_flat(laws: Laws, rows: Ints, bands: int) -> bool:
+    """Whether a cell on these rows has a constant force: no taut band, and a level load or none."""
+    for slot in range(bands):
+        if rows[slot] >= 0:
+            return False
+    load = rows[bands]
+    return load < 0 or (
+        laws.rows[load, 2] == 0.0 and laws.rows[load, 3] == 0.0 and laws.rows[load, 4] == 0.0
+    )
 
 
 def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
@@ -336,50 +400,19 @@ def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
     return (pieces.right > begin) & (pieces.left < end)
 
 
+@entry(1e-6, "pieces.left")
 def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     """Largest force of any cell on its curve [N], against which tolerances are measured."""
-    own = of_curve(sheets, pieces)
-    forces = np.abs(np.concatenate([pieces.force_left[own], pieces.force_right[own]]))
-    return float(max(np.max(forces), np.max(laws.friction), NO_FORCE))
-
-
-@kernel
-def travel_in(
-    laws: Laws,
-    sheets: Sheets,
-    pieces: Pieces,
-    cell: int,
-    phase: tuple[int, float, float],
-    force: float,
-) -> float:
-    """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces.
-
-    The phase is the sheet on which it lies, by number in the cell, and its ends [m].
-    """
-    sheet, low, high = phase
-    if low == high:
-        return low
-    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
-    begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
-    # A phase begins and ends where pieces do.
-    first = begin + np.searchsorted(pieces.left[begin:end], low)
-    last = begin + np.searchsorted(pieces.right[begin:end], high, side="right") - 1
-    if force <= pieces.force_left[first]:
-        return float(pieces.left[first])
-    if force >= pieces.force_right[last]:
-        return float(pieces.right[last])
-    piece = first + np.searchsorted(pieces.force_right[first : last + 1], force)
-    return invert(laws, pieces, cell, piece, force)
-
-
-@entry(1e-4, "out")
-def travels_in(
-    laws: Laws, sheets: Sheets, pieces: Pieces, phases: Floats, force: float, out: Floats
-) -> None:
-    """Travels of all cells in their (N, 3) phases at a force, into (N,) `out` [m]."""
-    for i in range(len(out)):
-        phase = int(phases[i, 0]), phases[i, 1], phases[i, 2]
-        out[i] = travel_in(laws, sheets, pieces, i, phase, force)
+    left, right, begins, ends = pieces.left, pieces.right, pieces.force_left, pieces.force_right
+    most = NO_FORCE
+    for i in range(len(laws.friction)):
+        most = max(most, laws.friction[i])
+    for sheet in range(len(sheets.table)):
+        low, high = sheets.table[sheet, CURVE_LOW], sheets.table[sheet, CURVE_HIGH]
+        for k in range(pieces.of_sheet[sheet], pieces.of_sheet[sheet + 1]):
+            if right[k] > low and left[k] < high:
+                most = max(most, abs(begins[k]), abs(ends[k]))
+    return most
 
 
 @leaf
@@ -458,6 +491,44 @@ def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> f
 
 
 @leaf
+def _first_at(values: Floats, begin: int, end: int, bound: float) -> int:
+    """The first of rising values from `begin` to before `end` that is not below a bound."""
+    while begin < end:
+        middle = (begin + end) // 2
+        if values[middle] < bound:
+            begin = middle + 1
+        else:
+            end = middle
+    return begin
+
+
+@leaf
+def travel_between(
+    laws: Laws,
+    sheets: Sheets,
+    pieces: Pieces,
+    cell: int,
+    stretch: tuple[int, float, float],
+    force: float,
+) -> float:
+    """Travel of a cell on a stretch of rising force [m], (sheet, low, high); clipped to it."""
+    sheet, low, high = stretch
+    if low == high:
+        return low
+    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    # A phase begins and ends where pieces do.
+    begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
+    first = _first_at(pieces.left, begin, end, low)
+    last = min(_first_at(pieces.right, begin, end, high), end - 1)
+    if force <= pieces.force_left[first]:
+        return float(pieces.left[first])
+    if force >= pieces.force_right[last]:
+        return float(pieces.right[last])
+    piece = _first_at(pieces.force_right, first, last + 1, force)
+    return invert(laws, pieces, cell, piece, force)
+
+
+@leaf
 def invert_near(
     laws: Laws, pieces: Pieces, cell: int, piece: int, force: float, near: float
 ) -> float:
@@ -497,3 +568,13 @@ def invert_near(
             if not a < travel < b:
                 break
     return travel
+
+
+@entry(1e-4, "out")
+def travels_between(
+    laws: Laws, sheets: Sheets, pieces: Pieces, stretches: Floats, force: float, out: Floats
+) -> None:
+    """The same of all cells on their (N, 3) stretches, into (N,) `out`."""
+    for i in range(len(out)):
+        stretch = int(stretches[i, 0]), stretches[i, 1], stretches[i, 2]
+        out[i] = travel_between(laws, sheets, pieces, i, stretch, force)

@@ -1,0 +1,508 @@
+"""Full cycles of many designs of one shape of chain, in one call: what each visits, by number.
+
+Every design is cut, followed and audited by the same kernels as `full_cycle`, so that its path
+keeps the same promises. What the kernels cannot answer, in whatever way, is left to `full_cycle`,
+whose message says why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import MOST, entry, in_blocks, kernel, leaf
+from stepwell.mechanism import (
+    BEFORE,
+    BEYOND,
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    MOBILITIES,
+    Chain,
+    Laws,
+    Sheets,
+    ends_of,
+    packed,
+    summed,
+)
+from stepwell.statics.following import (
+    DONE,
+    FREE,
+    KEPT,
+    Pieces,
+    Problem,
+    Room,
+    State,
+    audit,
+    blank_state,
+    cut_into,
+    follow,
+    force_scale,
+    held_range,
+    hold,
+    inverse_slope,
+    log as logged,
+    resting_piece,
+    room_for,
+    room_of_pieces,
+    stand_all_on,
+    travel_between,
+)
+from stepwell.statics.problem import drive_weights
+from stepwell.statics.sorted_cycle import WORTH_SORTING
+from stepwell.statics.start import EPSILON
+
+# Columns of what is known of a cell of a design.
+LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY = range(5)
+# And of a phase.
+_SHEET, _LOW, _HIGH, _FORCE_LOW, _FORCE_HIGH = range(5)
+# Columns of what is found out about a design.
+SNAPS, TIES, PEAK, LOST, STROKE_UP, STROKE_DOWN, STEPS_UP, STEPS_DOWN = range(8)
+FOUND = 8
+# A design that needs more looks at forces than this between two turns is followed by itself.
+_LOOKS = 1_000_000
+_AT_ONCE = 128  # designs that one core takes at a time
+# Nearer than this to what a cell may not be, as a share, the cell itself is asked.
+_CLEAR = 1e-3
+_LEAST_LIMIT, _MOST_LIMIT = math.sin(math.radians(0.02)), math.sin(math.radians(89.8))
+
+
+class Designs(NamedTuple):
+    """m designs of one shape of chain: N cells, B bands, M rows, T sheets, P phases.
+
+    What all of them share is that of the nominal chain. Rows and sheets have a leading axis of 1
+    where no design has its own. Travels of sheets and phases of lever cells follow from `cells`.
+    """
+
+    laws: Laws
+    sheets: Sheets
+    open_ended: bool  # whether a full cycle does not go from stop to stop
+    cells: Floats  # (m, N, 5) LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY
+    bands: Floats  # (m, B, 4) d_x, d_y, k, ℓ0
+    rows: Floats  # (1 or m, M, 6)
+    tables: Floats  # (1 or m, T, 9)
+    phase_first: Ints  # (N + 1,) phases of cell i are phase_first[i] .. phase_first[i + 1]
+    phases: Floats  # (1 or m, P, 5) sheet, travels and forces between which it lies
+    drives: Floats  # (m, 2) α and β of the drive coordinate
+
+
+class _Work(NamedTuple):
+    """What one design after another is written to."""
+
+    laws: Laws
+    sheets: Sheets
+    pieces: Pieces
+    room: Room
+    state: State
+    begin: Floats  # (N,) travels where the cycle begins
+    sheet: Ints  # (N,) sheets there
+    mobility: Floats  # (N,)
+    rank: Ints  # (N,)
+    phase: Ints  # (N,) where a cell is, -1 in transit
+    phases: Floats  # (P, 5)
+    turning: Floats  # (3,)
+    effort: Ints  # (2,)
+
+
+class Followed(NamedTuple):
+    """What m designs do in a full cycle.
+
+    Attributes:
+        visited: (m, V) the states visited in order, each a decimal number with a digit a cell, the
+            inner one first; -1 after the last one.
+        found: (m, 8) SNAPS and TIES, how many; PEAK, the extreme force [N]; LOST, energy [J];
+            STROKE_UP and STROKE_DOWN of the first snap, loading and unloading [m], NaN where there
+            is none; STEPS_UP and STEPS_DOWN from state to state that snap.
+
+    A design whose first number is -1 has to be followed by itself.
+    """
+
+    visited: Ints
+    found: Floats
+
+
+def nominal(chain: Chain, count: int) -> Designs | None:
+    """A number of designs that are all the chain; whoever asks writes over what differs.
+
+    None for chains that are long enough for sorting.
+    """
+    if len(chain) >= WORTH_SORTING:
+        return None
+    return _stacked([chain], [packed(chain.cells)], count)
+
+
+def stacked(chains: Sequence[Chain]) -> Designs | None:
+    """Chains as designs of one shape; None where they have none in common, or are long.
+
+    Of one shape are those with as many cells, bands, sheets and phases, whose bands follow the same
+    laws and whose cells carry the same loads.
+    """
+    if not chains or any(len(one) >= WORTH_SORTING for one in chains):
+        return None
+    parts = [packed(chain.cells) for chain in chains]
+    shapes = [_shape(*both) for both in zip(chains, parts, strict=True)]
+    return _stacked(chains, parts, len(chains)) if shapes.count(shapes[0]) == len(shapes) else None
+
+
+def _shape(chain: Chain, part: tuple[Laws, Sheets]) -> tuple[object, ...]:
+    """What designs of one shape share."""
+    laws, sheets = part
+    arrays = laws.band_first, laws.two_sided, laws.band_rows, laws.load_rows
+    # Rows of lever cells alone are those of their laws and loads; elements bring their own.
+    rows = laws.rows.shape if chain.elements else laws.rows.tobytes()
+    phases = tuple(len(cell.stretches) for cell in chain.cells)
+    kinds = tuple(type(cell) for cell in chain.cells)
+    ends = sheets.table.shape, phases, kinds, _is_open_ended(chain)
+    return *(array.tobytes() for array in arrays), rows, *ends
+
+
+def _is_open_ended(chain: Chain) -> bool:
+    """Whether a full cycle goes beyond the forces at which cells leave, and not from stop to stop."""
+    rigid = math.isinf(chain.actuator_stiffness)
+    stops = rigid and all(all(cell.stopped) for cell in chain.cells)
+    return bool(chain.elements) and not stops
+
+
+def _stacked(chains: Sequence[Chain], parts: Sequence[tuple[Laws, Sheets]], count: int) -> Designs:
+    laws, sheets = parts[0]
+    chain = chains[0]
+    elements = bool(chain.elements)
+    cells, bands = np.empty((count, len(chain), 5)), np.empty((count, len(laws.band), 4))
+    drives = np.empty((count, 2))
+    for name, column in (("lever", LEVER), ("sin_limit", SIN_LIMIT), ("full", FULL)):
+        cells[:, :, column] = [getattr(own, name) for own, _ in parts]
+    cells[:, :, FRICTION] = [own.friction for own, _ in parts]
+    cells[:, :, MOBILITY] = [[cell.mobility for cell in one.cells] for one in chains]
+    bands[:] = [own.band for own, _ in parts]
+    drives[:] = [drive_weights(one) for one in chains]
+    # Lever cells alone have no rows or sheets of their own.
+    apart = parts if elements else parts[:1]
+    own = chains if elements else chains[:1]
+    phases = [
+        [
+            (p.sheet, p.low, p.high, p.force_low, p.force_high)
+            for cell in one.cells
+            for p in cell.phases
+        ]
+        for one in own
+    ]
+    return Designs(
+        laws,
+        sheets,
+        _is_open_ended(chain),
+        cells,
+        bands,
+        np.array([laws.rows for laws, _ in apart]),
+        np.array([sheets.table for _, sheets in apart]),
+        np.cumsum([0, *(len(cell.stretches) for cell in chain.cells)]),
+        np.array(phases),
+        drives,
+    )
+
+
+def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = None) -> Followed:
+    """What every design does in a full cycle, on all cores.
+
+    Args:
+        designs: of one shape of chain.
+        progress: called now and then with (done, total).
+    """
+    m = len(designs.cells)
+    out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))
+
+    def some(begin: int, end: int) -> None:
+        follow_each(designs, begin, end, _work(designs), out)
+
+    if m:
+        in_blocks(some, m, follow_each.block(_AT_ONCE, designs), progress)
+    return out
+
+
+def _work(designs: Designs) -> _Work:
+    laws = Laws._make(array.copy() for array in designs.laws)
+    sheets = Sheets._make(array.copy() for array in designs.sheets)
+    n, phases = len(laws.lever), designs.phases.shape[1]
+    room = 64 + 16 * n * 3
+    return _Work(
+        laws,
+        sheets,
+        room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
+        room_for(laws),
+        blank_state(np.zeros(n), logged.empty_log(room, 4 * room)),
+        np.zeros(n),
+        np.zeros(n, np.int64),
+        np.ones(n),
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros((phases, 5)),
+        np.zeros(3),
+        np.array([0, _LOOKS]),
+    )
+
+
+@entry(4e-3, "designs.cells")
+def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Followed) -> None:
+    """Follow designs begin .. end, and write down what they do."""
+    for k in range(begin, end):
+        if not _build(designs, k, work):
+            continue
+        problem = _problem(designs, k, work)
+        if problem.scale < 0.0 or not _begin(designs, problem, work):
+            continue
+        state, turning, effort = work.state, work.turning, work.effort
+        effort[0], effort[MOST] = 0, _LOOKS
+        if follow(problem, turning, state) != DONE:
+            continue
+        effort[0], effort[MOST] = 0, _LOOKS
+        _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
+        if promise == KEPT:
+            _read(designs, work, out.visited[k], out.found[k])
+
+
+@leaf
+def _build(designs: Designs, k: int, work: _Work) -> bool:
+    """Write one design over the one before; False where it may not be one that can be built."""
+    laws, table, phases, mobility = work.laws, work.sheets.table, work.phases, work.mobility
+    own = k if len(designs.rows) > 1 else 0
+    _copy(designs.rows[own], laws.rows)
+    _copy(designs.tables[own], table)
+    _copy(designs.phases[own], phases)
+    _copy(designs.bands[k], laws.band)
+    cells, most = designs.cells[k], 0.0
+    for i in range(len(cells)):
+        most = max(most, cells[i, MOBILITY])
+    at = 0
+    for i in range(len(cells)):
+        laws.lever[i], laws.sin_limit[i] = cells[i, LEVER], cells[i, SIN_LIMIT]
+        laws.full[i], laws.friction[i] = cells[i, FULL], cells[i, FRICTION]
+        mobility[i] = cells[i, MOBILITY] / most
+        if laws.band_first[i] < laws.band_first[i + 1]:
+            if not _can_be_built(laws, i, cells[i, MOBILITY]):
+                return False
+            table[at, HIGH] = table[at, CURVE_HIGH] = laws.full[i]
+            last = designs.phase_first[i] + 1
+            phases[last, _LOW] = phases[last, _HIGH] = laws.full[i]
+        first = at
+        at += 1
+        while at < len(table) and table[at, FIRST] == first:
+            at += 1
+    return True
+
+
+@leaf
+def _copy(rows: Floats, out: Floats) -> None:
+    for i in range(len(rows)):
+        for j in range(rows.shape[1]):
+            out[i, j] = rows[i, j]
+
+
+@leaf
+def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
+    """Whether a lever cell surely is one; where in doubt the cell itself has to say so."""
+    lever, limit, full = laws.lever[i], laws.sin_limit[i], laws.full[i]
+    if not (0.0 < lever < np.inf and 0.0 <= laws.friction[i] < np.inf):
+        return False
+    if not (_LEAST_LIMIT < limit < _MOST_LIMIT and full > 0.0):
+        return False
+    if not MOBILITIES[0] * (1.0 + _CLEAR) < mobility < MOBILITIES[1] * (1.0 - _CLEAR):
+        return False
+    for row in range(laws.load_rows[i, 0] + 2, laws.load_rows[i, 1]):
+        if laws.rows[row, 0] - laws.rows[row - 1, 0] < 2e-9 * full:
+            return False
+    for b in range(laws.band_first[i], laws.band_first[i + 1]):
+        dx, dy = laws.band[b, 0], laws.band[b, 1]
+        stiffness, rest = laws.band[b, 2], laws.band[b, 3]
+        reach = np.sqrt(dx * dx + dy * dy)
+        if not (0.0 < stiffness < np.inf and 0.0 <= rest < np.inf and reach < np.inf):
+            return False
+        # Its ends may meet.
+        if abs(reach - lever) < _CLEAR * lever:
+            return False
+    return True
+
+
+@kernel
+def _problem(designs: Designs, k: int, work: _Work) -> Problem:
+    """The problem that the design sets; of a negative scale where it has too many pieces."""
+    laws, sheets, pieces = work.laws, work.sheets, work.pieces
+    alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
+    scale = -1.0
+    if cut_into(laws, sheets, pieces, work.room) >= 0:
+        scale = force_scale(laws, sheets, pieces)
+    return Problem(laws, sheets, pieces, alpha, beta, scale, work.rank, work.mobility, work.effort)
+
+
+@leaf
+def _begin(designs: Designs, problem: Problem, work: _Work) -> bool:
+    """Stand where a full cycle begins, and set its turns; False where it cannot be told plainly."""
+    laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
+    alpha, beta, scale, phases = problem.alpha, problem.beta, problem.scale, work.phases
+    travel, sheet, n = work.begin, work.sheet, len(laws.lever)
+    rub = 0.0
+    for i in range(n):
+        sheet[i] = int(phases[designs.phase_first[i], _SHEET])
+        rub = max(rub, laws.friction[i])
+    least, most = np.inf, -np.inf
+    if designs.open_ended:
+        for p in range(len(phases)):
+            for force in (phases[p, _FORCE_LOW], phases[p, _FORCE_HIGH]):
+                if np.isfinite(force):
+                    least, most = min(least, force), max(most, force)
+        if most < least:
+            return False
+        more = 0.05 * scale + rub
+        least, most = min(0.0, least - more), max(0.0, most + more)
+        low, high = 0.0, 0.0
+        for i in range(n):
+            one, other = designs.phase_first[i], designs.phase_first[i + 1] - 1
+            for p in (one, other):
+                stretch = int(phases[p, _SHEET]), phases[p, _LOW], phases[p, _HIGH]
+                if p == one:
+                    travel[i] = travel_between(laws, sheets, pieces, i, stretch, least)
+                    low += travel[i]
+                if p == other:
+                    high += travel_between(laws, sheets, pieces, i, stretch, most)
+        low, high = alpha * low + beta * least, alpha * high + beta * most
+    else:
+        low, high = ends_of(sheets)
+        at = 0
+        for i in range(n):
+            first = at
+            travel[i] = sheets.table[at, CURVE_LOW]
+            while at < len(sheets.table) and sheets.table[at, FIRST] == first:
+                travel[i] = min(travel[i], sheets.table[at, CURVE_LOW])
+                at += 1
+        if beta > 0.0:
+            for piece in range(pieces.of_sheet[len(sheets.table)]):
+                one, other = pieces.force_left[piece], pieces.force_right[piece]
+                least, most = min(least, one, other), max(most, one, other)
+            margin = 0.01 * scale
+            low = beta * (least - rub - margin)
+            high = alpha * high + beta * (most + rub + margin)
+    turning = work.turning
+    turning[0], turning[1], turning[2] = low, high, low
+    return _stand(problem, work, low)
+
+
+@leaf
+def _stand(problem: Problem, work: _Work, drive: float) -> bool:
+    """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
+    laws, pieces, ends, state = problem.laws, problem.pieces, problem.sheets.ends, work.state
+    alpha, beta, scale, travel = problem.alpha, problem.beta, problem.scale, state.travel
+    stand_all_on(laws, problem.sheets, pieces, work.sheet)
+    full = summed(laws.full)
+    if beta > 0.0 and 4.0 * EPSILON * alpha * full > 0.5e-2 * scale * beta:
+        return False
+    for j in range(4):
+        state.next_snap[j] = 0
+    state.tie[0] = state.tie[1] = -1
+    state.stroke[0], state.log.used[0], state.log.used[1], state.log.first[0] = 0, 0, 0, 0
+    free, pushes, falling, total, size = 0, 0.0, 0, beta, beta
+    for i in range(len(travel)):
+        travel[i] = work.begin[i]
+        hold(problem, state, i)
+        state.piece[i] = resting_piece(pieces, i, travel[i])
+        if ends[i, BEFORE] < travel[i] < ends[i, BEYOND] and laws.friction[i] == 0.0:
+            state.mode[i] = FREE
+            free += 1
+            pushes += state.at_rest[i]
+            falling += int(pieces.sign[state.piece[i]] < 0)
+            share = alpha * inverse_slope(laws, pieces, i, state.piece[i], travel[i])
+            total, size = total + share, size + abs(share)
+    if falling > 1 or (falling == 1 and total >= 1e-5 * size):
+        return False
+    low, high = held_range(problem, state)
+    stroke = summed(travel)
+    mean = pushes / free if free else 0.0
+    if beta == 0.0:
+        force, rounding = mean if free else min(max(0.0, low), high), 0.0
+    else:
+        force = (drive - alpha * stroke) / beta
+        rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta
+    slip = 1e-9 * scale + rounding
+    for i in range(len(travel)):
+        if state.mode[i] == FREE and abs(state.at_rest[i] - force) > slip:
+            return False
+    if low > high + slip or not low - slip <= force <= high + slip:
+        return False
+    shown = mean if free else min(max(force, low), high)
+    state.force[0] = min(max(shown, force - rounding), force + rounding)
+    return True
+
+
+@leaf
+def _phase_at(designs: Designs, phases: Floats, cell: int, sheet: int, travel: float) -> int:
+    first = designs.phase_first[cell]
+    for p in range(first, designs.phase_first[cell + 1]):
+        if phases[p, _SHEET] == sheet and phases[p, _LOW] <= travel <= phases[p, _HIGH]:
+            return p - first
+    return -1
+
+
+@leaf
+def _read(designs: Designs, work: _Work, visited: Ints, found: Floats) -> None:
+    """Read off the log what is visited, and what is found out on the way."""
+    log, phase, travel, phases = work.state.log, work.phase, work.state.travel, work.phases
+    n, between, code, weight = len(phase), 0, 0, 1
+    for i in range(n - 1, -1, -1):
+        travel[i] = work.begin[i]
+        phase[i] = _phase_at(designs, phases, i, work.sheet[i], travel[i])
+        code += weight * phase[i]
+        weight *= 10
+        if phase[i] < 0:
+            return
+    used, last = 1, code
+    visited[0] = code
+    snaps, ties, peak, lost, snapped = 0, 0, 0.0, 0.0, 0
+    steps_up, steps_down = 0, 0
+    for k in range(log.used[0]):
+        row = log.segments[k]
+        if k == 0:
+            peak = row[logged.FORCE_0]
+        for force in (row[logged.FORCE_0], row[logged.FORCE_1]):
+            if abs(force) > abs(peak):
+                peak = force
+        lost += row[logged.RELEASED] + row[logged.RUBBED]
+        ties += int(row[logged.TIE_A] >= 0.0)
+        if int(row[logged.KIND]) == logged.SNAP:
+            snaps += 1
+            snapped = int(row[logged.DIRECTION])
+            way = STROKE_UP if snapped > 0 else STROKE_DOWN
+            if np.isnan(found[way]):
+                found[way] = summed(travel)
+        for j in range(log.first[k], log.first[k + 1]):
+            mover = log.movers[j]
+            i = int(mover[logged.CELL])
+            travel[i] = mover[logged.TRAVEL_1]
+            now = _phase_at(designs, phases, i, int(mover[logged.SHEET_1]), travel[i])
+            if now == phase[i]:
+                continue
+            between += int(now < 0) - int(phase[i] < 0)
+            weight = 1
+            for _ in range(n - 1 - i):
+                weight *= 10
+            # A cell in transit has no digit; it counts as the one that it left.
+            if now >= 0:
+                code += weight * now
+            if phase[i] >= 0:
+                code -= weight * phase[i]
+            phase[i] = now
+        if between == 0:
+            if snapped > 0:
+                steps_up += 1
+            elif snapped < 0:
+                steps_down += 1
+            snapped = 0
+            if code != last:
+                if used == len(visited):
+                    visited[0] = -1
+                    return
+                visited[used] = last = code
+                used += 1
+    found[SNAPS], found[TIES], found[PEAK], found[LOST] = snaps, ties, peak, lost
+    found[STEPS_UP], found[STEPS_DOWN] = steps_up, steps_down
