@@ -175,7 +175,7 @@ def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: s
     if falls.force[falls.first_of(front)] > rises.force[rises.first_of(front)]:
         raise InputError(no_start(chain, start))
     while len(front):
-        require_as_many(len(seen), "relays", "so many states are reached as are those of")
+        require_as_many(len(seen), "relays", "the reached states are as many as those of")
         after = np.unique(
             np.concatenate([front + flips.shift[flips.first_of(front)] for flips in both])
         )
