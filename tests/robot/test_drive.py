@@ -9,7 +9,8 @@ import stepwell as sw
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
-from stepwell.robot.gait import drive_needs, predicted_gaits, too_soft
+from stepwell.robot.gait import predicted_gaits, too_soft
+from stepwell.robot.gait.predict import drive_needs
 from stepwell.robot.gait.round import rounds
 from stepwell.robot.gait.spring import Spring, largest
 

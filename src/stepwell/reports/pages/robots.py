@@ -112,7 +112,7 @@ def walk_page(
         f"It went {number(record['distance_mm'], 3)} mm",
         [
             _cycle(record),
-            parts.sentence(record["comparison"]),
+            _against_statics(record),
             parts.sentence(record["stopped"]),
         ],
         {
@@ -246,6 +246,11 @@ def sweep_page(
             ),
         ],
     )
+
+
+def _against_statics(record: Mapping[str, Any]) -> str:
+    compared = record["as_predicted"] is not None
+    return parts.sentence(f"{'the last cycle is ' if compared else ''}{record['comparison']}")
 
 
 def _cycle(record: Mapping[str, Any]) -> str:

@@ -9,7 +9,6 @@ from stepwell.robot.gait.predict import (
     Push,
     PushEnd,
     depths,
-    drive_needs,
     predict,
     predicted_gaits,
     too_soft,
