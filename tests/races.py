@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import LSODA
@@ -27,41 +26,32 @@ class NoRest(RuntimeError):
     """The race does not come to rest in the time there is."""
 
 
-@dataclass(frozen=True)
 class Race:
     """Cells as the oracle takes them, and an actuator of stiffness K [N/m], inf for a stroke."""
 
-    cells: Sequence[oracle.OracleCell]
-    stiffness: float = math.inf
-
-    def __post_init__(self):
-        packed = oracle._pack(self.cells)
-        span = packed[0][: len(self.cells), oracle.SPAN]
-        at = np.array([c.force(np.linspace(0, c.span, 400)) for c in self.cells])
-        values = {
-            "packed": packed,
-            "span": span,
-            "rubs": np.array([c.friction for c in self.cells]),
-            "mobility": packed[0][: len(self.cells), oracle.MOBILITY],
-            "scale": float(np.max(np.abs(at))),
-            "stiffest": float(np.max(np.abs(np.diff(at)) / span[:, None] * 399)),
-        }
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+    def __init__(self, cells: Sequence[oracle.OracleCell], stiffness: float = math.inf):
+        self.stiffness = stiffness
+        self.packed = oracle._pack(cells)
+        self.span = self.packed[0][: len(cells), oracle.SPAN]
+        self.rubs = np.array([cell.friction for cell in cells])
+        self.mobility = self.packed[0][: len(cells), oracle.MOBILITY]
+        force = np.array([cell.force(np.linspace(0, cell.span, 400)) for cell in cells])
+        self.scale = float(np.max(np.abs(force)))
+        self.stiffest = float(np.max(np.abs(np.diff(force)) / self.span[:, None] * 399))
 
     def forces(self, travel: np.ndarray) -> np.ndarray:
         place = np.clip(travel, 0.0, self.span)
         return np.array([oracle._cell_force(i, s, *self.packed) for i, s in enumerate(place)])
 
     def land(
-        self, start: Sequence[float], direction: int, drive: float, push: float = 1e-8
+        self, start: np.ndarray, direction: int, drive: float, push: float = 1e-8
     ) -> np.ndarray:
         """(N,) travels where a chain comes to rest that stands where it is about to snap.
 
         The drive goes on by `push` times the shortest travel, at the pace of the stiffest cell,
         and then stays.
         """
-        s = np.array(start, float)
+        s = start.copy()
         push *= direction * float(np.min(self.span))
         lasts = 1.0 / self.stiffest
         s = self._until_rest(s, drive, push / lasts, lasts)

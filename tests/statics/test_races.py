@@ -11,6 +11,7 @@ from chains import any_cell, contest
 from races import NoRest, Race
 from sizes import examples
 from statics.test_against_oracle import as_oracle
+from stepwell.statics import EventKind, SegmentKind
 
 # Chains of four cells with friction, each with a race that was up to 1e-4 of a travel off before
 # every event ended a step of the integration; the worst of 400.
@@ -32,7 +33,7 @@ def races(chain: sw.Chain):
     for segment in path.segments():
         before = travel.copy()
         travel[list(segment.cells)] = segment.after
-        if segment.kind is sw.SegmentKind.SNAP and len(segment.cells) > 2:
+        if segment.kind is SegmentKind.SNAP and len(segment.cells) > 2:
             yield before, segment, travel.copy()
 
 
@@ -118,6 +119,8 @@ def test_a_landing_that_the_error_of_the_integration_could_change_is_a_tie(borde
 
 
 def test_what_never_snaps_is_at_no_distance_from_another_landing():
-    switches = [event for event in contest(1.0, 0.0).cycle().events if event.kind.name == "SWITCH"]
+    switches = [
+        event for event in contest(1.0, 0.0).cycle().events if event.kind is EventKind.SWITCH
+    ]
     assert switches
     assert all(event.distance_force == math.inf and event.error == 0.0 for event in switches)

@@ -816,7 +816,7 @@ def flow(
         elif largest < before:
             steepest, slows = _steepest(cell, where, m), True
         before, peak = largest, max(peak, largest)
-        h, cut, stopped = wanted, False, -1
+        h, cut, stopped, worst = wanted, False, -1, 1.0
         for _ in range(_TRIES):
             level = _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
             h = min(h, _longest_step(alpha, beta, cell, where, m, h))

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel, watched
 from stepwell.statics.following import (
     FINE,
@@ -108,12 +108,13 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
         seed: of the random ones.
     """
     if 2**count <= _MOST_CORNERS:
-        patterns = np.arange(1, 2**count - 1)[:, None] >> np.arange(count) & 1
-        return ratio ** patterns.astype(float)
+        bits = np.left_shift(1, np.arange(count))
+        fast: Bools = np.arange(1, 2**count - 1)[:, None] & bits > 0
+        return np.where(fast, ratio, 1.0)
     alone = np.arange(count) == np.asarray(cells)[:, None]
-    some = np.random.default_rng(seed).integers(0, 2, (_MOST_CORNERS, count)).astype(bool)
-    patterns = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
-    return ratio ** patterns.astype(float)
+    some = np.random.default_rng(seed).random((_MOST_CORNERS, count)) < 0.5
+    fast = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
+    return np.where(fast, ratio, 1.0)
 
 
 def factors_of(count: int, ratio: float, samples: int, seed: int) -> Floats:
