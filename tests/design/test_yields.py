@@ -531,7 +531,7 @@ def test_progress_rises_to_all():
     chain = sw.Chain((cell(-3, 4), cell(12)))
     yields(chain, Tolerances(anchor=0.004), n=40, progress=lambda a, b: calls.append((a, b)))
     done = [a for a, _ in calls]
-    assert done == sorted(done) and calls[-1] == (40, 40) and len(calls) > 2
+    assert done == sorted(done) and calls[-1] == (40, 40) and len(calls) > 1
     assert {b for _, b in calls} == {40}
 
 

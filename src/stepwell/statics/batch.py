@@ -162,7 +162,7 @@ def _shape(chain: Chain, part: tuple[Laws, Sheets]) -> tuple[object, ...]:
 
 
 def _is_open_ended(chain: Chain) -> bool:
-    """Whether a full cycle goes beyond the forces at which cells leave, and not from stop to stop."""
+    """Whether a full cycle goes on past all forces at which cells leave, as without stops."""
     rigid = math.isinf(chain.actuator_stiffness)
     stops = rigid and all(all(cell.stopped) for cell in chain.cells)
     return bool(chain.elements) and not stops

@@ -158,6 +158,7 @@ class Tally:
                 if progress is not None:
                     progress(begun + m, n)
 
+            tell(0, n)
             for draw, does in zip(
                 waiting, followed(self.draws, waiting, self.states, tell), strict=True
             ):
