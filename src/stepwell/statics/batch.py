@@ -261,7 +261,8 @@ def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Follow
         effort[0], effort[MOST] = 0, _LOOKS
         _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
         if promise == KEPT:
-            _read(designs, work, out.visited[k], out.found[k])
+            drive = problem.alpha, problem.beta
+            _read(designs, work, drive, out.visited[k], out.found[k])
 
 
 @leaf
@@ -445,7 +446,9 @@ def _phase_at(designs: Designs, phases: Floats, cell: int, sheet: int, travel: f
 
 
 @leaf
-def _read(designs: Designs, work: _Work, visited: Ints, found: Floats) -> None:
+def _read(
+    designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, found: Floats
+) -> None:
     """Read off the log what is visited, and what is found out on the way."""
     log, phase, travel, phases = work.state.log, work.phase, work.state.travel, work.phases
     n, between, code, weight = len(phase), 0, 0, 1
@@ -474,7 +477,12 @@ def _read(designs: Designs, work: _Work, visited: Ints, found: Floats) -> None:
             snapped = int(row[logged.DIRECTION])
             way = STROKE_UP if snapped > 0 else STROKE_DOWN
             if np.isnan(found[way]):
-                found[way] = summed(travel)
+                # Cells without a row follow λ: the drive knows the sum, but under a dead load.
+                alpha, beta = drive
+                stroke = summed(travel)
+                if alpha > 0.0:
+                    stroke = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
+                found[way] = stroke
         for j in range(log.first[k], log.first[k + 1]):
             mover = log.movers[j]
             i = int(mover[logged.CELL])

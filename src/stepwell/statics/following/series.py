@@ -107,7 +107,7 @@ def is_regular(problem: Problem) -> bool:
     laws, sheets = problem.laws, problem.sheets
     return bool(
         problem.alpha == 1.0
-        and len(problem.pieces.left) >= _WORTH
+        and problem.pieces.of_sheet[-1] >= _WORTH
         and len(sheets.table) == len(sheets.now)
         and np.max(laws.friction) == 0.0
         and np.min(problem.rank) == np.max(problem.rank)
