@@ -115,7 +115,7 @@ class Landing(ByValue):
             return 1.0
         if elsewhere == 0:
             return 1.0 - (1.0 - CONFIDENCE) ** (1.0 / self.samples)
-        from scipy.special import betaincinv
+        from scipy.special import betaincinv  # pyright: ignore[reportMissingTypeStubs]
 
         return float(betaincinv(elsewhere + 1, self.samples - elsewhere, CONFIDENCE))
 
