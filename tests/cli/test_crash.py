@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from stepwell import crash
 from stepwell.cli import app
+from stepwell.crash import report
 from stepwell.files import preset_text
 
 COMMAND = Path(sys.executable).with_name("stepwell")
@@ -16,7 +16,7 @@ COMMAND = Path(sys.executable).with_name("stepwell")
 
 @pytest.fixture
 def logs(tmp_path, monkeypatch) -> Path:
-    monkeypatch.setattr(crash, "_folders", lambda: iter([tmp_path / "logs"]))
+    monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path / "logs"]))
     return tmp_path / "logs"
 
 
@@ -35,7 +35,7 @@ def test_a_report_has_the_command_the_design_the_versions_the_settings_and_the_t
     monkeypatch.setenv("PASSWORD", "hunter2")
     Path("leg.toml").write_text(preset_text("paper-forward"), "utf-8")
     arguments = ["run", "leg.toml", "gone.toml", "--scheduler", "tcp://me:hunter2@here:1"]
-    line = crash.reported(raised(KeyError("a\nb")), arguments)
+    line = report.reported(raised(KeyError("a\nb")), arguments)
     (file,) = logs.iterdir()
     assert line == f"KeyError: 'a\\nb' (unexpected). To report this error, attach {file}"
     text = file.read_text("utf-8")
@@ -52,16 +52,16 @@ def test_only_the_last_reports_are_kept(logs):
     logs.mkdir()
     for k in range(30):
         (logs / f"stepwell-20200101-0000{k:02d}-1.txt").write_text("")
-    line = crash.reported(raised(ValueError()), [])
+    line = report.reported(raised(ValueError()), [])
     kept = sorted(file.name for file in logs.iterdir())
-    assert len(kept) == crash.KEPT
+    assert len(kept) == report.KEPT
     assert line.startswith("ValueError (unexpected)") and line.endswith(kept[-1])
 
 
 def test_where_no_report_can_be_written_the_line_says_so(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(crash, "_folders", lambda: iter([tmp_path / "file"]))
-    line = crash.reported(raised(ValueError("x" * 999)), [])
+    monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path / "file"]))
+    line = report.reported(raised(ValueError("x" * 999)), [])
     assert "no report of it could be written" in line
     assert len(line.splitlines()) == 1 and len(line) < 600
 

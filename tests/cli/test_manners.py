@@ -128,7 +128,7 @@ def test_a_bug_ends_in_one_line_and_a_report_and_is_no_user_error(tmp_path, wher
         else "sys.modules['typer'] = type('T', (), {'__getattr__': lambda s, n: {}['bug']})()"
     )
     folder = (
-        "import stepwell.crash as r, pathlib\n"
+        "import stepwell.crash.report as r, pathlib\n"
         f"r._folders = lambda: [pathlib.Path({str(tmp_path)!r})]\n"
     )
     result = patched(folder + patch, "run", "preset:paper-forward", cwd=tmp_path)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from stepwell.crash import report
+from stepwell.studio import answering, session
 from stepwell.studio.answering import answered
 from stepwell.studio.panels import types
 from stepwell.studio.wire import Message, View, WireError, message_of, packed
@@ -116,3 +118,31 @@ def test_blocks_come_back_as_they_were():
     for name, block in blocks.items():
         np.testing.assert_array_equal(found[name], block)
     assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4"]
+
+
+def test_an_unexpected_error_is_a_line_on_the_page_and_a_report_in_the_terminal(
+    tmp_path, monkeypatch, capsys
+):
+    def broken(*_):
+        raise KeyError("bug")
+
+    monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path]))
+    monkeypatch.setattr(answering, "answer", broken)
+    header, _ = unpacked(answered(Message("evaluate", 7, FORWARD)))
+    (problem,) = header["problems"]
+    assert (header["ok"], header["seq"]) == (False, 7)
+    assert problem["text"].startswith("The studio failed on this.")
+    (file,) = tmp_path.iterdir()
+    line = f"KeyError: 'bug' (unexpected). To report this error, attach {file}\n"
+    assert capsys.readouterr().err == line
+    assert FORWARD["chain"]["cell"][0]["name"] in file.read_text("utf-8")
+
+
+def test_machine_code_that_cannot_be_had_leaves_the_connection_open(tmp_path, monkeypatch, capsys):
+    def broken():
+        raise OSError("no compiler")
+
+    monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path]))
+    monkeypatch.setattr(session, "prepare", broken)
+    session.hasten.__wrapped__()
+    assert "no compiler (unexpected)" in capsys.readouterr().err

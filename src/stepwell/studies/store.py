@@ -69,8 +69,8 @@ class GapError(StepwellError, RuntimeError):
     """A store that lacks designs of its study; the text says which, and what to do."""
 
 
-@dataclass(frozen=True)
-class Gap:
+@dataclass(frozen=True, eq=False)
+class Gap(ByValue):
     """Designs that a store lacks, from `first` to `last`, and whether they were there once.
 
     Attributes:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import sys
-import traceback
 
 from stepwell.base import StepwellError
+from stepwell.crash import reported
 from stepwell.studio.panels import answer
 from stepwell.studio.wire import Ask, Design, Message, Problem, packed, problems_of, refused
 
 _BROKEN = (
-    "The studio failed on this, and its terminal says where. Please report it with the design; "
-    "go back to the last good state and on from there."
+    "The studio failed on this. Its terminal names a file to report it with; go back to the last "
+    "good state and on from there."
 )
 
 
@@ -28,6 +29,18 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
         return packed(message.type, message.seq, answer(message.type, design, ask))
     except StepwellError as error:
         return refused(message.type, message.seq, problems_of(error))
-    except Exception:  # a fault of ours must not cost the user's session
-        traceback.print_exc(file=sys.stderr)
+    except Exception as error:  # a fault of ours must not cost the user's session
+        asked = {"type": message.type, "ask": dict(message.ask), "design": message.design}
+        tell(error, json.dumps(asked, default=str))
         return refused(message.type, message.seq, [Problem("", _BROKEN)])
+
+
+def tell(error: Exception, asked: str = "") -> None:
+    """Write a line about an unexpected error, and a report of it.
+
+    Args:
+        error: any.
+        asked: by the page, as JSON.
+    """
+    if sys.stderr is not None:
+        sys.stderr.write(f"{reported(error, ['studio'], asked)}\n")

@@ -11,7 +11,7 @@ from typing import Any
 
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
-from stepwell.studio.answering import answered
+from stepwell.studio.answering import answered, tell
 from stepwell.studio.aside import Aside, prepare
 from stepwell.studio.panels import is_long, types
 from stepwell.studio.wire import (
@@ -166,9 +166,12 @@ def warm() -> None:
 @cache
 def hasten() -> None:
     """Go over to machine code, so that the first drag meets it, and prepare for long work."""
-    prepare()
-    stay()
-    warm()
+    try:
+        prepare()
+        stay()
+        warm()
+    except Exception as error:  # the page is answered without it
+        tell(error)
 
 
 def _ended(message: Message) -> bytes:

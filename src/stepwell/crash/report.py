@@ -1,4 +1,4 @@
-"""What is left of an error that nothing expected: one line, and a file to report it with.
+"""A report of an error that nothing expected, and the line that names it.
 
 Nothing but Python's own modules is imported at once: the package that fails may be any.
 """
@@ -24,25 +24,26 @@ _OF_OURS = re.compile(r"extra == .(dev|docs)\b")
 _SECRET = re.compile(r"(?<=://)[^/@\s]+(?=@)")
 
 
-def reported(error: BaseException, arguments: list[str]) -> str:
+def reported(error: BaseException, arguments: list[str], design: str = "") -> str:
     """Write a report of an error into a file, and return the line that names it.
 
     Args:
         error: that ended a command.
         arguments: of the command, without its name.
+        design: on which it worked, where no argument names its file.
     """
     words = " ".join(str(error).split())
     what = f"{type(error).__name__}: {words}" if words else type(error).__name__
     what = what if len(what) <= _LETTERS else what[: _LETTERS - 3] + "..."
     what = "".join(c if c.isprintable() else "?" for c in what)
     try:
-        file = _kept("".join(_parts(error, arguments)))
+        file = _kept("".join(_parts(error, arguments, design)))
     except OSError as why:
         return f"{what} (unexpected; and no report of it could be written: {why})"
     return f"{what} (unexpected). To report this error, attach {file}"
 
 
-def _parts(error: BaseException, arguments: list[str]) -> Iterator[str]:
+def _parts(error: BaseException, arguments: list[str], design: str) -> Iterator[str]:
     """The report, whose parts never keep each other from being written."""
     yield (
         "A report of an unexpected error of Stepwell: the command, settings that begin with\n"
@@ -58,6 +59,7 @@ def _parts(error: BaseException, arguments: list[str]) -> Iterator[str]:
         ),
         "Versions": _versions,
         "Trace": lambda: _SECRET.sub("...", "".join(traceback.format_exception(error))),
+        **({"Design": lambda: design} if design else {}),
         **{f"File {name}": (lambda name=name: _text(name)) for name in _named(arguments)},
     }.items():
         try:
