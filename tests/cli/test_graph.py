@@ -182,6 +182,6 @@ def test_a_file_of_what_cannot_be_listed_is_refused_with_who_still_answers(stepw
     result = stepwell("graph", "long.toml", "-o", "long.dot")
     assert result.exit_code == 2
     told = " ".join(result.output.split())
-    assert "24 cells of which all 2^N states are sorted: at most 16 are taken" in told
+    assert "24 cells of which all 2^N states are sorted: at most 20 are taken" in told
     assert "ask chain.implicit_graph(), which counts states" in told
     assert not (tmp_path / "long.dot").exists()
