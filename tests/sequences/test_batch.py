@@ -127,6 +127,7 @@ def test_what_no_mechanism_can_be_and_what_has_no_answer_are_told_apart(monkeypa
         return sw.Chain([cell, cell.with_anchors(q=(0.012, 0.0))])
 
     designs = nominal(build(1), 3)
+    assert designs is not None
     # Ends that meet, as the numbers say, and a number that is none.
     designs.bands[0, 0, :2] = -cell.lever, 0.0
     designs.bands[2, 0, 2] = np.nan
@@ -150,6 +151,7 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
             values += parameter.part == "friction"
             given = values.tolist()
         put = nominal(chain, 3)
+        assert put is not None
         parameter.put(put, chain, values)
         made = stacked([parameter.changed(chain, value) for value in given])
         for name in ("cells", "bands", "drives"):
