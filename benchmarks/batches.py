@@ -8,7 +8,7 @@ import stepwell as sw
 from cycles import mixed
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tolerances import Tolerances
-from stepwell.sequences import cycles
+from stepwell.sequences import cycles_of
 
 SHAPES = 20  # chains, each with tolerances
 MANY = 1000  # mechanisms after each of them, in one call
@@ -58,7 +58,7 @@ def rows() -> list[tuple[str, str, str]]:
 
 def together(draws: Draws, drawn: np.ndarray) -> list[str]:
     """What mechanisms do, by one call."""
-    found = cycles(lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn))
+    found = cycles_of(lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn))
     texts = [*map(str, found.sequences), "no answer", "no mechanism"]
     return [texts[number] for number in found.number.tolist()]
 

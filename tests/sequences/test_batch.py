@@ -9,7 +9,7 @@ import stepwell as sw
 from chains import any_chain
 from stepwell import elements
 from stepwell.design.parameters import parameters
-from stepwell.sequences import IMPOSSIBLE, UNSOLVED, cycles
+from stepwell.sequences import IMPOSSIBLE, UNSOLVED, cycles_of
 from stepwell.sequences.cycles.batch import snapping_steps
 from stepwell.statics import LOST, PEAK, SNAPS, STROKE_DOWN, STROKE_UP, nominal, stacked
 from stepwell.statics.batch import STEPS_DOWN, STEPS_UP
@@ -56,7 +56,7 @@ def one_by_one(chains: list[sw.Chain]):
 
 def assert_the_same(chains: list[sw.Chain]) -> int:
     """Every design does in the batch what its chain does by itself; how many ties there were."""
-    together = cycles(lambda i: chains[i], len(chains), stacked(chains))
+    together = cycles_of(lambda i: chains[i], len(chains), stacked(chains))
     ties = 0
     for i, cycle in enumerate(one_by_one(chains)):
         if cycle is None:
@@ -127,10 +127,11 @@ def test_what_no_mechanism_can_be_and_what_has_no_answer_are_told_apart(monkeypa
         return sw.Chain([cell, cell.with_anchors(q=(0.012, 0.0))])
 
     designs = nominal(build(1), 3)
+    assert designs is not None
     # Ends that meet, as the numbers say, and a number that is none.
     designs.bands[0, 0, :2] = -cell.lever, 0.0
     designs.bands[2, 0, 2] = np.nan
-    found = cycles(build, 3, designs)
+    found = cycles_of(build, 3, designs)
     assert found.number.tolist() == [IMPOSSIBLE, found.number[1], found.number[1]]
     assert found.sequences[found.number[1]] == build(1).cycle().sequence
 
@@ -150,6 +151,7 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
             values += parameter.part == "friction"
             given = values.tolist()
         put = nominal(chain, 3)
+        assert put is not None
         parameter.put(put, chain, values)
         made = stacked([parameter.changed(chain, value) for value in given])
         for name in ("cells", "bands", "drives"):
@@ -158,4 +160,4 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
 
 def test_an_empty_batch_is_empty():
     chain = any_chain(np.random.default_rng(0), 2)
-    assert len(cycles(lambda i: chain, 0, nominal(chain, 0)).number) == 0
+    assert len(cycles_of(lambda i: chain, 0, nominal(chain, 0)).number) == 0

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.sequences.branches import element_of
-from stepwell.sequences.cycles import IMPOSSIBLE, UNSOLVED, Cycle, Cycles, Pathway, cycle, cycles
+from stepwell.sequences.cycles import IMPOSSIBLE, UNSOLVED, Cycle, Cycles, Pathway, cycle, cycles_of
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 
 from stepwell.sequences.programs import program  # isort: skip - after the module of that name
@@ -65,7 +65,7 @@ __all__ = [
     "UNSOLVED",
     "Unreachable",
     "cycle",
-    "cycles",
+    "cycles_of",
     "from_dot",
     "from_graphml",
     "from_json",

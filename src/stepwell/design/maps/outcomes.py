@@ -15,7 +15,7 @@ from stepwell.design.maps.sweep import FRICTION, ends, sweep
 from stepwell.design.parameters import Parameter
 from stepwell.kernels import in_blocks
 from stepwell.mechanism import Chain, Element
-from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles
+from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
 from stepwell.statics import STEPS_DOWN, STEPS_UP, STROKE_DOWN, STROKE_UP, nominal
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ Ints = NDArray[np.int32]
 Bools = NDArray[np.bool_]
 Progress = Callable[[int, int], None] | None
 
-# Instead of a sequence, beside what `cycles` says: one in a region where only friction could tell.
+# Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
 TIED = -3
 _WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
 # Longest chain whose sequences are written out; those of longer ones are told by their moves.
@@ -208,7 +208,7 @@ class Outcomes:
         if designs is not None:
             for parameter, column in zip(self.parameters, values.T, strict=True):
                 parameter.put(designs, self.chain, column)
-        found = cycles(lambda i: self.design(values[i]), len(values), designs, progress)
+        found = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
         own = np.array([self._number(sequence) for sequence in found.sequences], np.int32)
         number = found.number.astype(np.int32)
         number[number >= 0] = own[number[number >= 0]]

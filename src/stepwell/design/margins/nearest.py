@@ -17,7 +17,7 @@ from stepwell.design.orders import relay_cycle
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence, cycle, cycles
+from stepwell.sequences import Sequence, cycle, cycles_of
 from stepwell.statics import StaticsError, nominal
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
@@ -87,7 +87,7 @@ def nearest(
         designs = nominal(chain, len(moves))
         assert designs is not None
         anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
-        found = cycles(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
+        found = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
         done = [one != now if wanted is None else one == wanted for one in found.sequences]
         # A design without a number does nothing.
         return np.array([*done, False])[np.maximum(found.number, -1)]

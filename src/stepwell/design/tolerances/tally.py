@@ -22,7 +22,7 @@ from stepwell.design.orders import (
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.mechanism import Chain
-from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Sequence, cycle, cycles
+from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Sequence, cycle, cycles_of
 from stepwell.statics import Landing, StaticsError
 
 # What a mechanism can do besides a sequence.
@@ -51,7 +51,9 @@ def followed(
     """
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
-        found = cycles(lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress)
+        found = cycles_of(
+            lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress
+        )
         texts = [*map(str, found.sequences)]
         words = {IMPOSSIBLE: NOT_BUILT, UNSOLVED: NO_ANSWER}
         for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):

@@ -7,5 +7,5 @@ from stepwell.sequences.cycles.batch import (  # isort: skip - of single cycles
     IMPOSSIBLE,
     UNSOLVED,
     Cycles,
-    cycles,
+    cycles_of,
 )

@@ -54,7 +54,7 @@ class Cycles:
         return np.nan_to_num(self.found[:, TIES]).astype(np.int64)
 
 
-def cycles(
+def cycles_of(
     build: Callable[[int], Chain],
     count: int,
     designs: Designs | None = None,
