@@ -63,7 +63,7 @@ def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_
     assert found.robust == RATIO and found.hangs is None and found.landings
     assert found.turns[0].drive < plain.turns[0].low
     assert arrivals(found, 10) == {"0001"}
-    assert "for all mobilities up to 10 apart" in found.reason
+    assert "for mobility ratios up to 10" in found.reason
 
 
 def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
