@@ -183,9 +183,7 @@ def test_a_long_path_goes_on_where_its_log_was_full(monkeypatch):
     chain = sw.Chain([Table(rng).element() for _ in range(24)])
     whole = chain.cycle()
     empty, rooms = logged.empty_log, [(40, 200)]
-    monkeypatch.setattr(
-        logged, "empty_log", lambda *room: empty(*(rooms.pop() if rooms else room))
-    )
+    monkeypatch.setattr(logged, "empty_log", lambda *room: empty(*(rooms.pop() if rooms else room)))
     again = chain.cycle()
     assert again.sequence == whole.sequence
     assert again.path.released == pytest.approx(whole.path.released, rel=1e-12)
