@@ -209,7 +209,7 @@ def test_of_more_cells_each_is_fast_alone_and_slow_alone_first():
 def test_samples_that_agree_are_as_many_as_the_bound_needs(bound, samples):
     held = RARE.landings(2.0, bound=bound)[1]
     assert (held.holds, held.samples) == (True, samples)
-    assert 0.95 * bound < held.bound <= bound
+    assert 0.9 * bound < held.bound <= bound
     # By hand: with that share elsewhere, one time in twenty none of the samples shows it.
     assert (1.0 - held.bound) ** samples == pytest.approx(0.05)
 

@@ -109,11 +109,11 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
     """
     if 2**count <= _MOST_CORNERS:
         bits = np.left_shift(1, np.arange(count))
-        fast: Bools = np.arange(1, 2**count - 1)[:, None] & bits > 0
-        return np.where(fast, ratio, 1.0)
-    alone = np.arange(count) == np.asarray(cells)[:, None]
+        every: Bools = np.arange(1, 2**count - 1)[:, None] & bits > 0
+        return np.where(every, ratio, 1.0)
+    alone: Bools = np.arange(count) == cells[:, None]
     some = np.random.default_rng(seed).random((_MOST_CORNERS, count)) < 0.5
-    fast = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
+    fast: Bools = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
     return np.where(fast, ratio, 1.0)
 
 
