@@ -21,7 +21,8 @@ ROOMS = "mechanism", "statics", "sequences", "design", "lab", "robot", "simulati
 PARTS = {
     *("Accumulator", "AnchorBox", "AnchorPolygon", "Antenna", "Band", "Blocks"),
     *("Body", "Boundary", "Candidate", "CellReading", "Change", "Choice"),
-    *("Counting", "Critical", "Cubic", "Curve", "Cylinder", "Draws", "Drive"),
+    *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
+    *("DriveNeeds", "GaitComparison"),
     *("Elsewhere", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
     *("Foot", "ForceLaw", "Forgetting", "Goal", "History", "Hysteresis"),
     *("InertialLanding", "Known", "Latch", "Leg", "LegPrediction", "Linear", "Load"),

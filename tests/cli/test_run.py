@@ -48,7 +48,7 @@ def test_it_prints_what_the_cycle_says(stepwell):
 
 
 def test_landings_are_asked_within_a_ratio_of_mobilities(stepwell):
-    line = "Landings    all hold for mobilities up to {} apart: proved\n"
+    line = "Landings    all hold for mobility ratios up to {}: proved\n"
     assert line.format(10) in stepwell("run", "forward.toml").stdout
     assert line.format(1000) in stepwell("run", "forward.toml", "--mobility-ratio", 1e3).stdout
     record = json.loads(stepwell("run", "forward.toml", "--mobility-ratio", 3, "--json").stdout)

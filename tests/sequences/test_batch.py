@@ -22,7 +22,7 @@ def scattered(chain: sw.Chain, rng: np.random.Generator, count: int) -> list[sw.
     made = [chain]
     for k in range(1, count):
         cells = []
-        for cell in chain.cells:
+        for cell in chain.levers:
             bands = [
                 replace(
                     band,
@@ -147,7 +147,7 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
             values = np.array([10.0, 0.0, np.inf])
             given = values.tolist()
         else:
-            values = np.float64(parameter.value(chain)) * rng.uniform(0.99, 1.01, 3)
+            values = float(np.asarray(parameter.value(chain))) * rng.uniform(0.99, 1.01, 3)
             values += parameter.part == "friction"
             given = values.tolist()
         put = nominal(chain, 3)

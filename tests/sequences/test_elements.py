@@ -347,7 +347,7 @@ def test_a_loop_between_phases_is_gone_round_by_the_engine(name, drive):
     for loop in loops:
         assert found.chain is not None
         gap = 1e-6 * (loop.high - loop.low)
-        begin = routes.turns(branches.branch_of[found.nodes.find(loop.up[0])], loop.low + gap)
+        begin = routes.turns(int(branches.branch_of[found.nodes.find(loop.up[0])]), loop.low + gap)
         round_it = [loop.high + gap, loop.low - gap]
         once = found.chain.path([*begin, *round_it], start=found.node(found.zero).travel_low)
         again = found.chain.path([loop.low - gap, *round_it], start=once.end.tolist())

@@ -105,7 +105,7 @@ def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, driv
     branches = atlas(found)
     routes = Routes(branches.mesostates, branches.bottom)
     for loop in (found.reading.sub_loops or ())[:5]:
-        begin = routes.turns(branches.branch_of[found.nodes.find(loop.up[0])], loop.low)
+        begin = routes.turns(int(branches.branch_of[found.nodes.find(loop.up[0])]), loop.low)
         gap = 1e-6 * (loop.high - loop.low)
         round_it = [loop.high + gap, loop.low - gap]
         once = stands(found, [*begin, *round_it])

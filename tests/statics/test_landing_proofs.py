@@ -10,7 +10,7 @@ import pytest
 import stepwell as sw
 from chains import any_cell, concave_cell
 from stepwell import elements
-from stepwell.statics.landings import factors_of, snaps_of
+from stepwell.statics.landings import corners_of, factors_of, snaps_of
 from stepwell.statics.landings.enclosure import enclosed
 from stepwell.statics.landings.energy import energy_holds
 from stepwell.statics.landings.sampling import land_all
@@ -157,7 +157,9 @@ def test_no_proof_is_found_where_the_engine_lands_elsewhere_with_other_mobilitie
     for seed in range(10):
         for problem, snap in _snaps(_chain(kind, seed)):
             n = len(snap.travel)
-            found = land_all(problem, snap.start, factors_of(np.arange(n), n, 10.0, 64, seed))
+            ends = corners_of(np.arange(n), n, 10.0, seed)
+            factors = np.concatenate([ends, factors_of(n, 10.0, 64 - len(ends), seed)])
+            found = land_all(problem, snap.start, factors)
             rests = found.settled == 1
             off = np.abs(found.travel[rests] - snap.travel) / problem.laws.full
             elsewhere = bool(np.max(off) > 1e-4)

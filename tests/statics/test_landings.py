@@ -123,7 +123,8 @@ def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_e
     (there,) = told[-1].elsewhere
     assert there.state == "00-"
     assert there.mobility == pytest.approx([1.0, 10.0, 10.0])
-    assert 0.1 < there.share < 0.5
+    # About one in twenty of mobilities at random; corners do not count.
+    assert 0.01 < there.share < 0.2
 
 
 def test_a_chain_with_the_mobilities_that_were_found_lands_where_they_say():
@@ -326,7 +327,7 @@ def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
 
 def test_a_landing_says_in_words_whether_it_holds():
     told = [str(landing) for landing in RACE.cycle().path.landings()]
-    assert told[0].startswith("holds for mobilities up to 10 apart: ")
+    assert told[0].startswith("holds for mobility ratios up to 10: ")
     assert "lands elsewhere: 00- in " in told[-1]
     assert "SNAP at 4.693 mm unloading" in repr(RACE.cycle().path.landings()[-1])
 

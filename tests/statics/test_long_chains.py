@@ -95,10 +95,12 @@ def long_chain(seed: int, kind: str) -> sw.Chain:
         return sw.Chain([any_cell(rng, friction=False) for _ in range(6)])
     rows = {"smooth tables": 15, "levers and tables": 12}.get(kind, 0)
     stops, turns = kind == "stopped tables", 2 if kind == "two turns" else 1
-    tables = [Table(rng, turns).element(rows, stops=stops) for _ in range(6)]
+    cells: list[sw.Cell | sw.Element] = [
+        Table(rng, turns).element(rows, stops=stops) for _ in range(6)
+    ]
     if kind == "levers and tables":
-        tables[::2] = [any_cell(rng, friction=False) for _ in tables[::2]]
-    return sw.Chain(tables)
+        cells[::2] = [any_cell(rng, friction=False) for _ in cells[::2]]
+    return sw.Chain(cells)
 
 
 @pytest.mark.parametrize("kind", KINDS)

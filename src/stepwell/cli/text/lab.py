@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
@@ -236,7 +237,7 @@ def _values(law: Any) -> str:
     return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
 
 
-def _strokes(row: dict[str, Any]) -> str:
+def _strokes(row: Mapping[str, Any]) -> str:
     """Where the stroke began, turned and ended; of many turns the first two and the last."""
     points = [number(row["stroke_from_mm"]), *map(number, row["turns_mm"])]
     points.append(number(row["stroke_to_mm"]))

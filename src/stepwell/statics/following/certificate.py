@@ -52,9 +52,9 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
     for j in range(len(movers.cell)):
         place[movers.cell[j]] = j
     for i in range(n):
-        mine = place[i]
+        mine = int(place[i])
         known = mine >= 0 and movers.piece[mine] >= 0
-        piece = movers.piece[mine] if known else find_piece(pieces, i, travel[i], 0)
+        piece = int(movers.piece[mine]) if known else find_piece(pieces, i, travel[i], 0)
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction

@@ -121,7 +121,7 @@ def with_curved(state: State, rising: Rising, cell: int, piece: int, apart: floa
 
     `apart` is the travel of what is neither in these nor in the sums.
     """
-    count, one = rising.count[0], 0 if cell < 0 else 1
+    count, one = rising.counts[0], 0 if cell < 0 else 1
     cells, on = np.empty(count + one, np.int64), np.empty(count + one, np.int64)
     if one > 0:
         cells[0], on[0] = cell, piece

@@ -23,7 +23,7 @@ from stepwell.statics.following.state import Problem
 
 @kernel
 def moved(problem: Problem, log: Log, k: int, travel: Floats) -> Floats:
-    """(m, MOVER_COLUMNS) rows of all cells that move in segment k.
+    """(m, MOVER_COLUMNS) rows of all cells that move in segment k, by cell.
 
     `travel` (N,) says where the cells are before it; (N,) for cells that follow, any place on their
     present branch will do.
@@ -41,17 +41,12 @@ def moved(problem: Problem, log: Log, k: int, travel: Floats) -> Floats:
     count = len(named)
     rows = np.zeros((count + np.sum(follows), MOVER_COLUMNS))
     rows[:count] = named
-    for i in np.flatnonzero(follows):
+    for i in range(len(travel)):
+        if not follows[i]:
+            continue
         piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
         rows[count, CELL], rows[count, PIECE] = i, -1 if int(row[KIND]) == SNAP else piece
         rows[count, TRAVEL_0] = travel[i]
         rows[count, TRAVEL_1] = invert(problem.laws, pieces, i, piece, force)
         count += 1
-    return rows
-
-
-@kernel
-def go_on(rows: Floats, travel: Floats) -> None:
-    """Bring (N,) travels to where the cells are after a segment with these rows."""
-    for m in range(len(rows)):
-        travel[int(rows[m, CELL])] = rows[m, TRAVEL_1]
+    return rows[np.argsort(rows[:, CELL])]

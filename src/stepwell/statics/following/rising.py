@@ -33,9 +33,9 @@ class Rising(NamedTuple):
 
     queues: Queues
     kind: Ints  # (N,)
-    curved: Ints  # (N,) the cells of curved force, the first count[0]
+    curved: Ints  # (N,) the cells of curved force, the first counts[0]
     place: Ints  # (N,) where each of these is in `curved`
-    count: Ints  # (2,) cells of curved force, and all
+    counts: Ints  # (2,) cells of curved force, and all
     sums: Floats  # (8,)
 
 
@@ -109,9 +109,9 @@ def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
         _count_in(problem, rising, i, piece, 1.0)
     else:
         rising.kind[i] = _CURVED
-        last = rising.count[0]
+        last = rising.counts[0]
         rising.curved[last], rising.place[i] = i, last
-        rising.count[0] = last + 1
+        rising.counts[0] = last + 1
     first, last = pieces.among[i, 0], pieces.among[i, 1]
     if piece < last and pieces.sign[piece + 1] > 0:
         put(queues, JOINT_UP, i, pieces.force_right[piece])
@@ -129,10 +129,10 @@ def _exit(problem: Problem, rising: Rising, i: int, piece: int) -> None:
     if rising.kind[i] == _STRAIGHT:
         _count_in(problem, rising, i, piece, -1.0)
     else:
-        at, last = rising.place[i], rising.count[0] - 1
+        at, last = rising.place[i], rising.counts[0] - 1
         rising.curved[at] = rising.curved[last]
         rising.place[rising.curved[at]] = at
-        rising.count[0] = last
+        rising.counts[0] = last
     rising.kind[i] = _APART
 
 
@@ -142,7 +142,7 @@ def rise(problem: Problem, state: State, rising: Rising, i: int, piece: int) -> 
     pieces = problem.pieces
     state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
     _enter(problem, rising, i, piece)
-    rising.count[1] += 1
+    rising.counts[1] += 1
     _add(rising.sums, _MOBILITY, problem.mobility[i])
     first, last = pieces.among[i, 0], pieces.among[i, 1]
     low = high = piece
@@ -158,7 +158,7 @@ def rise(problem: Problem, state: State, rising: Rising, i: int, piece: int) -> 
 def rise_no_more(problem: Problem, state: State, rising: Rising, i: int) -> None:
     """Take cell i out: it has come to the end of its rising branch."""
     _exit(problem, rising, i, state.piece[i])
-    rising.count[1] -= 1
+    rising.counts[1] -= 1
     _add(rising.sums, _MOBILITY, -problem.mobility[i])
     for q in range(4):
         drop(rising.queues, q, i)
@@ -169,8 +169,8 @@ def pass_joint(problem: Problem, state: State, rising: Rising, toward: int) -> N
     """Let the cell that is first at a joint, λ going `toward`, go on to the next piece."""
     laws, pieces = problem.laws, problem.pieces
     i = rising.queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
-    piece, kind = state.piece[i], rising.kind[i]
-    joint = pieces.right[piece] if toward > 0 else pieces.left[piece]
+    piece, kind = int(state.piece[i]), rising.kind[i]
+    joint = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
     _exit(problem, rising, i, piece)
     state.piece[i], state.travel[i] = piece + toward, joint
     _enter(problem, rising, i, piece + toward)
@@ -234,9 +234,10 @@ def stroke_at(problem: Problem, state: State, rising: Rising, force: float) -> f
     """
     total = compliance_of(rising) * force + offset_of(rising)
     laws, pieces, travel = problem.laws, problem.pieces, state.travel
-    for k in range(rising.count[0]):
+    for k in range(rising.counts[0]):
         i = rising.curved[k]
-        travel[i] = invert_near(laws, pieces, i, state.piece[i], force, travel[i])
+        piece = int(state.piece[i])
+        travel[i] = invert_near(laws, pieces, i, piece, force, float(travel[i]))
         total += travel[i]
     return float(total)
 
@@ -245,9 +246,10 @@ def stroke_at(problem: Problem, state: State, rising: Rising, force: float) -> f
 def softness_at(problem: Problem, state: State, rising: Rising) -> float:
     """dΣs/dλ of the rising cells where those of curved force are [m/N]."""
     total = compliance_of(rising)
-    for k in range(rising.count[0]):
+    for k in range(rising.counts[0]):
         i = rising.curved[k]
-        total += inverse_slope(problem.laws, problem.pieces, i, state.piece[i], state.travel[i])
+        piece, travel = int(state.piece[i]), float(state.travel[i])
+        total += inverse_slope(problem.laws, problem.pieces, i, piece, travel)
     return float(total)
 
 
@@ -267,8 +269,8 @@ def count_work(rising: Rising, before: float, after: float) -> None:
 def energy_in(problem: Problem, state: State, rising: Rising) -> float:
     """What the rising cells store, but for a constant [J]; those of curved force where they are."""
     total = rising.sums[_STORED] + rising.sums[_STORED + 1]
-    for k in range(rising.count[0]):
+    for k in range(rising.counts[0]):
         i = rising.curved[k]
         picked = problem.pieces.picked[state.piece[i]]
-        total += stored(problem.laws, i, picked, state.travel[i])
+        total += stored(problem.laws, i, picked, float(state.travel[i]))
     return float(total)

@@ -95,10 +95,10 @@ class Segment(NamedTuple):
     """
 
     begin: Floats  # (2,) drive and λ where it began
-    cell: Ints  # (N,) the first count[0]
+    cell: Ints  # (N,) the first counts[0]
     travel: Floats  # (N,) where these were then
     named: Ints  # (N,) 1 for these
-    count: Ints  # (2,) how many, and the row of the segment before or -1
+    counts: Ints  # (2,) how many, and the row of the segment before or -1
 
 
 @kernel
@@ -139,9 +139,9 @@ def _gather(problem: Problem, state: State, rising: Rising, direction: int) -> t
 def _name(segment: Segment, i: int, travel: float) -> None:
     """Let the row of the segment name cell i, which was at `travel` when it began."""
     if segment.named[i] == 0:
-        k = segment.count[0]
+        k = segment.counts[0]
         segment.cell[k], segment.travel[k], segment.named[i] = i, travel, 1
-        segment.count[0] = k + 1
+        segment.counts[0] = k + 1
 
 
 @leaf
@@ -176,14 +176,15 @@ def _end_segment(
     state.log.segments[row, FOLLOW] = 1.0
     if kind == SNAP:
         state.log.segments[row, DECIDED] = BY_EQUATION
-    for k in range(segment.count[0]):
+    for k in range(segment.counts[0]):
         i = segment.cell[k]
-        piece = -1 if kind == SNAP else state.piece[i]
-        follows = not is_held(rising, i)
-        after = travel_at_force(problem, state, i, force) if follows else state.travel[i]
+        piece = -1 if kind == SNAP else int(state.piece[i])
+        after = float(state.travel[i])
+        if not is_held(rising, i):
+            after = travel_at_force(problem, state, i, force)
         _mover(state, i, piece, segment.travel[k], after)
         segment.named[i] = 0
-    segment.count[0], segment.count[1] = 0, row
+    segment.counts[0], segment.counts[1] = 0, row
     begin[0], begin[1] = drive, force
 
 
@@ -194,12 +195,12 @@ def _leave_branch(
     """Take a cell off its branch at the end that λ going `toward` leads to; its row is due."""
     pieces, log = problem.pieces, state.log
     force, piece = segment.begin[1], state.piece[i]
-    end = pieces.right[piece] if toward > 0 else pieces.left[piece]
+    end = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
     if state.force[0] != force:
         _name(segment, i, travel_at_force(problem, state, i, force))
-    elif segment.count[1] >= 0 and segment.named[i] == 0:
+    elif segment.counts[1] >= 0 and segment.named[i] == 0:
         # Nothing has moved since the row before, which did not name it.
-        before = log.segments[segment.count[1], FORCE_0]
+        before = log.segments[segment.counts[1], FORCE_0]
         _mover(state, i, piece, travel_at_force(problem, state, i, before), end)
     rise_no_more(problem, state, rising, i)
     state.travel[i] = end
@@ -220,7 +221,7 @@ def _stop_here(
     Where it `closes`, the softest cell takes up what rounding left of the stroke.
     """
     pieces, laws, force = problem.pieces, problem.laws, state.force[0]
-    kind = MOVE if rising.count[1] > 0 or segment.count[0] > 0 else HOLD
+    kind = MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else HOLD
     _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
     softest, most, total = -1, 0.0, 0.0
     for i in range(len(state.mode)):
@@ -235,7 +236,7 @@ def _stop_here(
         on = state.piece[softest]
         at = state.travel[softest] + left
         state.travel[softest] = min(max(at, pieces.left[on]), pieces.right[on])
-    row = segment.count[1]
+    row = segment.counts[1]
     if row < 0:
         return
     log = state.log
@@ -305,8 +306,8 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
     queues = rising.queues
     joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
     joint_back, end_back = (JOINT_DOWN, END_DOWN) if d > 0 else (JOINT_UP, END_UP)
-    force = state.force[0]
-    apart = state.travel[leader] if leader >= 0 else 0.0
+    force = float(state.force[0])
+    apart = float(state.travel[leader]) if leader >= 0 else 0.0
     drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
     segment = Segment(
         np.array([drive, force]),
@@ -326,7 +327,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
         if log.used[0] + 6 > len(log.segments) or log.used[1] + 4 * n + 16 > len(log.movers):
             status = LOG_FULL
             break
-        if overspent(problem.effort, 4 + rising.count[0]):
+        if overspent(problem.effort, 4 + rising.counts[0]):
             status = GAVE_UP
             break
         if leader < 0:
@@ -351,7 +352,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             past = past_end(problem, state, rising, i, d)
             if past == 0:
                 break
-            kind = MOVE if rising.count[1] > 0 else HOLD
+            kind = MOVE if rising.counts[1] > 0 else HOLD
             state.force[0] = force = d * key
             drive = there
             state.next_snap[TRIGGER] = -1
@@ -376,17 +377,17 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
             continue
         # One cell falls: with λ going back while that is stable.
-        piece, travel = state.piece[leader], state.travel[leader]
+        piece, travel = int(state.piece[leader]), float(state.travel[leader])
         own = inverse_slope(laws, pieces, leader, piece, travel)
         stable = own + softness_at(problem, state, rising) + problem.beta < 0.0
         if stable:
-            last = d * (pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
+            last = d * float(pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
             joint_level, end_level = -first_key(queues, joint_back), -first_key(queues, end_back)
             level = max(last, joint_level, end_level)
             soft = softened(problem, rising)
             movers = with_curved(state, rising, leader, piece, 0.0)
             fold = np.nan
-            if rising.count[0] > 0 or not is_straight(laws, pieces, leader, piece):
+            if rising.counts[0] > 0 or not is_straight(laws, pieces, leader, piece):
                 fold = first_fold(soft, movers, force, d * level)
             following = d * level if np.isnan(fold) else fold
             place = invert(laws, pieces, leader, piece, following)
@@ -439,7 +440,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
         set_snap(state.next_snap, leader, d, why)
         if heaviest < 0.0:
             heaviest = heaviest_of(problem)
-        travel = state.travel[leader]
+        travel = float(state.travel[leader])
         falling = Falling(leader, piece, travel, force, d)
         decided, floor = floor_of(problem, rising, falling, heaviest)
         if not decided:

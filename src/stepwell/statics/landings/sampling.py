@@ -108,8 +108,8 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
         seed: of the random ones.
     """
     if 2**count <= _MOST_CORNERS:
-        bits = np.left_shift(1, np.arange(count))
-        every: Bools = np.arange(1, 2**count - 1)[:, None] & bits > 0
+        numbers = np.arange(1, 2**count - 1)
+        every: Bools = np.array([numbers >> k & 1 for k in range(count)], bool).T
         return np.where(every, ratio, 1.0)
     alone: Bools = np.arange(count) == cells[:, None]
     some = np.random.default_rng(seed).random((_MOST_CORNERS, count)) < 0.5
