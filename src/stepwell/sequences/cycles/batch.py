@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import ByValue, Floats, Ints
 from stepwell.mechanism import Chain, phase_at
 from stepwell.sequences.cycles.cycle import Cycle, cycle
 from stepwell.sequences.cycles.sequence import Sequence
@@ -34,8 +34,8 @@ _ASK = -3
 Progress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Cycles:
+@dataclass(frozen=True, slots=True, eq=False)
+class Cycles(ByValue):
     """What m designs do in a full cycle.
 
     Attributes:

@@ -301,7 +301,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
     n = len(state.mode)
     rising = no_rising(n)
     regular, leader = _gather(problem, state, rising, d)
-    if not regular:
+    if not regular or (leader >= 0 and rising.counts[0] > 0):
         return GOES_ON
     queues = rising.queues
     joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
@@ -348,6 +348,9 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
                 state.force[0] = force = d * key
                 drive = there
                 continue
+            if rising.counts[0] > 0 and _ties(queues, end, TIE * problem.scale):
+                # Where curved forces turn together the sum of 1/κ is rounding, see `smooth`.
+                break
             i = _next_cell(problem, state, rising, end, d)
             past = past_end(problem, state, rising, i, d)
             if past == 0:
@@ -384,6 +387,9 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             last = d * float(pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
             joint_level, end_level = -first_key(queues, joint_back), -first_key(queues, end_back)
             level = max(last, joint_level, end_level)
+            if min(last, end_level) >= level - TIE * problem.scale:
+                # Both come to the ends of their branches, as alike cells do.
+                break
             soft = softened(problem, rising)
             movers = with_curved(state, rising, leader, piece, 0.0)
             fold = np.nan
