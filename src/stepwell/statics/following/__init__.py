@@ -15,7 +15,6 @@ from stepwell.statics.following.certificate import (
 )
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.landing import LANDED, STOPPED
-from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
@@ -58,5 +57,6 @@ from stepwell.statics.following.state import (
     drive_of,
     held_range,
     hold,
+    moved,
     set_snap,
 )

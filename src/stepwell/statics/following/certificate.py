@@ -21,9 +21,8 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, stand_all_on, stand_on
-from stepwell.statics.following.state import Movers, Problem, nobody
+from stepwell.statics.following.state import Movers, Problem, moved, nobody
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 # Shares of the largest force, and of what that force does or resists over a full travel. The

@@ -29,7 +29,6 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.moved import moved
 from stepwell.statics.following.pieces import (
     find_piece,
     piece_along,
@@ -38,7 +37,7 @@ from stepwell.statics.following.pieces import (
     stand_all_on,
     stand_on,
 )
-from stepwell.statics.following.state import Movers, Problem, drive_of, nobody
+from stepwell.statics.following.state import Movers, Problem, drive_of, moved, nobody
 
 
 class Samples(NamedTuple):

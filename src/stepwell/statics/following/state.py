@@ -22,6 +22,7 @@ from stepwell.statics.following.log import (
     HEADING,
     KIND,
     LEADER,
+    MOVER_COLUMNS,
     NEAR_FORCE,
     NEAR_TRAVEL,
     OFFSET,
@@ -40,6 +41,8 @@ from stepwell.statics.following.log import (
 from stepwell.statics.following.pieces import (
     Pieces,
     find_piece,
+    invert,
+    piece_along,
     resting_piece,
     sheet_of,
     sheets_of,
@@ -223,6 +226,37 @@ def write(
         mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
     log.used[1] = m + len(movers.cell)
     log.first[log.used[0]] = log.used[1]
+
+
+@kernel
+def moved(problem: Problem, log: Log, k: int, travel: Floats) -> Floats:
+    """(m, MOVER_COLUMNS) rows of all cells that move in segment k, by cell.
+
+    `travel` (N,) says where the cells are before it; (N,) for cells that follow, any place on their
+    present branch will do.
+    """
+    named = log.movers[log.first[k] : log.first[k + 1]]
+    row, pieces = log.segments[k], problem.pieces
+    if row[FOLLOW] == 0.0:
+        return named
+    ends, force = problem.sheets.ends, row[FORCE_1]
+    follows = np.zeros(len(travel), np.int64)
+    for i in range(len(travel)):
+        follows[i] = ends[i, LOW] < travel[i] < ends[i, HIGH]
+    for m in range(len(named)):
+        follows[int(named[m, CELL])] = 0
+    count = len(named)
+    rows = np.zeros((count + np.sum(follows), MOVER_COLUMNS))
+    rows[:count] = named
+    for i in range(len(travel)):
+        if not follows[i]:
+            continue
+        piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
+        rows[count, CELL], rows[count, PIECE] = i, -1 if int(row[KIND]) == SNAP else piece
+        rows[count, TRAVEL_0] = travel[i]
+        rows[count, TRAVEL_1] = invert(problem.laws, pieces, i, piece, force)
+        count += 1
+    return rows[np.argsort(rows[:, CELL])]
 
 
 @leaf
