@@ -328,7 +328,7 @@ def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
 def test_a_landing_says_in_words_whether_it_holds():
     told = [str(landing) for landing in RACE.cycle().path.landings()]
     assert told[0].startswith("holds for mobility ratios up to 10: ")
-    assert "lands elsewhere: 00- in " in told[-1]
+    assert "some lead elsewhere: 00- in 5%" in told[-1]
     assert "SNAP at 4.693 mm unloading" in repr(RACE.cycle().path.landings()[-1])
 
 

@@ -15,7 +15,6 @@ from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import law
 from stepwell.statics.following.branch import inverse_slope, point_at
 from stepwell.statics.following.pieces import invert, invert_near
-from stepwell.statics.following.queues import first_key
 from stepwell.statics.following.rising import (
     END_DOWN,
     END_UP,
@@ -24,6 +23,7 @@ from stepwell.statics.following.rising import (
     Rising,
     compliance_of,
     count_work,
+    first_key,
     is_straight,
     mobility_of,
     offset_of,

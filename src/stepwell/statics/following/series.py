@@ -43,15 +43,16 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
 )
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.queues import Queues, first_key, second
 from stepwell.statics.following.rising import (
     END_DOWN,
     END_UP,
     JOINT_DOWN,
     JOINT_UP,
+    Queues,
     Rising,
     count_from_here,
     energy_in,
+    first_key,
     is_held,
     is_straight,
     no_rising,
@@ -61,6 +62,7 @@ from stepwell.statics.following.rising import (
     rest_no_more,
     rise,
     rise_no_more,
+    second,
     softness_at,
     stroke_at,
     travel_at_force,
