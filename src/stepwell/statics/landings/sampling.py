@@ -108,7 +108,7 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
         seed: of the random ones.
     """
     if 2**count <= _MOST_CORNERS:
-        numbers = np.arange(1, 2**count - 1)
+        numbers: Ints = np.arange(1, 2**count - 1)
         every: Bools = np.array([numbers >> k & 1 for k in range(count)], bool).T
         return np.where(every, ratio, 1.0)
     alone: Bools = np.arange(count) == cells[:, None]
