@@ -108,8 +108,8 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
         seed: of the random ones.
     """
     if 2**count <= _MOST_CORNERS:
-        numbers: Ints = np.arange(1, 2**count - 1)
-        every: Bools = np.array([numbers >> k & 1 for k in range(count)], bool).T
+        numbers = range(1, 2**count - 1)
+        every = np.array([[bool(n >> k & 1) for k in range(count)] for n in numbers])
         return np.where(every, ratio, 1.0)
     alone: Bools = np.arange(count) == cells[:, None]
     some = np.random.default_rng(seed).random((_MOST_CORNERS, count)) < 0.5
