@@ -109,8 +109,8 @@ def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
     """
     if 2**count <= _MOST_CORNERS:
         numbers = range(1, 2**count - 1)
-        every = np.array([[bool(n >> k & 1) for k in range(count)] for n in numbers])
-        return np.where(every, ratio, 1.0)
+        every = np.array([[bool(n >> k & 1) for k in range(count)] for n in numbers], bool)
+        return np.where(every.reshape(-1, count), ratio, 1.0)
     alone: Bools = np.arange(count) == cells[:, None]
     some = np.random.default_rng(seed).random((_MOST_CORNERS, count)) < 0.5
     fast: Bools = np.concatenate([alone, ~alone, some])[:_MOST_CORNERS]
