@@ -183,7 +183,7 @@ def test_an_edited_formula_gives_new_answers_wherever_the_compiled_ones_are_kept
 
     before = answer()
     geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "geometry.py"
-    old = "return np.sqrt(x * x + y * y)"
+    old = "return np.sqrt(x * x + y * y + 1e-30)"
     text = geometry.read_text()
     assert old in text
     geometry.write_text(text.replace(old, "return np.sqrt(x * x + 2 * y)"))
@@ -289,7 +289,7 @@ def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_p
     assert [run.stdout for run in runs] == ["False 1\n"] * 2
     assert [run.stderr for run in runs] == [""] * 2
     kept = sorted(path.name.split("-")[0] for path in tmp_path.glob("kept/stepwell/*.kernel"))
-    assert kept == ["halved", "walk"]
+    assert set(kept) == {"halved", "walk"}
 
 
 @pytest.mark.slow
