@@ -217,17 +217,14 @@ def test_a_damaged_kernel_is_made_again_with_one_line(tmp_path, damage, tiny, mo
         return found, capsys.readouterr().err.splitlines()
 
     assert answer() == (3.0, [])
-    # The kernel, and the entry that lends it arrays.
-    files = [*tmp_path.glob("walk-*.kernel")]
-    assert len(files) == 2
-    for file in files:
-        whole = file.read_bytes()
-        flipped = whole[:-9] + bytes([whole[-9] ^ 4]) + whole[-8:]
-        file.write_bytes({"half": whole[: len(whole) // 2], "empty": b"", "bit": flipped}[damage])
+    (file,) = tmp_path.glob("walk-*.kernel")
+    whole = file.read_bytes()
+    flipped = whole[:-9] + bytes([whole[-9] ^ 4]) + whole[-8:]
+    file.write_bytes({"half": whole[: len(whole) // 2], "empty": b"", "bit": flipped}[damage])
     again, lines = answer()
     assert again == 3.0
-    assert len(lines) == 2 and all("is damaged; it is made again" in line for line in lines)
-    assert all(file.exists() for file in files) and answer() == (3.0, [])
+    assert len(lines) == 1 and "is damaged; it is made again" in lines[0]
+    assert file.exists() and answer() == (3.0, [])
 
 
 @pytest.mark.slow
@@ -289,7 +286,7 @@ def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_p
     assert [run.stdout for run in runs] == ["False 1\n"] * 2
     assert [run.stderr for run in runs] == [""] * 2
     kept = sorted(path.name.split("-")[0] for path in tmp_path.glob("kept/stepwell/*.kernel"))
-    assert set(kept) == {"halved", "walk"}
+    assert kept == ["halved", "walk"]
 
 
 @pytest.mark.slow

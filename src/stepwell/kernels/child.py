@@ -32,15 +32,12 @@ def main() -> None:
 def _compile(module: str, name: str, kinds: bytes) -> None:
     import numba
 
-    from stepwell.kernels.entry import Entry
     from stepwell.kernels.fingerprint import kernel_of
-    from stepwell.kernels.machine import lent, machine
+    from stepwell.kernels.machine import machine
 
-    named = getattr(import_module(module), name)
-    function = kernel_of(named)
+    function = kernel_of(getattr(import_module(module), name))
     assert function is not None, name
-    made = lent(function) if isinstance(named, Entry) else machine(function)
-    made.compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
+    machine(function).compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
 
 
 def _type(numba: Any, kind: Any) -> Any:

@@ -82,9 +82,9 @@ class Entry(Generic[P, R]):
     def compiled(self) -> Callable[P, R]:
         """Its machine code, which is loaded or made when it is called."""
         if self._machine is None:
-            from stepwell.kernels.machine import lent
+            from stepwell.kernels.machine import machine
 
-            self._machine = made = lent(_function(self))
+            self._machine = made = machine(_function(self))
             return made
         return self._machine
 
