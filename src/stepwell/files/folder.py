@@ -176,7 +176,7 @@ def staged_folder(
                 yield draft
                 with ExitStack() as also:
                     if place != _place(target):
-                        # Somebody else made the folder meanwhile: others now write inside it.
+                        # Another process made the folder meanwhile: others now write inside it.
                         also.enter_context(_only_writer(shown, target))
                     _commit(shown, draft, target, command, record or {}, known, force)
         finally:

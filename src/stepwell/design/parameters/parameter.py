@@ -130,7 +130,7 @@ class Parameter(ByValue):
             column = 2 + (self.part == "rest_length")
             old = [float(getattr(band, self.part)) for band in cell.bands]
             for k, own in enumerate(old):
-                # Bands that cannot be scaled are no design, which whoever builds it says.
+                # Bands that cannot be scaled are no design, and building it refuses them.
                 ratio = values / old[0] if old[0] else np.full(len(values), np.nan)
                 bands[:, k, column] = values if own == old[0] else own * ratio
         elif self.part == "limit":
