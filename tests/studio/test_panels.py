@@ -251,7 +251,7 @@ def test_the_graph_is_pythons():
     for told, label in zip(header["nodes"], graph, strict=True):
         node = graph.node(label)
         assert (told["low_mm"], told["high_mm"]) == (node.low * 1e3, node.high * 1e3)
-    assert len(header["edges"]) == graph.number_of_edges()
+    assert len(header["edges"]) == np.count_nonzero(graph.target >= 0)
     for edge in header["edges"]:
         found = graph.transition(edge["from"], edge["direction"])
         assert found is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,8 +15,9 @@ from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.wire import Ask, Design, View
 
 MM, MJ = 1e3, 1e3
-# A picture needs no more samples than this on all smooth segments together, nor on one of them.
-_ALL, _MOST, _LEAST = 600, 33, 3
+# A picture needs no more samples than this on all smooth segments together, nor on one of them;
+# and so many on a segment that takes the whole range of the drive.
+_ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 48
 _LANDSCAPE = 65
 
 
@@ -57,8 +59,10 @@ def units_of(chain: Chain) -> dict[str, str]:
 
 def drawn(path: Path) -> Path:
     """The path with as many samples as a picture needs."""
-    smooth = sum(segment.kind is SegmentKind.MOVE for segment in path.segments())
-    return path.resampled(max(_LEAST, min(_MOST, _ALL // max(1, smooth))))
+    spans = [float(np.ptp(one.drive)) for one in path.segments() if one.kind is SegmentKind.MOVE]
+    longest = max(spans, default=0.0) / (np.ptp(path.turning_points) or 1.0)
+    least = max(_LEAST, math.ceil(_WHOLE * longest))
+    return path.resampled(min(_MOST, max(least, _ALL // max(1, len(spans)))))
 
 
 def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
