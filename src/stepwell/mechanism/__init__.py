@@ -49,11 +49,13 @@ from stepwell.mechanism.law import (
     beyond,
     change_sheet,
     ends_of,
+    largest,
     law,
     law_along,
     pack,
     packed,
     pick_rows,
+    smallest,
     stored,
     summed,
 )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints, Vec2
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import leaf
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
@@ -61,6 +61,24 @@ BEFORE, BEYOND = 2, 3
 
 
 @leaf
+def smallest(values: Floats) -> float:
+    """The least of (N,) numbers; inf of none."""
+    least = np.inf
+    for value in values:
+        least = min(least, value)
+    return least
+
+
+@leaf
+def largest(values: Floats) -> float:
+    """The largest of (N,) numbers; -inf of none."""
+    most = -np.inf
+    for value in values:
+        most = max(most, value)
+    return most
+
+
+@leaf
 def summed(values: Floats) -> float:
     """The sum of (N,) numbers from first to last, where NumPy's own order hangs on its version."""
     total = 0.0
@@ -80,15 +98,15 @@ def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
     ends[BEYOND] = row[HIGH] if row[ABOVE] < 0.0 else np.inf
 
 
-@kernel
+@leaf
 def ends_of(sheets: Sheets) -> tuple[float, float]:
     """Least and largest Σ s that the cells have, with open ends as far as they go on."""
     table, low, high = sheets.table, 0.0, 0.0
     begin = 0
     for after in range(1, len(table) + 1):
         if after == len(table) or table[after, FIRST] == after:
-            low += np.min(table[begin:after, LOW])
-            high += np.max(table[begin:after, HIGH])
+            low += smallest(table[begin:after, LOW])
+            high += largest(table[begin:after, HIGH])
             begin = after
     return low, high
 

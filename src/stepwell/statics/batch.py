@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import MOST, entry, in_blocks, kernel, leaf
+from stepwell.kernels import MOST, entry, in_blocks, leaf
 from stepwell.mechanism import (
     BEFORE,
     BEYOND,
@@ -36,20 +36,26 @@ from stepwell.statics.following import (
     KEPT,
     Pieces,
     Problem,
+    Rising,
     Room,
+    Segment,
+    Spare,
     State,
-    audit,
+    audit_in,
     blank_state,
     cut_into,
-    follow,
-    force_scale,
+    follow_in,
     held_range,
     hold,
     inverse_slope,
+    largest_force,
     log as logged,
+    no_rising,
+    no_segment,
     resting_piece,
     room_for,
     room_of_pieces,
+    spare_room,
     stand_all_on,
     travel_between,
 )
@@ -98,6 +104,9 @@ class _Work(NamedTuple):
     sheets: Sheets
     pieces: Pieces
     room: Room
+    spare: Spare
+    rising: Rising
+    segment: Segment
     state: State
     begin: Floats  # (N,) travels where the cycle begins
     sheet: Ints  # (N,) sheets there
@@ -233,6 +242,9 @@ def _work(designs: Designs) -> _Work:
         sheets,
         room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
         room_for(laws),
+        spare_room(n),
+        no_rising(n),
+        no_segment(n),
         blank_state(np.zeros(n), logged.empty_log(room, 4 * room)),
         np.zeros(n),
         np.zeros(n, np.int64),
@@ -249,20 +261,25 @@ def _work(designs: Designs) -> _Work:
 def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Followed) -> None:
     """Follow designs begin .. end, and write down what they do."""
     for k in range(begin, end):
-        if not _build(designs, k, work):
-            continue
-        problem = _problem(designs, k, work)
-        if problem.scale < 0.0 or not _begin(designs, problem, work):
-            continue
-        state, turning, effort = work.state, work.turning, work.effort
-        effort[0], effort[MOST] = 0, _LOOKS
-        if follow(problem, turning, state) != DONE:
-            continue
-        effort[0], effort[MOST] = 0, _LOOKS
-        _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
-        if promise == KEPT:
-            drive = problem.alpha, problem.beta
-            _read(designs, work, drive, out.visited[k], out.found[k])
+        _follow_one(designs, k, work, out.visited[k], out.found[k])
+
+
+@leaf
+def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Floats) -> None:
+    """Follow one design, and write down what it does."""
+    if not _build(designs, k, work):
+        return
+    problem = _problem(designs, k, work)
+    if problem.scale < 0.0 or not _begin(designs, problem, work):
+        return
+    state, turning, effort = work.state, work.turning, work.effort
+    effort[0], effort[MOST] = 0, _LOOKS
+    if follow_in(problem, turning, state, work.rising, work.segment) != DONE:
+        return
+    effort[0], effort[MOST] = 0, _LOOKS
+    _, promise, _ = audit_in(problem, state.log, work.begin, work.sheet)
+    if promise == KEPT:
+        _read(designs, work, (problem.alpha, problem.beta), visited, found)
 
 
 @leaf
@@ -327,15 +344,16 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
     return True
 
 
-@kernel
+@leaf
 def _problem(designs: Designs, k: int, work: _Work) -> Problem:
     """The problem that the design sets; of a negative scale where it has too many pieces."""
     laws, sheets, pieces = work.laws, work.sheets, work.pieces
     alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
     scale = -1.0
     if cut_into(laws, sheets, pieces, work.room) >= 0:
-        scale = force_scale(laws, sheets, pieces)
-    return Problem(laws, sheets, pieces, alpha, beta, scale, work.rank, work.mobility, work.effort)
+        scale = largest_force(laws, sheets, pieces)
+    rank, mobility, effort, spare = work.rank, work.mobility, work.effort, work.spare
+    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
 
 
 @leaf

@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import InputError, Ints
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import FIRST, Chain, Laws, Sheets, mobilities_of, packed
-from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
+from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale, spare_room
 from stepwell.statics.outcome import StaticsError
 
 
@@ -48,7 +48,8 @@ def problem_of(
     rank = _ranks(len(chain), prefer)
     scale = force_scale(laws, sheets, pieces)
     weights, mobility = drive_weights(chain), mobilities_of(chain.cells)
-    return Problem(laws, sheets, pieces, *weights, scale, rank, mobility, effort)
+    room = spare_room(len(chain))
+    return Problem(laws, sheets, pieces, *weights, scale, rank, mobility, effort, room)
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:

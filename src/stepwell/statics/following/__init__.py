@@ -12,8 +12,9 @@ from stepwell.statics.following.certificate import (
     STABILITY,
     STROKE,
     audit,
+    audit_in,
 )
-from stepwell.statics.following.follow import follow
+from stepwell.statics.following.follow import follow, follow_in
 from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
@@ -25,6 +26,7 @@ from stepwell.statics.following.pieces import (
     find_piece,
     force_scale,
     invert,
+    largest_force,
     of_curve,
     resting_piece,
     room_for,
@@ -35,7 +37,9 @@ from stepwell.statics.following.pieces import (
     travel_between,
     travels_between,
 )
+from stepwell.statics.following.rising import Rising, no_rising
 from stepwell.statics.following.sample import Samples, count_samples, sample
+from stepwell.statics.following.series import Segment, no_segment
 from stepwell.statics.following.smooth import LOST, choose
 from stepwell.statics.following.snap import COARSE, FINE, along_line, snap
 from stepwell.statics.following.state import (
@@ -43,6 +47,7 @@ from stepwell.statics.following.state import (
     DUE,
     FREE,
     GAVE_UP,
+    GOES,
     GOES_ON,
     LOG_FULL,
     NOT_SETTLED,
@@ -52,6 +57,7 @@ from stepwell.statics.following.state import (
     STALLED,
     TRIGGER,
     Problem,
+    Spare,
     State,
     blank_state,
     drive_of,
@@ -59,4 +65,5 @@ from stepwell.statics.following.state import (
     hold,
     moved,
     set_snap,
+    spare_room,
 )

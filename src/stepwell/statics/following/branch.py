@@ -8,7 +8,7 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, leaf, overspent
+from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import Laws, law
 from stepwell.statics.following.pieces import Pieces, invert, invert_near, piece_along
 from stepwell.statics.following.state import Movers, Problem
@@ -21,7 +21,7 @@ def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: flo
     return sign / max(abs(law(laws, cell, picked, travel)[1]), 1e-300)
 
 
-@kernel
+@leaf
 def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: float) -> float:
     """Least stiffness of the moving cells at fixed drive [N/m]; inf where nothing can move.
 
@@ -33,18 +33,25 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
     if moving == 0:
         return np.inf
     if alpha == 0.0:
-        return float(np.min(slopes))
+        least = slopes[0]
+        for slope in slopes:
+            least = min(least, slope)
+        return float(least)
     if moving == 1:
         return np.inf if beta == 0.0 else float(slopes[0] + weights[0] * alpha * alpha / beta)
-    order = np.argsort(slopes)
-    low, high = slopes[order[0]], slopes[order[1]]
+    low = high = np.inf
+    for slope in slopes:
+        if slope < low:
+            low, high = slope, low
+        elif slope < high:
+            high = slope
     soft = beta / (alpha * alpha)
     for _ in range(200):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
         total = soft
-        for i in order:
+        for i in range(moving):
             total += weights[i] / (slopes[i] - middle)
         if total > 0.0:
             high = middle
@@ -75,7 +82,7 @@ def compliance(problem: Problem, movers: Movers, force: float) -> float:
     return _highest(problem, movers, force, force)[1]
 
 
-@kernel
+@leaf
 def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> float:
     """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
 
@@ -83,8 +90,7 @@ def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> fl
     of end values: an interval is dismissed by proof, never by having stepped over it.
     """
     tolerance = 1e-15 * problem.scale
-    one = np.empty(128)
-    two = np.empty(128)
+    one, two = problem.spare.stack[0], problem.spare.stack[1]
     one[0], two[0] = begin, end
     waiting = 1
     while waiting > 0:
@@ -106,7 +112,7 @@ def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> fl
     return np.nan
 
 
-@kernel
+@leaf
 def point_at(
     problem: Problem,
     movers: Movers,

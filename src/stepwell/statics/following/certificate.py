@@ -1,10 +1,23 @@
 """What a computed path has to keep, looked at anew: equilibrium, stability, balance of energy."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import entry, kernel, leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, law, stored, summed
+from stepwell.kernels import entry, leaf, overspent
+from stepwell.mechanism import (
+    BEFORE,
+    BEYOND,
+    HIGH,
+    LOW,
+    Laws,
+    largest,
+    law,
+    smallest,
+    stored,
+    summed,
+)
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,
@@ -21,16 +34,57 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, stand_all_on, stand_on
-from stepwell.statics.following.state import Movers, Problem, moved, nobody
+from stepwell.statics.following.pieces import (
+    Pieces,
+    find_piece,
+    invert,
+    piece_along,
+    resting_piece,
+    sheet_of,
+    stand_all_on,
+    stand_on,
+)
+from stepwell.statics.following.state import (
+    FAR_PLACE,
+    MINE,
+    MODES,
+    PLACE,
+    SHEETS,
+    SLOPES,
+    START,
+    WAS,
+    WAS_ON,
+    WEIGHTS,
+    WORN,
+    Movers,
+    Problem,
+    some_movers,
+)
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 # Shares of the largest force, and of what that force does or resists over a full travel. The
 # engine keeps them a hundred times better; what breaks them has lost its digits.
 FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
+# How often all cells of a long chain are looked at.
+_WHOLE_LOOKS = 16
+# Rows of the spare room that are free once a path is followed.
+_NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = WAS, PLACE, FAR_PLACE, START, WORN
+_SEEN, _ON, _NAMED = MODES, SHEETS, WAS_ON
 
 
-@kernel
+class Watch(NamedTuple):
+    """What the audit knows of every cell where it was seen last; N cells."""
+
+    now: Floats  # (N,) travel
+    lowest: Floats  # (N,) λ between which it stands
+    highest: Floats  # (N,)
+    energy: Floats  # (N,) what it stores [J]
+    pushes: Floats  # (N,) its force [N]
+    seen: Ints  # (N,) the piece on which these two were looked at, or -1
+    on: Ints  # (N,) the piece on which it was, or -1
+
+
+@leaf
 def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> tuple[float, float]:
     """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
 
@@ -45,9 +99,9 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
     slides = False
     for cell in movers.cell:
         slides = slides or laws.friction[cell] > 0.0
-    slopes = np.empty(n)
-    free = 0
-    place = np.full(n, -1)
+    slopes, ones = problem.spare.number[SLOPES], problem.spare.number[WEIGHTS]
+    free, place = 0, problem.spare.whole[MINE]
+    place[:] = -1
     for j in range(len(movers.cell)):
         place[movers.cell[j]] = j
     for i in range(n):
@@ -69,8 +123,9 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
             slopes[free] = _slope(laws, pieces, i, piece, travel[i])
             if not slides:
                 slopes[free] = min(slopes[free], _beyond(problem, i, piece, travel[i]))
+            ones[free] = 1.0
             free += 1
-    return worst, smallest_eigenvalue(slopes[:free], np.ones(free), alpha, beta)
+    return worst, smallest_eigenvalue(slopes[:free], ones[:free], alpha, beta)
 
 
 @leaf
@@ -101,75 +156,118 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     and in the middle set, its force being convex or concave there; a snap sets energy free, and
     the last of several at one drive ends in a place that is stable. [N], [N/m] or [J]. Where cells
     follow the force without rows of their own, all of them are looked at, and their travels added
-    up, at the last such segment and at about 64 before it; at the others the cells with rows are.
+    up, at the last such segment and at about 16 before it; at the others the cells with rows are.
     """
-    laws, pieces, scale = problem.laws, problem.pieces, problem.scale
-    n = len(start)
-    now = start.copy()
+    return audit_in(problem, log, start, sheets)
+
+
+@leaf
+def audit_in(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
+    """The same."""
+    laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
+    n, ends = len(start), problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)
-    lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
-    # What every cell stores and pushes back with where it was seen last, and on which piece.
-    energy, pushes, seen = np.zeros(n), np.zeros(n), np.full(n, -1)
+    number, whole = spare.number, spare.whole
+    watch = Watch(
+        number[_NOW],
+        number[_LOWEST],
+        number[_HIGHEST],
+        number[_ENERGY],
+        number[_PUSHES],
+        whole[_SEEN],
+        whole[_ON],
+    )
+    now, named = watch.now, whole[_NAMED]
     for i in range(n):
-        _stands(problem, i, -1, now[i], lowest, highest)
-    size = np.max(laws.full)
+        now[i], watch.energy[i], watch.pushes[i] = start[i], 0.0, 0.0
+        watch.seen[i] = watch.on[i] = -1
+        named[i] = -1
+        _stands(problem, watch, i, -1)
+    limit, size = ENERGY_SLACK * scale * largest(laws.full), largest(laws.full)
     count = log.used[0]
-    every = max(1, count // 64)
+    every = max(1, count // _WHOLE_LOOKS)
     for k in range(count):
         if overspent(problem.effort, 1):
             break
         row = log.segments[k]
-        force = row[FORCE_1]
-        jumps = int(row[KIND]) == SNAP
-        gap = 0.0
-        follow = row[FOLLOW] != 0.0
+        force, jumps, follow = row[FORCE_1], int(row[KIND]) == SNAP, row[FOLLOW] != 0.0
         ends_here = k + 1 == count or log.segments[k + 1, FOLLOW] == 0.0
-        whole = not follow or ends_here or k % every == 0
-        movers = log.movers[log.first[k] : log.first[k + 1]]
-        if whole:
-            movers = moved(problem, log, k, now)
-        for j in range(len(movers)):
-            mover = movers[j]
-            i, piece = int(mover[CELL]), int(mover[PIECE])
-            before, now[i] = now[i], mover[TRAVEL_1]
+        all_of_them = not follow or ends_here or k % every == 0
+        gap, miss = 0.0, 0.0
+        for j in range(log.first[k], log.first[k + 1]):
+            mover = log.movers[j]
+            i = int(mover[CELL])
+            named[i] = k
             if sheet_of(problem.sheets, i) != int(mover[SHEET_1]):
                 stand_on(laws, problem.sheets, pieces, i, int(mover[SHEET_1]))
-            begun = before == mover[TRAVEL_0] and seen[i] == piece
-            value = _stands(problem, i, piece, now[i], lowest, highest)
-            seen[i] = -1
-            # One that passes a joint on the way has no such bounds.
-            if piece >= 0 and pieces.left[piece] <= mover[TRAVEL_0] <= pieces.right[piece]:
-                seen[i] = piece
-                picked, begin = pieces.picked[piece], mover[TRAVEL_0]
-                held = energy[i] if begun else stored(laws, i, picked, begin)
-                pushed = pushes[i] if begun else law(laws, i, picked, begin)[0]
-                energy[i], pushes[i] = stored(laws, i, picked, now[i]), value
-                gap = max(gap, abs(value + mover[OFFSET] - force))
-                halfway = law(laws, i, picked, 0.5 * (begin + now[i]))[0]
-                miss = _unbalanced(
-                    energy[i] - held, now[i] - begin, 0.5 * (pushed + value), halfway
-                )
-                if not miss <= ENERGY_SLACK * scale * size:
-                    return k, ENERGY, miss
-        if whole:
-            gap = max(gap, np.max(lowest) - force, force - np.min(highest))
-        if follow and whole:
+            way = mover[TRAVEL_0], mover[TRAVEL_1]
+            off, lost = _goes(problem, watch, i, int(mover[PIECE]), way, force - mover[OFFSET])
+            gap, miss = max(gap, off), max(miss, lost)
+        if follow and all_of_them:
+            for i in range(n):
+                if named[i] == k or not ends[i, LOW] < now[i] < ends[i, HIGH]:
+                    continue
+                piece = piece_along(pieces, i, _rising_piece(pieces, watch, i), force)
+                way = now[i], invert(laws, pieces, i, piece, force)
+                off, lost = _goes(problem, watch, i, -1 if jumps else piece, way, force)
+                watch.on[i] = piece
+                gap, miss = max(gap, off), max(miss, lost)
+        if not miss <= limit:
+            return k, ENERGY, miss
+        if all_of_them:
+            gap = max(gap, largest(watch.lowest) - force, force - smallest(watch.highest))
+        if follow and all_of_them:
             lost = abs(problem.alpha * summed(now) + problem.beta * force - row[DRIVE_1])
             if not lost <= 1e-9 * (problem.alpha * summed(laws.full) + problem.beta * scale):
                 return k, STROKE, lost
         if not gap <= FORCE_SLACK * scale:
             return k, EQUILIBRIUM, gap
         if jumps:
-            if not row[RELEASED] >= -ENERGY_SLACK * scale * size:
+            if not row[RELEASED] >= -limit:
                 return k, ENERGY, -row[RELEASED]
             # Alike cells can creep into a saddle together, or stand on their tops under the same
             # force; they leave by another snap at the same drive.
-            if not whole or _snaps_again(log, k):
+            if not all_of_them or _snaps_again(log, k):
                 continue
-            least = certify(problem, now, force, nobody())[1]
+            least = certify(problem, now, force, some_movers(spare, 0, 0.0))[1]
             if not least >= -STIFFNESS_SLACK * scale / size:
                 return k, STABILITY, -least
     return -1, KEPT, 0.0
+
+
+@leaf
+def _rising_piece(pieces: Pieces, watch: Watch, i: int) -> int:
+    """The piece of a cell that follows the force, where it is now."""
+    on, travel = watch.on[i], watch.now[i]
+    if on >= 0 and pieces.sign[on] > 0 and pieces.left[on] <= travel <= pieces.right[on]:
+        return int(on)
+    return resting_piece(pieces, i, travel)
+
+
+@leaf
+def _goes(
+    problem: Problem, watch: Watch, i: int, piece: int, way: tuple[float, float], force: float
+) -> tuple[float, float]:
+    """Let a cell go on its way; its miss of `force` there [N], and of what it should store [J]."""
+    laws, pieces, (begin, end) = problem.laws, problem.pieces, way
+    begun = watch.now[i] == begin and watch.seen[i] == piece
+    watch.now[i] = end
+    value = _stands(problem, watch, i, piece)
+    watch.seen[i], watch.on[i] = -1, piece
+    # One that passes a joint on the way has no such bounds.
+    if piece < 0 or not pieces.left[piece] <= begin <= pieces.right[piece]:
+        return 0.0, 0.0
+    watch.seen[i] = piece
+    picked = pieces.picked[piece]
+    held = watch.energy[i] if begun else stored(laws, i, picked, begin)
+    pushed = watch.pushes[i] if begun else law(laws, i, picked, begin)[0]
+    watch.energy[i], watch.pushes[i] = stored(laws, i, picked, end), value
+    halfway = law(laws, i, picked, 0.5 * (begin + end))[0]
+    gained = watch.energy[i] - held
+    off = abs(value - force)
+    lost = _unbalanced(gained, end - begin, 0.5 * (pushed + value), halfway)
+    # What is no number would be lost among the others.
+    return off if off >= 0.0 else np.inf, lost if lost > -np.inf else np.inf
 
 
 @leaf
@@ -185,16 +283,14 @@ def _snaps_again(log: Log, k: int) -> bool:
 
 
 @leaf
-def _stands(
-    problem: Problem, cell: int, piece: int, travel: float, lowest: Floats, highest: Floats
-) -> float:
+def _stands(problem: Problem, watch: Watch, cell: int, piece: int) -> float:
     """Write down between which λ a cell stands; its force [N]."""
-    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, watch.now[cell]
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
     falls, rises = travel > ends[cell, BEFORE], travel < ends[cell, BEYOND]
-    lowest[cell] = value - laws.friction[cell] if falls else -np.inf
-    highest[cell] = value + laws.friction[cell] if rises else np.inf
+    watch.lowest[cell] = value - laws.friction[cell] if falls else -np.inf
+    watch.highest[cell] = value + laws.friction[cell] if rises else np.inf
     return float(value)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, leaf, overspent
+from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import law
 from stepwell.statics.following.branch import inverse_slope, point_at
 from stepwell.statics.following.pieces import invert, invert_near
@@ -30,7 +30,18 @@ from stepwell.statics.following.rising import (
     pass_joint,
     stroke_at,
 )
-from stepwell.statics.following.state import TIE, Movers, Problem, State
+from stepwell.statics.following.state import (
+    EXTRA,
+    FAR_PLACE,
+    MOVER,
+    ON_PIECE,
+    PLACE,
+    TIE,
+    Movers,
+    Problem,
+    State,
+    some_movers,
+)
 
 # No landing is looked for while the force has fallen by less than this share of the largest one:
 # next to a fold the equation has a double root, and its sign is rounding.
@@ -107,28 +118,31 @@ def floor_of(
     return bool(leaves < floor - TIE * problem.scale), float(floor)
 
 
-@kernel
+@leaf
 def softened(problem: Problem, rising: Rising) -> Problem:
     """The problem of the other cells, with those of straight force as a part of the actuator."""
-    laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort = problem
+    laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare = problem
     beta = beta + alpha * compliance_of(rising)
-    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort)
+    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
 
 
-@kernel
-def with_curved(state: State, rising: Rising, cell: int, piece: int, apart: float) -> Movers:
+@leaf
+def with_curved(
+    problem: Problem, state: State, rising: Rising, cell: int, piece: int, apart: float
+) -> Movers:
     """The cells of curved force that rise, and before them `cell` unless it is -1.
 
     `apart` is the travel of what is neither in these nor in the sums.
     """
     count, one = rising.counts[0], 0 if cell < 0 else 1
-    cells, on = np.empty(count + one, np.int64), np.empty(count + one, np.int64)
+    spare = problem.spare
+    cells, on, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
     if one > 0:
-        cells[0], on[0] = cell, piece
+        cells[0], on[0], offset[0] = cell, piece, 0.0
     for k in range(count):
         i = rising.curved[k]
-        cells[one + k], on[one + k] = i, state.piece[i]
-    return Movers(cells, on, np.zeros(count + one), offset_of(rising) + apart)
+        cells[one + k], on[one + k], offset[one + k] = i, state.piece[i], 0.0
+    return some_movers(spare, count + one, offset_of(rising) + apart)
 
 
 @leaf
@@ -156,7 +170,7 @@ def _softest(problem: Problem, movers: Movers, one: Floats, two: Floats) -> tupl
     return low, high
 
 
-@kernel
+@leaf
 def _first_return(
     problem: Problem, movers: Movers, ends: tuple[float, float], goal: float, direction: int
 ) -> tuple[float, float, float]:
@@ -166,8 +180,10 @@ def _first_return(
     U stays where it turns on the way [drive]. All movers stay on their pieces.
     """
     count = len(movers.cell)
-    a_places, b_places = np.full(count, np.nan), np.full(count, np.nan)
-    one, two = np.empty(128), np.empty(128)
+    spare = problem.spare
+    a_places, b_places = spare.number[FAR_PLACE, :count], spare.number[PLACE, :count]
+    a_places[:] = b_places[:] = np.nan
+    one, two = spare.stack[0], spare.stack[1]
     one[0], two[0] = ends
     waiting, nearest = 1, np.inf
     near = _NEAR * problem.scale
@@ -209,7 +225,7 @@ class Landing(NamedTuple):
     missed: float  # by how much of the drive it missed an equilibrium before
 
 
-@kernel
+@leaf
 def land_after(
     problem: Problem, state: State, rising: Rising, falling: Falling, floor: float, drive: float
 ) -> Landing:
@@ -230,7 +246,7 @@ def land_after(
         following = max(end, floor, joint)
         if following < level:
             soft = softened(problem, rising)
-            movers = with_curved(state, rising, j, p, 0.0)
+            movers = with_curved(problem, state, rising, j, p, 0.0)
             root, travel, near = _first_return(soft, movers, (d * level, d * following), drive, d)
             missed = min(missed, near)
             if not np.isnan(root):
@@ -266,8 +282,10 @@ def land_after(
         there = at + stroke_at(problem, state, rising, d * following)
         if d * (problem.alpha * there + problem.beta * d * following - drive) >= 0.0:
             soft = softened(problem, rising)
-            movers = with_curved(state, rising, -1 if stopped else j, p, stop if stopped else 0.0)
-            places = np.full(len(movers.cell), np.nan)
+            movers = with_curved(
+                problem, state, rising, -1 if stopped else j, p, stop if stopped else 0.0
+            )
+            places = problem.spare.number[PLACE, : len(movers.cell)]
             root = point_at(soft, movers, d * level, d * following, drive, places, False)
             count_work(rising, d * level, root)
             at = stop if stopped else places[0]
@@ -290,7 +308,7 @@ def land_after(
     return Landing(False, force, p, falling.travel, missed)
 
 
-@kernel
+@leaf
 def heaviest_of(problem: Problem) -> float:
     """The largest m κ of any cell on a rising piece [N/m]."""
     laws, pieces = problem.laws, problem.pieces

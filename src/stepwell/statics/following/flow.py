@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law
+from stepwell.kernels import leaf, overspent
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, smallest
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
 from stepwell.statics.following.state import HELD, LETS_GO, TIE, Problem, State, set_near
@@ -65,20 +65,14 @@ class Flow(NamedTuple):
     first: Ints  # (2,) the cells that let go at the highest and at the lowest, or -1
 
 
-@kernel
+@leaf
 def _begin(problem: Problem, state: State, drive: float) -> Flow:
     """The flow as it begins, with all cells in it that do not rest."""
-    n = len(state.travel)
-    at = Flow(
-        drive,
-        np.zeros((_ROWS, n)),
-        np.zeros((4, n), np.int64),
-        np.zeros(1, np.int64),
-        np.zeros(3),
-        np.empty(2, np.int64),
-    )
-    mode = state.mode
-    for i in range(n):
+    spare, mode = problem.spare, state.mode
+    counts = spare.counts
+    at = Flow(drive, spare.in_flow, spare.where, counts[:1], spare.of_flow, counts[1:])
+    at.used[0] = 0
+    for i in range(len(mode)):
         if mode[i] != HELD:
             _join(problem, state, at, i)
     _close(problem, state, at)
@@ -92,6 +86,10 @@ def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
     at.used[0] += 1
     if state.mode[i] == HELD:
         state.mode[i] = LETS_GO
+    for row in range(_ROWS):
+        at.cell[row, j] = 0.0
+    for row in range(4):
+        at.where[row, j] = 0
     at.where[_CELL, j] = i
     at.cell[_TRAVEL, j] = state.travel[i]
     at.cell[_FRICTION, j] = problem.laws.friction[i]
@@ -210,19 +208,25 @@ def _look(problem: Problem, at: Flow) -> None:
         cell[_FORCE, j], cell[_SLOPE, j], _ = law(problem.laws, i, pieces.picked[piece], travel)
 
 
-@kernel
-def unstable_direction(slopes: Floats, mobility: Floats, alpha: float, beta: float) -> Floats:
-    """The one way out of an equilibrium that has lost its stability, unit largest entry."""
-    rates = mobility * slopes
-    least = smallest_eigenvalue(rates, mobility, alpha, beta)
-    out = np.empty(len(slopes))
-    biggest = 0.0
+@leaf
+def unstable_direction(
+    slopes: Floats, mobility: Floats, alpha: float, beta: float, out: Floats
+) -> None:
+    """The one way out of an equilibrium that has lost its stability, unit largest entry.
+
+    Into (m,) `out`; the slopes become rates, κ times mobility.
+    """
+    rates = slopes
     for i in range(len(slopes)):
+        rates[i] *= mobility[i]
+    least = smallest_eigenvalue(rates, mobility, alpha, beta)
+    biggest = 0.0
+    for i in range(len(rates)):
         gap = rates[i] - least
         out[i] = mobility[i] / gap if gap != 0.0 else 1e300
         biggest = max(biggest, abs(out[i]))
-    out /= biggest
-    return out
+    for i in range(len(rates)):
+        out[i] /= biggest
 
 
 @leaf
@@ -331,7 +335,7 @@ def _step(problem: Problem, at: Flow, h: float) -> None:
         cell[_ERROR, j] = h * (_E1 * x1 + _E2 * x2 + _E3 * x3 + _E4 * x4)
 
 
-@kernel
+@leaf
 def _longest_step(
     alpha: float, beta: float, cell: Floats, where: Ints, m: int, wanted: float
 ) -> float:
@@ -344,7 +348,7 @@ def _longest_step(
     if wanted * _GAMMA * falling <= 0.7:
         return wanted
     # What grows the least eigenvalue tells, and next to a fold that is almost nothing.
-    weights, slopes = np.empty(moving), np.empty(moving)
+    weights, slopes = cell[_X1, :moving], cell[_X2, :moving]
     k = 0
     for j in range(m):
         if where[_SENSE, j] != 0:
@@ -745,7 +749,7 @@ def _set_senses(at: Flow, shared: float) -> None:
             where[_SENSE, j] = 1
 
 
-@kernel
+@leaf
 def flow(
     problem: Problem,
     state: State,
@@ -766,10 +770,10 @@ def flow(
     """
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
-    at, slowest = _begin(problem, state, drive), np.min(problem.mobility)
+    at, slowest = _begin(problem, state, drive), smallest(problem.mobility)
     cell, where, used, still = at.cell, at.where, at.used, at.still
     folds = len(problem.sheets.table) > len(state.travel)
-    gentle, late = scale / np.min(laws.full), _LATE * accuracy
+    gentle, late = scale / smallest(laws.full), _LATE * accuracy
     stiffest = _stiffest(cell, used[0], gentle)
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.

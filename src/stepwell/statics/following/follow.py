@@ -11,7 +11,8 @@ from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
-from stepwell.statics.following.series import advance, is_regular
+from stepwell.statics.following.rising import Rising, no_rising
+from stepwell.statics.following.series import Segment, advance, is_regular, no_segment
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -28,6 +29,7 @@ from stepwell.statics.following.state import (
     DUE,
     FREE,
     GAVE_UP,
+    GOES,
     GOES_ON,
     LETS_GO,
     LOG_FULL,
@@ -51,8 +53,16 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
 
     Where the log is full, it goes on from there when it is called again with a longer one.
     """
-    effort, n = problem.effort, len(state.mode)
-    goes = np.zeros(n, np.int64)
+    n = len(state.mode)
+    return follow_in(problem, turning, state, no_rising(n), no_segment(n))
+
+
+@leaf
+def follow_in(
+    problem: Problem, turning: Floats, state: State, rising: Rising, segment: Segment
+) -> int:
+    """The same, with room for long chains."""
+    effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[GOES]
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)
     regular = is_regular(problem)
@@ -73,7 +83,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
         furthest, idle, status = np.nan, 0, GOES_ON
         while status == GOES_ON:
             if regular and state.next_snap[DUE] == 0:
-                status = advance(problem, state, direction, target, slack)
+                status = advance(problem, state, rising, segment, direction, target, slack)
                 if status == LOG_FULL:
                     return LOG_FULL
                 if status != GOES_ON:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Ints
-from stepwell.kernels import kernel, leaf, overspent
+from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, beyond, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import FREE, HELD, Problem, State, set_near
@@ -78,7 +78,7 @@ def _level(line: Line, pull: float, resist: float) -> float:
     return pull if line.back < 0 else resist
 
 
-@kernel
+@leaf
 def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there of a snap along a line.
 
@@ -103,8 +103,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
     paired, share = forth >= 0 and back >= 0, line.share
-    lefts = np.empty(256)
-    rights = np.empty(256)
+    lefts, rights = problem.spare.stack[0], problem.spare.stack[1]
     begin = 0.0
     looks = 0
     while True:

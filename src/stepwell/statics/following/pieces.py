@@ -403,6 +403,12 @@ def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
 @entry(1e-6, "pieces.left")
 def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     """Largest force of any cell on its curve [N], against which tolerances are measured."""
+    return largest_force(laws, sheets, pieces)
+
+
+@leaf
+def largest_force(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
+    """The same."""
     left, right, begins, ends = pieces.left, pieces.right, pieces.force_left, pieces.force_right
     most = NO_FORCE
     for i in range(len(laws.friction)):

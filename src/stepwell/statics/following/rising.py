@@ -39,17 +39,6 @@ class Queues(NamedTuple):
     size: Ints  # (Q,)
 
 
-@kernel
-def empty_queues(count: int, cells: int) -> Queues:
-    """So many queues, all empty, for so many cells."""
-    return Queues(
-        np.zeros((count, cells), np.int64),
-        np.full((count, cells), -1),
-        np.zeros((count, cells)),
-        np.zeros(count, np.int64),
-    )
-
-
 @leaf
 def _settle_at(queues: Queues, q: int, k: int) -> None:
     """Move the cell at place k up or down until the heap is in order."""
@@ -137,13 +126,25 @@ class Rising(NamedTuple):
 def no_rising(cells: int) -> Rising:
     """No cell yet, in a chain of so many."""
     return Rising(
-        empty_queues(4, cells),
+        Queues(
+            np.zeros((4, cells), np.int64),
+            np.full((4, cells), -1),
+            np.zeros((4, cells)),
+            np.zeros(4, np.int64),
+        ),
         np.zeros(cells, np.int64),
         np.zeros(cells, np.int64),
         np.zeros(cells, np.int64),
         np.zeros(2, np.int64),
         np.zeros(8),
     )
+
+
+@leaf
+def clear(rising: Rising) -> None:
+    """Let no cell be in it."""
+    rising.queues.place[:], rising.queues.size[:] = -1, 0
+    rising.kind[:], rising.counts[:], rising.sums[:] = _APART, 0, 0.0
 
 
 @leaf
@@ -186,7 +187,7 @@ def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
 
 
 @leaf
-def _count_in(problem: Problem, rising: Rising, i: int, piece: int, sign: float) -> None:
+def _count_in(problem: Problem, rising: Rising, piece: int, sign: float) -> None:
     """Add a straight piece to the sums, or take it out."""
     row = problem.laws.rows[problem.pieces.picked[piece, 0]]
     soft = 1.0 / row[2]
@@ -200,7 +201,7 @@ def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
     pieces, queues = problem.pieces, rising.queues
     if is_straight(problem.laws, pieces, i, piece):
         rising.kind[i] = _STRAIGHT
-        _count_in(problem, rising, i, piece, 1.0)
+        _count_in(problem, rising, piece, 1.0)
     else:
         rising.kind[i] = _CURVED
         last = rising.counts[0]
@@ -221,7 +222,7 @@ def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
 def _exit(problem: Problem, rising: Rising, i: int, piece: int) -> None:
     """Take cell i out of the sums."""
     if rising.kind[i] == _STRAIGHT:
-        _count_in(problem, rising, i, piece, -1.0)
+        _count_in(problem, rising, piece, -1.0)
     else:
         at, last = rising.place[i], rising.counts[0] - 1
         rising.curved[at] = rising.curved[last]

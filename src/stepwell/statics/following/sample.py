@@ -37,7 +37,7 @@ from stepwell.statics.following.pieces import (
     stand_all_on,
     stand_on,
 )
-from stepwell.statics.following.state import Movers, Problem, drive_of, moved, nobody
+from stepwell.statics.following.state import Movers, Problem, drive_of, moved, some_movers
 
 
 class Samples(NamedTuple):
@@ -82,7 +82,9 @@ def sample(
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    residual[0], stability[0] = certify(problem, now, start_force, nobody())
+    residual[0], stability[0] = certify(
+        problem, now, start_force, some_movers(problem.spare, 0, 0.0)
+    )
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]
@@ -90,7 +92,7 @@ def sample(
         rows = moved(problem, log, k, now)
         m = len(rows)
         movers = _movers(rows, summed(now))
-        moving = nobody() if kind == SNAP else movers
+        moving = none if kind == SNAP else movers
         if kind == SNAP:
             snap_after[at - 1] = 1
             number += 1

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, overspent
-from stepwell.mechanism import stored
+from stepwell.mechanism import largest, smallest, stored
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
 from stepwell.statics.following.fall import (
     Falling,
@@ -50,12 +50,12 @@ from stepwell.statics.following.rising import (
     JOINT_UP,
     Queues,
     Rising,
+    clear,
     count_from_here,
     energy_in,
     first_key,
     is_held,
     is_straight,
-    no_rising,
     pass_joint,
     past_end,
     rest,
@@ -75,6 +75,7 @@ from stepwell.statics.following.state import (
     GOES_ON,
     HELD,
     LOG_FULL,
+    PLACE,
     TIE,
     TRIGGER,
     WHY,
@@ -104,6 +105,18 @@ class Segment(NamedTuple):
 
 
 @kernel
+def no_segment(cells: int) -> Segment:
+    """None yet, in a chain of so many cells."""
+    return Segment(
+        np.zeros(2),
+        np.zeros(cells, np.int64),
+        np.zeros(cells),
+        np.zeros(cells, np.int64),
+        np.zeros(2, np.int64),
+    )
+
+
+@leaf
 def is_regular(problem: Problem) -> bool:
     """Whether long stretches of the path of a chain can be followed here."""
     laws, sheets = problem.laws, problem.sheets
@@ -111,8 +124,8 @@ def is_regular(problem: Problem) -> bool:
         problem.alpha == 1.0
         and problem.pieces.of_sheet[-1] >= _WORTH
         and len(sheets.table) == len(sheets.now)
-        and np.max(laws.friction) == 0.0
-        and np.min(problem.rank) == np.max(problem.rank)
+        and largest(laws.friction) == 0.0
+        and smallest(problem.rank) == largest(problem.rank)
     )
 
 
@@ -208,7 +221,7 @@ def _leave_branch(
     state.travel[i] = end
 
 
-@kernel
+@leaf
 def _stop_here(
     problem: Problem,
     state: State,
@@ -293,15 +306,23 @@ def _next_cell(problem: Problem, state: State, rising: Rising, q: int, toward: i
     return falls
 
 
-@kernel
-def advance(problem: Problem, state: State, direction: int, target: float, slack: float) -> int:
+@leaf
+def advance(
+    problem: Problem,
+    state: State,
+    rising: Rising,
+    segment: Segment,
+    direction: int,
+    target: float,
+    slack: float,
+) -> int:
     """Follow a chain towards a target; GOES_ON where something comes up that is not for queues.
 
-    The state is then one from which `follow` can go on.
+    The state is then one from which `follow` can go on. `rising` and `segment` are written over.
     """
     laws, pieces, d = problem.laws, problem.pieces, direction
-    n = len(state.mode)
-    rising = no_rising(n)
+    n, places = len(state.mode), problem.spare.number[PLACE]
+    clear(rising)
     regular, leader = _gather(problem, state, rising, d)
     if not regular or (leader >= 0 and rising.counts[0] > 0):
         return GOES_ON
@@ -311,13 +332,9 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
     force = float(state.force[0])
     apart = float(state.travel[leader]) if leader >= 0 else 0.0
     drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
-    segment = Segment(
-        np.array([drive, force]),
-        np.zeros(n, np.int64),
-        np.zeros(n),
-        np.zeros(n, np.int64),
-        np.array([0, -1]),
-    )
+    segment.begin[0], segment.begin[1] = drive, force
+    segment.named[:] = 0
+    segment.counts[0], segment.counts[1] = 0, -1
     why = FOLD
     if leader >= 0 and state.next_snap[TRIGGER] >= 0:
         why = int(state.next_snap[WHY])
@@ -340,9 +357,9 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             there = stroke_at(problem, state, rising, d * key) + problem.beta * d * key
             if d * (there - target) > slack:
                 soft = softened(problem, rising)
-                movers = with_curved(state, rising, -1, 0, 0.0)
-                places = np.full(len(movers.cell), np.nan)
-                state.force[0] = point_at(soft, movers, force, d * key, target, places, False)
+                movers = with_curved(problem, state, rising, -1, 0, 0.0)
+                at = places[: len(movers.cell)]
+                state.force[0] = point_at(soft, movers, force, d * key, target, at, False)
                 drive, status = target, DONE
                 break
             if joint_key <= end_key:
@@ -393,7 +410,7 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
                 # Both come to the ends of their branches, as alike cells do.
                 break
             soft = softened(problem, rising)
-            movers = with_curved(state, rising, leader, piece, 0.0)
+            movers = with_curved(problem, state, rising, leader, piece, 0.0)
             fold = np.nan
             if rising.counts[0] > 0 or not is_straight(laws, pieces, leader, piece):
                 fold = first_fold(soft, movers, force, d * level)
@@ -403,9 +420,9 @@ def advance(problem: Problem, state: State, direction: int, target: float, slack
             there += problem.beta * following
             _name(segment, leader, travel)
             if d * (there - target) > slack:
-                places = np.full(len(movers.cell), np.nan)
-                state.force[0] = point_at(soft, movers, force, following, target, places, False)
-                state.travel[leader] = places[0]
+                at = places[: len(movers.cell)]
+                state.force[0] = point_at(soft, movers, force, following, target, at, False)
+                state.travel[leader] = at[0]
                 drive, status = target, DONE
                 break
             state.force[0] = force = following

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import leaf
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
@@ -17,6 +17,7 @@ from stepwell.statics.following.state import (
     GOES_ON,
     HELD,
     LETS_GO,
+    PLACE,
     RUNS_AWAY,
     SLIDES,
     TIE,
@@ -57,7 +58,7 @@ class BranchEnd(NamedTuple):
     within: float  # movers whose λ is this near to the end of their pieces come there too
 
 
-@kernel
+@leaf
 def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[int, int]:
     """How the chain can go on, and the falling cell that leads it or -1.
 
@@ -99,9 +100,10 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
             goes[i] = 1
             inverse = inverse_slope(laws, pieces, i, piece[i], state.travel[i])
             total += problem.alpha * inverse
-    if _turn_here(problem, state, np.flatnonzero(goes)):
+    movers = movers_of(problem, state, goes)
+    if _turn_here(problem, state, movers.cell):
         level = state.force[0] - direction * BLUNT * problem.scale
-        total = compliance(problem, movers_of(problem, state, goes), level)
+        total = compliance(problem, movers, level)
     if total < 0.0:
         return AGAINST, leader
     goes[:] = 0
@@ -125,7 +127,7 @@ def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
     return leads and others > 0
 
 
-@kernel
+@leaf
 def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
     """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
     mode = state.mode
@@ -170,46 +172,62 @@ def join_flat(problem: Problem, state: State, direction: int) -> bool:
     return any_joined
 
 
-@kernel
+@leaf
 def share(problem: Problem, state: State, goes: Ints) -> None:
     """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
-    cells = np.flatnonzero(goes)
-    if len(cells) < 2:
+    rank, one, two, first = problem.rank, -1, -1, 0
+    for i in range(len(goes)):
+        if goes[i]:
+            if one < 0:
+                one, first = i, rank[i]
+            elif two < 0:
+                two = i
+            first = min(first, rank[i])
+    if two < 0:
         return
     # Nothing but their mobility decides how they share.
-    set_tie(state.tie, cells[0], cells[1])
-    first = np.min(problem.rank[cells])
-    for i in cells:
-        if problem.rank[i] > first:
+    set_tie(state.tie, one, two)
+    for i in range(len(goes)):
+        if rank[i] > first:
             goes[i] = 0
 
 
-@kernel
+@leaf
+def _end_of(pieces: Pieces, movers: Movers, m: int, direction: int) -> float:
+    """Travel of a mover at the end of its piece that lies in `direction`."""
+    piece = movers.piece[m]
+    return float(pieces.right[piece] if direction > 0 else pieces.left[piece])
+
+
+@leaf
 def drift(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
     """Cells of constant force take the motion, by mobility, until one of them leaves its piece."""
     laws, pieces, alpha = problem.laws, problem.pieces, problem.alpha
+    mobility, count = problem.mobility, len(movers.cell)
     begun = begin(problem, state, direction)
-    count, mobility = len(movers.cell), problem.mobility[movers.cell]
-    ends = pieces.right[movers.piece] if direction > 0 else pieces.left[movers.piece]
     # What a cell of mobility 1 goes until the first one arrives.
-    room = np.min(np.abs(ends - begun.travel[movers.cell]) / mobility)
+    room, total = np.inf, 0.0
+    for m in range(count):
+        i = movers.cell[m]
+        room = min(room, abs(_end_of(pieces, movers, m, direction) - begun.travel[i]) / mobility[i])
+        total += mobility[i]
     # A target within rounding of the end of the piece is that end.
-    span = alpha * (summed(mobility) * room - 1e-13 * summed(laws.full))
+    span = alpha * (total * room - 1e-13 * summed(laws.full))
     reached = alpha > 0.0 and direction * (target - begun.drive) < span
     if reached:
-        room = direction * (target - begun.drive) / (alpha * summed(mobility))
+        room = direction * (target - begun.drive) / (alpha * total)
     friction_work = 0.0
     for m in range(count):
-        i, way = movers.cell[m], room * mobility[m]
-        left = abs(ends[m] - begun.travel[i]) - way
-        arrives = not reached and left <= 1e-15 * laws.full[i]
-        state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * way
+        i, end = movers.cell[m], _end_of(pieces, movers, m, direction)
+        way = room * mobility[i]
+        arrives = not reached and abs(end - begun.travel[i]) - way <= 1e-15 * laws.full[i]
+        state.travel[i] = end if arrives else begun.travel[i] + direction * way
         friction_work += float(laws.friction[i]) * way
     drive = drive_of(problem, state.travel, begun.force)
     write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):
         i = movers.cell[m]
-        if not reached and state.travel[i] == ends[m]:
+        if not reached and state.travel[i] == _end_of(pieces, movers, m, direction):
             set_snap(state.next_snap, i, direction, KINK)
             end_piece(problem, state, i, direction)
     return DONE if reached else GOES_ON
@@ -355,7 +373,7 @@ def _first_event(
     return BranchEnd(KINK, level, arrives, heading, who, arrival if company else -1.0)
 
 
-@kernel
+@leaf
 def _or_fold(
     problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int
 ) -> BranchEnd:
@@ -405,7 +423,7 @@ def _leader(pieces: Pieces, movers: Movers) -> int:
     return -1
 
 
-@kernel
+@leaf
 def move(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
     """Follow one branch to its first event or to the target."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -423,7 +441,7 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
         event = _or_fold(problem, state, movers, event, toward)
     level = event.level
-    places = np.empty(count)
+    places = problem.spare.number[PLACE, :count]
     _places_at(problem, state, movers, event, toward, places)
     drive = alpha * (movers.held + summed(places)) + beta * level
     reached = direction * (drive - target) > drive_slack(problem)

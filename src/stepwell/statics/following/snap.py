@@ -3,8 +3,8 @@
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, leaf
-from stepwell.mechanism import HIGH, LOW, law, stored, summed
+from stepwell.kernels import leaf
+from stepwell.mechanism import HIGH, LOW, largest, law, smallest, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -23,22 +23,31 @@ from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD
 from stepwell.statics.following.pieces import (
     find_piece,
     sheet_of,
-    sheets_of,
     stand_all_on,
     stand_on,
 )
 from stepwell.statics.following.state import (
     DUE,
+    EXTRA,
     FREE,
     GOES_ON,
     HELD,
+    MODES,
+    MOVER,
     NOT_SETTLED,
+    ON_PIECE,
+    RUB,
     SENSE,
+    SHEETS,
+    SLOPES,
     STALLED,
+    START,
     TIE,
     TRIGGER,
+    WAY,
+    WEIGHTS,
     WHY,
-    Movers,
+    WORN,
     Problem,
     State,
     begin,
@@ -48,6 +57,7 @@ from stepwell.statics.following.state import (
     set_snap,
     set_tie,
     settle,
+    some_movers,
     write,
 )
 
@@ -55,14 +65,15 @@ from stepwell.statics.following.state import (
 FINE, COARSE = 2e-7, 1e-4
 
 
-@kernel
+@leaf
 def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[TRIGGER]
-    rubbed = np.zeros(len(before))
+    spare, rubbed = problem.spare, problem.spare.number[RUB]
+    rubbed[:] = 0.0
     outcome, close = JUMPED, False
     if not (
         state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
@@ -77,34 +88,39 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
     settle(problem, state)
     note_next_snap(problem, state)
     # A snap at a prescribed stroke that does not keep it is no answer.
-    if problem.beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full):
+    shift = 0.0
+    for i in range(len(before)):
+        shift += state.travel[i] - before[i]
+    if problem.beta == 0.0 and abs(shift) > 1e-9 * summed(laws.full):
         return NOT_SETTLED
-    changed = (state.travel != before) | (sheets_of(problem.sheets) != begun.sheet)
-    if not np.any(changed):
-        return STALLED
-    # The cell that let go belongs to the snap even where the flow brings it back to its stop.
-    changed[trigger] = True
-    moved = np.flatnonzero(changed)
-    released = 0.0
-    for m in range(len(moved)):
-        i = int(moved[m])
+    moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
+    for i in range(len(before)):
         there = sheet_of(problem.sheets, i)
+        changed = state.travel[i] != before[i] or there != begun.sheet[i]
+        any_changed = any_changed or changed
+        friction_work += laws.friction[i] * rubbed[i]
+        # The cell that let go belongs to the snap even where the flow brings it back to its stop.
+        if not changed and i != trigger:
+            continue
+        spare.whole[MOVER, moved], spare.whole[ON_PIECE, moved] = i, -1
+        spare.number[EXTRA, moved] = 0.0
+        moved += 1
         stand_on(laws, problem.sheets, pieces, i, begun.sheet[i])
         on = pieces.picked[find_piece(pieces, i, before[i], 0)]
         stand_on(laws, problem.sheets, pieces, i, there)
         to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
         released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
-    # A cell that yields and comes back has rubbed as well.
-    friction_work = summed(laws.friction * rubbed)
+    if not any_changed:
+        return STALLED
     if problem.beta > 0.0:
         # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
         # way no large numbers are subtracted.
-        released += 0.5 * (begun.force + state.force[0]) * summed(state.travel - before)
+        released += 0.5 * (begun.force + state.force[0]) * shift
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
         set_tie(state.tie, trigger, trigger)
-    movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
+    movers = some_movers(spare, moved, 0.0)
     heat = (released - friction_work, friction_work)
     write(problem, state, SNAP, begun, movers, heat, begun.drive)
     by_flow = outcome == JOINED or outcome == JUMPED
@@ -122,7 +138,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
             set_tie(state.tie, leader, i)
 
 
-@kernel
+@leaf
 def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
     """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
 
@@ -241,7 +257,7 @@ def _driven_on(line: Line, direction: int, by: float) -> Line:
     return Line(forth, back, at_forth, at_back, force, softness, share, low, high)
 
 
-@kernel
+@leaf
 def _by_flow(
     problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
@@ -250,28 +266,33 @@ def _by_flow(
     Where a cell has `jumped` to another sheet they are on their way already.
     """
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
-    sheets = sheets_of(problem.sheets)
-    start, modes, worn = state.travel.copy(), state.mode.copy(), rubbed.copy()
+    travel, mode, spare = state.travel, state.mode, problem.spare
+    start, worn = spare.number[START], spare.number[WORN]
+    modes, sheets = spare.whole[MODES], spare.whole[SHEETS]
+    for i in range(len(travel)):
+        start[i], worn[i], modes[i] = travel[i], rubbed[i], mode[i]
+        sheets[i] = sheet_of(problem.sheets, i)
     settled, level, tie = False, force, False
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
     # The place next to a fold can be too narrow for the flow to get out of; then the way
     # out is begun further on, where the one unstable direction still holds.
     for share in (1e-4, 1e-3, 1e-2):
-        state.travel[:], state.mode[:] = start, modes
-        rubbed[:] = worn
+        for i in range(len(travel)):
+            travel[i], rubbed[i], mode[i] = start[i], worn[i], modes[i]
         stand_all_on(laws, problem.sheets, pieces, sheets)
         if not on_its_way:
             _leave(problem, state, share)
-            rubbed += np.abs(state.travel - start)
+            for i in range(len(travel)):
+                rubbed[i] += abs(travel[i] - start[i])
             # The way out bends away from its direction by the square of the first step.
-            state.near[2] = share**2 * np.max(laws.full)
+            state.near[2] = share**2 * largest(laws.full)
         settled, level, tie = flow(problem, state, drive, force, accuracy, rubbed)
         if settled or on_its_way:
             break
     if not settled:
         return False, False
     state.force[0] = level
-    travel, ends, full = state.travel, problem.sheets.ends, laws.full
+    ends, full = problem.sheets.ends, laws.full
     for i in range(len(travel)):
         for end in (LOW, HIGH):
             if abs(travel[i] - ends[i, end]) <= 1e-13 * full[i]:
@@ -282,14 +303,13 @@ def _by_flow(
     return True, tie
 
 
-@kernel
+@leaf
 def _leave(problem: Problem, state: State, share: float) -> None:
     """Step off an unstable equilibrium along its one unstable direction."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     trigger, sense = state.next_snap[TRIGGER], state.next_snap[SENSE]
-    n = len(state.mode)
-    movers = np.empty(n, np.int64)
-    count = 0
+    spare, n, count = problem.spare, len(state.mode), 0
+    movers, slopes, weights = spare.whole[MOVER], spare.number[SLOPES], spare.number[WEIGHTS]
     for needed in (True, False):
         # At a fixed stroke no cell moves alone: then those that land against friction join in.
         if count > 1 or (count == 1 and beta > 0.0):
@@ -301,10 +321,10 @@ def _leave(problem: Problem, state: State, share: float) -> None:
             if state.mode[i] == FREE or i == trigger or falls or slides:
                 movers[count] = i
                 count += 1
-    slopes = np.empty(count)
-    mine = 0
+    mine, way = 0, spare.number[WAY, :count]
     for m in range(count):
         i = int(movers[m])
+        weights[m] = problem.mobility[i]
         if pieces.sign[state.piece[i]] == 0:
             slopes[m] = 0.0
         else:
@@ -312,9 +332,9 @@ def _leave(problem: Problem, state: State, share: float) -> None:
         if i == trigger:
             mine = m
     if count > 1:
-        way = unstable_direction(slopes, problem.mobility[movers[:count]], alpha, beta)
+        unstable_direction(slopes[:count], weights[:count], alpha, beta, way)
     else:
-        way = np.ones(1)
+        way[0] = 1.0
     if beta == 0.0 and count > 1:
         if abs(summed(way)) > 1e-6:
             # Two slopes alike to the last digit have no direction of their own.
@@ -322,7 +342,7 @@ def _leave(problem: Problem, state: State, share: float) -> None:
             way[mine] = 1.0
         # The stroke stays what it is, to rounding.
         way[mine] -= summed(way)
-    step = share * np.min(laws.full) * (sense if way[mine] > 0.0 else -sense)
+    step = share * smallest(laws.full) * (sense if way[mine] > 0.0 else -sense)
     # One length for all cells, short of every stop, or the stroke would not stay what it is.
     for m in range(count):
         i = movers[m]

@@ -45,7 +45,6 @@ from stepwell.statics.following.pieces import (
     piece_along,
     resting_piece,
     sheet_of,
-    sheets_of,
     stand_on,
 )
 
@@ -59,6 +58,41 @@ DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 
 TRIGGER, SENSE, WHY, DUE = range(4)
 # Two forces closer than this share of the largest force tie.
 TIE = 1e-9
+# What each row of the spare room is for. Numbers: travels where a segment began; friction that λ
+# bears besides the force of a mover; travels of movers, and at the other end of a stretch; the way
+# that every cell went in a snap; travels and ways before the flow; slopes and mobilities of some
+# cells, and their direction.
+WAS, EXTRA, PLACE, FAR_PLACE, RUB, START, WORN, SLOPES, WEIGHTS, WAY = range(10)
+# Whole numbers: sheets where a segment began; cells that go on; movers and their pieces; modes and
+# sheets before the flow; which mover a cell is.
+WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE = range(7)
+_NUMBERS, _WHOLES, _STACK = 10, 7, 256
+
+
+class Spare(NamedTuple):
+    """Room for what is worked out on the way, so that no event makes an array; N cells."""
+
+    number: Floats  # (10, N), see above
+    whole: Ints  # (7, N)
+    stack: Floats  # (2, 256) stretches that wait to be looked at
+    in_flow: Floats  # (24, N) what the flow knows of cells
+    where: Ints  # (4, N)
+    of_flow: Floats  # (3,) and of all of them
+    counts: Ints  # (3,)
+
+
+@kernel
+def spare_room(cells: int) -> Spare:
+    """Room to follow so many cells in."""
+    return Spare(
+        np.zeros((_NUMBERS, cells)),
+        np.zeros((_WHOLES, cells), np.int64),
+        np.zeros((2, _STACK)),
+        np.zeros((24, cells)),
+        np.zeros((4, cells), np.int64),
+        np.zeros(3),
+        np.zeros(3, np.int64),
+    )
 
 
 class Problem(NamedTuple):
@@ -73,6 +107,7 @@ class Problem(NamedTuple):
     rank: Ints  # (N,) where cells tie the lowest goes first; equal ones share a drift
     mobility: Floats  # (N,) the largest of them 1
     effort: Ints  # forces looked at, and how many may be: see kernels
+    spare: Spare
 
 
 class State(NamedTuple):
@@ -141,29 +176,36 @@ def drive_slack(problem: Problem) -> float:
     return problem.alpha * 1e-13 * summed(problem.laws.full) + problem.beta * 1e-13 * problem.scale
 
 
-@kernel
+@leaf
 def begin(problem: Problem, state: State, direction: int) -> Begin:
     """The beginning of a segment: where the chain is now."""
-    travel, force = state.travel.copy(), state.force[0]
-    drive, sheet = drive_of(problem, travel, force), sheets_of(problem.sheets)
-    return Begin(direction, drive, force, travel, sheet)
+    travel, sheet, now = problem.spare.number[WAS], problem.spare.whole[WAS_ON], state.travel
+    for i in range(len(now)):
+        travel[i], sheet[i] = now[i], sheet_of(problem.sheets, i)
+    force = state.force[0]
+    return Begin(direction, drive_of(problem, travel, force), force, travel, sheet)
 
 
-@kernel
+@leaf
+def some_movers(spare: Spare, count: int, held: float) -> Movers:
+    """The first so many movers in the spare room."""
+    cell, piece, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
+    return Movers(cell[:count], piece[:count], offset[:count], held)
+
+
+@leaf
 def movers_of(problem: Problem, state: State, goes: Ints) -> Movers:
     """The cells marked in (N,) `goes` as movers."""
-    cell = np.flatnonzero(goes)
-    held = summed(state.travel)
-    for i in cell:
-        held -= state.travel[i]
-    offset = state.sense[cell] * problem.laws.friction[cell]
-    return Movers(cell, state.piece[cell], offset, held)
-
-
-@kernel
-def nobody() -> Movers:
-    """No movers."""
-    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
+    spare, friction = problem.spare, problem.laws.friction
+    cell, piece, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
+    travel, held, count = state.travel, summed(state.travel), 0
+    for i in range(len(goes)):
+        if goes[i]:
+            held -= travel[i]
+            cell[count], piece[count] = i, state.piece[i]
+            offset[count] = state.sense[i] * friction[i]
+            count += 1
+    return some_movers(spare, count, held)
 
 
 @leaf

@@ -8,6 +8,7 @@ from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel, watched
 from stepwell.statics.following import (
     FINE,
+    GOES,
     GOES_ON,
     LOST,
     SENSE,
@@ -82,7 +83,7 @@ def _land_all(
 @kernel
 def _land(problem: Problem, state: State, direction: int, accuracy: float) -> bool:
     """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
-    goes = np.zeros(len(state.mode), np.int64)
+    goes = problem.spare.whole[GOES]
     for _ in range(_SADDLES):
         state.log.used[:] = 0
         if snap(problem, state, direction, accuracy) != GOES_ON:
