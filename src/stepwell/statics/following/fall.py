@@ -227,85 +227,118 @@ class Landing(NamedTuple):
 
 @leaf
 def land_after(
-    problem: Problem, state: State, rising: Rising, falling: Falling, floor: float, drive: float
+    problem: Problem,
+    state: State,
+    rising: Rising,
+    falling: Falling,
+    bounds: tuple[float, float],
+    drive: float,
 ) -> Landing:
     """The first equilibrium on the way of the cell that falls, at a fixed drive.
 
+    `bounds` are the force below which no other cell comes, times direction, and the largest m κ.
     The rising cells follow: where one is found they are on the pieces that they have there.
     """
-    laws, pieces = problem.laws, problem.pieces
-    j, p, _, force, d = falling
-    queues, begin = rising.queues, d * force
-    ahead, behind = (JOINT_UP, JOINT_DOWN) if d > 0 else (JOINT_DOWN, JOINT_UP)
+    pieces, queues = problem.pieces, rising.queues
+    j, p, travel, force, d = falling
+    floor, begin = bounds[0], d * force
+    behind = JOINT_DOWN if d > 0 else JOINT_UP
     edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
-    level, missed, stopped = begin, np.inf, False
-    while True:
+    # While it falls; `level` is where the rising cells are.
+    level, missed = begin, np.inf
+    while pieces.sign[p] < 0:
         end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
-        # Below the floor there is no equilibrium: the others do not come there.
+        if not _goes_on_away(problem, rising, j, p, travel, d, bounds[1]):
+            while level > max(end, floor):
+                joint = -first_key(queues, behind)
+                following = max(end, floor, joint)
+                soft = softened(problem, rising)
+                movers = with_curved(problem, state, rising, j, p, 0.0)
+                top = min(level, d * (pieces.force_left[p] if d > 0 else pieces.force_right[p]))
+                if following < top:
+                    root, place, near = _first_return(
+                        soft, movers, (d * top, d * following), drive, d
+                    )
+                    missed = min(missed, near)
+                    if not np.isnan(root):
+                        count_work(rising, d * level, root)
+                        return Landing(True, root, p, place, missed)
+                count_work(rising, d * level, d * following)
+                level = following
+                if joint >= level:
+                    pass_joint(problem, state, rising, -d)
+        if end < floor or p == edge:
+            break
+        p += d
+        travel = pieces.left[p] if d > 0 else pieces.right[p]
+    # From there on all forces rise with λ, so there is one equilibrium: looked for from above, it
+    # takes the fewest joints.
+    _lead_back(problem, state, rising, level, begin, d)
+    level = begin
+    while p != edge:
+        over = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) > begin
+        if pieces.sign[p] > 0 and over:
+            break
+        p += d
+    stop = float(pieces.right[p] if d > 0 else pieces.left[p])
+    stopped = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) <= begin
+    while pieces.sign[p] > 0 or stopped:
+        end = d * (pieces.force_left[p] if d > 0 else pieces.force_right[p])
+        if stopped:
+            end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
         joint = -first_key(queues, behind)
         following = max(end, floor, joint)
-        if following < level:
-            soft = softened(problem, rising)
-            movers = with_curved(problem, state, rising, j, p, 0.0)
-            root, travel, near = _first_return(soft, movers, (d * level, d * following), drive, d)
-            missed = min(missed, near)
-            if not np.isnan(root):
-                count_work(rising, d * level, root)
-                return Landing(True, root, p, travel, missed)
-            count_work(rising, d * level, d * following)
-            level = following
-        if joint >= level:
-            pass_joint(problem, state, rising, -d)
-        elif end >= floor:
-            if p == edge:
-                stopped = True
-                break
-            p += d
-            if pieces.sign[p] > 0:
-                break
-        else:
-            break
-    while not stopped and not (
-        pieces.sign[p] > 0
-        and d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) > level
-    ):
-        if p == edge:
-            stopped = True
-        else:
-            p += d
-    stop = pieces.right[p] if d > 0 else pieces.left[p]
-    while level <= begin:
-        end = np.inf if stopped else d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
-        joint = first_key(queues, ahead)
-        following = min(end, joint, begin)
-        at = stop if stopped else invert(laws, pieces, j, p, d * following)
+        at = stop if stopped else invert(problem.laws, pieces, j, p, d * following)
         there = at + stroke_at(problem, state, rising, d * following)
-        if d * (problem.alpha * there + problem.beta * d * following - drive) >= 0.0:
+        if d * (there + problem.beta * d * following - drive) <= 0.0:
             soft = softened(problem, rising)
-            movers = with_curved(
-                problem, state, rising, -1 if stopped else j, p, stop if stopped else 0.0
-            )
+            one, apart = (-1, stop) if stopped else (j, 0.0)
+            movers = with_curved(problem, state, rising, one, p, apart)
             places = problem.spare.number[PLACE, : len(movers.cell)]
             root = point_at(soft, movers, d * level, d * following, drive, places, False)
             count_work(rising, d * level, root)
-            at = stop if stopped else places[0]
-            return Landing(True, root, p, at, missed)
+            return Landing(True, root, p, stop if stopped else places[0], missed)
         count_work(rising, d * level, d * following)
         level = following
-        if joint <= level:
-            pass_joint(problem, state, rising, d)
-        elif end <= level:
-            if p == edge:
-                stopped = True
-            else:
-                p += d
-                stop = pieces.right[p] if d > 0 else pieces.left[p]
-        else:
+        if joint >= level:
+            pass_joint(problem, state, rising, -d)
+        elif end < level:
             break
+        elif stopped:
+            stopped = False
+        else:
+            p -= d
     # Rounding has it that there is none: back to where it began.
-    while first_key(queues, ahead) < begin:
+    _lead_back(problem, state, rising, level, begin, d)
+    return Landing(False, force, falling.piece, falling.travel, missed)
+
+
+@leaf
+def _lead_back(
+    problem: Problem, state: State, rising: Rising, level: float, begin: float, d: int
+) -> None:
+    """Let the rising cells follow d λ from a level to where it began."""
+    ahead = JOINT_UP if d > 0 else JOINT_DOWN
+    while first_key(rising.queues, ahead) <= begin:
+        joint = first_key(rising.queues, ahead)
+        count_work(rising, d * level, d * joint)
+        level = joint
         pass_joint(problem, state, rising, d)
-    return Landing(False, force, p, falling.travel, missed)
+    count_work(rising, d * level, d * begin)
+
+
+@leaf
+def _goes_on_away(
+    problem: Problem, rising: Rising, j: int, p: int, travel: float, d: int, heaviest: float
+) -> bool:
+    """Whether no equilibrium can be passed while cell j falls from a travel to the end of piece p.
+
+    There the rising cells give way more than it takes: their Σ 1/κ is Σ m / max (m κ) or more.
+    """
+    laws, pieces, picked = problem.laws, problem.pieces, problem.pieces.picked[p]
+    end = pieces.right[p] if d > 0 else pieces.left[p]
+    gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])
+    return bool((mobility_of(rising) / heaviest + problem.beta) * gentle > 1.0)
 
 
 @leaf

@@ -431,6 +431,9 @@ def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> f
     steep = 6.0 * max(abs(begins), abs(ends))
     if abs(slope_0) > steep or abs(slope_1) > steep:
         slope_0 = slope_1 = ends - begins
+    if min(begins, begins + slope_0 / 3.0, ends - slope_1 / 3.0, ends) >= 0.0:
+        # A cubic lies among these four (Bézier).
+        return 2.0
     square = 3.0 * (ends - begins) - 2.0 * slope_0 - slope_1
     cube = slope_0 + slope_1 - 2.0 * (ends - begins)
     # Between its turns it is monotone.

@@ -46,6 +46,8 @@ from stepwell.statics.following.state import (
     set_snap,
 )
 
+_LONGEST_WAIT = 15
+
 
 @entry()
 def follow(problem: Problem, turning: Floats, state: State) -> int:
@@ -81,13 +83,19 @@ def follow_in(
         if to_the_end:
             target = direction * np.inf
         furthest, idle, status = np.nan, 0, GOES_ON
+        # Where queues have led to nothing, some events pass before they are tried again.
+        in_vain, waits = 0, 0
         while status == GOES_ON:
-            if regular and state.next_snap[DUE] == 0:
+            waits -= 1
+            if regular and waits < 0 and state.next_snap[DUE] == 0:
+                rows = state.log.used[0]
                 status = advance(problem, state, rising, segment, direction, target, slack)
                 if status == LOG_FULL:
                     return LOG_FULL
                 if status != GOES_ON:
                     break
+                in_vain = min(2 * in_vain + 1, _LONGEST_WAIT) if rows == state.log.used[0] else 0
+                waits = in_vain
             drive = drive_of(problem, state.travel, state.force[0])
             if direction * (target - drive) <= slack:
                 status = DONE

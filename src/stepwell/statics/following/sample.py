@@ -82,9 +82,8 @@ def sample(
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    residual[0], stability[0] = certify(
-        problem, now, start_force, some_movers(problem.spare, 0, 0.0)
-    )
+    none = some_movers(problem.spare, 0, 0.0)
+    residual[0], stability[0] = certify(problem, now, start_force, none)
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]

@@ -474,7 +474,7 @@ def advance(
         stroke_at(problem, state, rising, force)
         before = energy_in(problem, state, rising)
         before += stored(laws, leader, pieces.picked[piece], travel)
-        landing = land_after(problem, state, rising, falling, floor, drive)
+        landing = land_after(problem, state, rising, falling, (floor, heaviest), drive)
         if not landing.found:
             break
         _name(segment, leader, travel)

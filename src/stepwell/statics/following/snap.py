@@ -63,6 +63,9 @@ from stepwell.statics.following.state import (
 
 # Accuracies of a step of the flow, as shares of the travel: of a path, and of samples.
 FINE, COARSE = 2e-7, 1e-4
+# A rough flow decides where another landing is so many times further than its error. The landing
+# itself is an equilibrium to rounding, however it was decided.
+_ROUGH, _SURE = 2e-5, 10.0
 
 
 @leaf
@@ -274,21 +277,31 @@ def _by_flow(
         sheets[i] = sheet_of(problem.sheets, i)
     settled, level, tie = False, force, False
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
-    # The place next to a fold can be too narrow for the flow to get out of; then the way
-    # out is begun further on, where the one unstable direction still holds.
-    for share in (1e-4, 1e-3, 1e-2):
-        for i in range(len(travel)):
-            travel[i], rubbed[i], mode[i] = start[i], worn[i], modes[i]
-        stand_all_on(laws, problem.sheets, pieces, sheets)
-        if not on_its_way:
-            _leave(problem, state, share)
+    near = state.near
+    line = near[0], near[1]
+    for within in (_ROUGH, accuracy):
+        # Where friction holds cells the way decides where they rest, and not only at which rest.
+        if within == _ROUGH and (accuracy >= _ROUGH or largest(laws.friction) > 0.0):
+            continue
+        # The place next to a fold can be too narrow for the flow to get out of; then the way
+        # out is begun further on, where the one unstable direction still holds.
+        for share in (1e-4, 1e-3, 1e-2):
             for i in range(len(travel)):
-                rubbed[i] += abs(travel[i] - start[i])
-            # The way out bends away from its direction by the square of the first step.
-            state.near[2] = share**2 * largest(laws.full)
-        settled, level, tie = flow(problem, state, drive, force, accuracy, rubbed)
-        if settled or on_its_way:
+                travel[i], rubbed[i], mode[i] = start[i], worn[i], modes[i]
+            stand_all_on(laws, problem.sheets, pieces, sheets)
+            near[0], near[1], near[2] = np.inf, np.inf, 0.0
+            if not on_its_way:
+                _leave(problem, state, share)
+                for i in range(len(travel)):
+                    rubbed[i] += abs(travel[i] - start[i])
+                # The way out bends away from its direction by the square of the first step.
+                near[2] = share**2 * largest(laws.full)
+            settled, level, tie = flow(problem, state, drive, force, within, rubbed)
+            if settled or on_its_way:
+                break
+        if settled and not tie and near[1] > _SURE * near[2]:
             break
+    near[0], near[1] = min(near[0], line[0]), min(near[1], line[1])
     if not settled:
         return False, False
     state.force[0] = level
