@@ -37,7 +37,7 @@ from stepwell.statics.following.pieces import (
     stand_all_on,
     stand_on,
 )
-from stepwell.statics.following.state import Movers, Problem, drive_of, moved, some_movers
+from stepwell.statics.following.state import Movers, Problem, drive_of, moved
 
 
 class Samples(NamedTuple):
@@ -82,7 +82,7 @@ def sample(
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    none = some_movers(problem.spare, 0, 0.0)
+    none = _nobody()
     residual[0], stability[0] = certify(problem, now, start_force, none)
     at = 1
     for k in range(log.used[0]):
@@ -137,6 +137,12 @@ def sample(
             residual[at], stability[at] = certify(problem, now, level, moving)
             at += 1
     return at
+
+
+@kernel
+def _nobody() -> Movers:
+    """No movers."""
+    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
 
 
 @kernel
