@@ -79,6 +79,47 @@ def _level(line: Line, pull: float, resist: float) -> float:
 
 
 @leaf
+def _balance(
+    laws: Laws,
+    picked: Ints,
+    line: Line,
+    on: tuple[int, int],
+    bias: float,
+    ends: tuple[float, float, float, float],
+) -> tuple[float, float, float]:
+    """Where a pull that only falls is balanced between two shifts, and pull and resistance there.
+
+    The secant of both ends, with half the value of an end that stays (Dowell and Jarratt 1971), and
+    every fourth time the middle. `ends` are the shifts and what is left of the pull there.
+    """
+    a, b, at_a, at_b = ends
+    size = laws.full[line.forth] if line.forth >= 0 else laws.full[line.back]
+    stays, x = 0, b
+    for step in range(200):
+        middle = 0.5 * (a + b)
+        if not a < middle < b:
+            break
+        guess = b - at_b * (b - a) / (at_b - at_a) if step % 4 != 3 else middle
+        if not a < guess < b:
+            guess = middle
+        near, x = abs(guess - x) <= 1e-16 * size, guess
+        pull, _, resist, _ = _ends(laws, picked, line, on[0], on[1], bias, x)
+        left = pull - resist
+        if left == 0.0 or near:
+            break
+        if left > 0.0:
+            a, at_a = x, left
+            at_b *= 0.5 if stays == 1 else 1.0
+            stays = 1
+        else:
+            b, at_b = x, left
+            at_a *= 0.5 if stays == -1 else 1.0
+            stays = -1
+    pull, _, resist, _ = _ends(laws, picked, line, on[0], on[1], bias, x)
+    return x, pull, resist
+
+
+@leaf
 def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there of a snap along a line.
 
@@ -145,6 +186,11 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
                     return LANDED, a, _level(line, ga, ha)
                 if min(ga, gb) - max(ha, hb) > 0.0:
                     continue
+                if falls and a >= start and ga - ha > 0.0:
+                    x, g, h = _balance(
+                        laws, picked, line, (on_forth, on_back), bias, (a, b, ga - ha, gb - hb)
+                    )
+                    return LANDED, x, _level(line, g, h)
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
                 if gb - hb <= 0.0:
                     fall = (ga - ha) - (gb - hb)
