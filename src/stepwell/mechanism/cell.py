@@ -227,6 +227,11 @@ class Cell(ByValue, Drawn):
         return (0, 0.0, 0.0), (0, full, full)
 
     @property
+    def leaves(self) -> tuple[float, float]:
+        """Least and largest force at which it leaves a state [N]."""
+        return min(self.force_0, self.force_1), max(self.force_0, self.force_1)
+
+    @property
     def phases(self) -> tuple[Phase, ...]:
         """Its two states, at the stops."""
         full = self.full_travel

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints, Vec2
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
@@ -17,11 +17,13 @@ from stepwell.mechanism.elements import (
     ABOVE,
     BELOW,
     CURVE_HIGH,
+    CURVE_LOW,
     FIRST,
     HIGH,
     LOW,
     ROWS,
     ROWS_END,
+    SHEET_COLUMNS,
     Element,
     before,
 )
@@ -271,14 +273,13 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     lever[is_lever] = [cell.lever for cell in levers]
     sin_limit[is_lever] = [math.sin(cell.limit) for cell in levers]
     full[is_lever] = travel_of(sin_limit[is_lever], lever[is_lever], sin_limit[is_lever])
-    full[~is_lever] = [cell.full_travel for cell in cells if isinstance(cell, Element)]
 
     held = [cell.band for cell in levers]
     own = np.zeros(n, int)
     own[is_lever] = [1 if isinstance(one, Band) else len(one) for one in held]
     flat = [b for one in held for b in ((one,) if isinstance(one, Band) else one)]
     band = np.empty((len(flat), 4))
-    band[:, :2] = _plane([b.q for b in flat]) - _plane([b.p for b in flat])
+    band[:, :2] = _rows_of(2, [b.q for b in flat]) - _rows_of(2, [b.p for b in flat])
     band[:, 2], band[:, 3] = [b.stiffness for b in flat], [b.rest_length for b in flat]
     # Most bands share one law, so each law is asked once for its rows.
     laws_of = [b.law for b in flat]
@@ -289,24 +290,25 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
 
     # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
     packs = [_of_load(cell.load) if isinstance(cell, Cell) else cell.packed for cell in cells]
-    curves += [rows for _, parts in packs for rows in parts]
-    table = np.concatenate([sheets for sheets, _ in packs])
-    counts = np.array([len(sheets) for sheets, _ in packs])
-    now = _starts(counts)[:-1]
-    cell_of = np.repeat(np.arange(n), counts)
+    table = _rows_of(SHEET_COLUMNS, [sheets for sheets, _ in packs])
+    is_first = table[:, FIRST] == 0
+    now, cell_of = np.flatnonzero(is_first), np.cumsum(is_first) - 1
     of_lever = is_lever[cell_of]
     table[of_lever, HIGH] = table[of_lever, CURVE_HIGH] = full[is_lever]
-    heights = table[now + counts - 1, ROWS_END].astype(int)
+    full = np.maximum.reduceat(table[:, CURVE_HIGH], now)
+    full -= np.minimum.reduceat(table[:, CURVE_LOW], now)
+    heights = np.maximum.reduceat(table[:, ROWS_END], now).astype(int)
     table[:, ROWS : ROWS_END + 1] += (band_rows[-1] + _starts(heights))[cell_of, None]
     table[:, FIRST] = now[cell_of]
     leads = table[:, BELOW : ABOVE + 1]
     leads += np.where(leads < 0, 0, now[cell_of, None])
-    rows = np.concatenate([np.empty((0, COLUMNS)), *curves])
+    rows = np.concatenate(curves + [loads for _, loads in packs])
+    friction = np.array([cell.friction for cell in cells])
 
     # An open end: straight on, as far as any force of the chain can pull it.
     low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
     if low.any() or high.any():
-        reach = 4.0 * max(cell.largest_force + cell.friction for cell in cells)
+        reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
         first, last = table[low, ROWS].astype(int), table[high, ROWS_END].astype(int) - 1
         rows[first] = before(rows[first + 1], -reach)
         table[low, LOW] = rows[first, 0]
@@ -316,7 +318,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
         lever=lever,
         sin_limit=sin_limit,
         full=full,
-        friction=np.array([cell.friction for cell in cells]),
+        friction=friction,
         band_first=_starts(own),
         band=band,
         two_sided=np.array([b.two_sided for b in flat], int),
@@ -331,25 +333,18 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     return laws, Sheets(ends, now, table)
 
 
-def _of_load(load: Load | None) -> tuple[Floats, tuple[Floats, ...]]:
+def _of_load(load: Load | None) -> tuple[tuple[float, ...], Floats]:
     """The only sheet of a lever cell with this load, as `Element.packed`; its high end is 0."""
-    if load is None:
-        return _UNLOADED
-    rows = load.pieces()
-    table = _UNLOADED[0].copy()
-    table[0, ROWS_END] = len(rows)
-    return table, (rows,)
+    rows = _NO_ROWS if load is None else load.pieces()
+    return (0.0, 0.0, 0.0, 0.0, 0.0, len(rows), -1.0, -1.0, 0.0), rows
 
 
-_UNLOADED: tuple[Floats, tuple[Floats, ...]] = (
-    np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0]]),
-    (),
-)
+_NO_ROWS = np.empty((0, COLUMNS))
 
 
-def _plane(points: Sequence[Vec2]) -> Floats:
-    """Points of the plane as (n, 2)."""
-    return np.fromiter(flatten.from_iterable(points), float, 2 * len(points)).reshape(-1, 2)
+def _rows_of(columns: int, values: Sequence[Sequence[float]]) -> Floats:
+    """A table of so many columns, whose rows follow one another in sequences of numbers."""
+    return np.fromiter(flatten.from_iterable(values), float).reshape(-1, columns)
 
 
 def _starts(sizes: Sequence[int] | Ints) -> Ints:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import chain as flatten
 from typing import NamedTuple
 
 import numpy as np
@@ -122,19 +123,15 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
         least, most = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
         reach = problem.alpha * high
         return begin, (problem.beta * least, reach + problem.beta * most)
-    finite = [
-        force
-        for phases in chain.phases
-        for phase in phases
-        for force in (phase.force_low, phase.force_high)
-        if math.isfinite(force)
-    ]
-    if not finite:
+    forces = np.fromiter(flatten.from_iterable([cell.leaves for cell in chain.cells]), float)
+    forces = forces[np.isfinite(forces)]
+    if not forces.size:
         own = of_curve(problem.sheets, pieces)
-        finite = [*pieces.force_left[own], *pieces.force_right[own]]
+        forces = np.concatenate([pieces.force_left[own], pieces.force_right[own]])
     more = _BEYOND * problem.scale + float(np.max(laws.friction))
-    least, most = min(0.0, min(finite) - more), max(0.0, max(finite) + more)
-    first, last = ([own[k] for own in chain.stretches] for k in (0, -1))
+    least = min(0.0, float(np.min(forces)) - more)
+    most = max(0.0, float(np.max(forces)) + more)
+    first, last = ([cell.stretches[k] for cell in chain.cells] for k in (0, -1))
     begin, end = (
         _place(_at(problem, stretches, force), stretches)
         for stretches, force in ((first, least), (last, most))
@@ -163,7 +160,7 @@ def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration,
 
 
 def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
-    return Configuration(tuple(travel.tolist()), tuple(sheet for sheet, *_ in stretches))
+    return Configuration(tuple(travel.tolist()), tuple([one[0] for one in stretches]))
 
 
 def _drive(problem: Problem, place: Configuration, force: float) -> float:
@@ -184,7 +181,8 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
 def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
-    travels_between(*problem[:3], np.array(stretches, float), force, found)
+    numbers = np.fromiter(flatten.from_iterable(stretches), float).reshape(-1, 3)
+    travels_between(*problem[:3], numbers, force, found)
     return found
 
 

@@ -15,6 +15,7 @@ from stepwell.mechanism.elements.sheet import (
     LOW,
     ROWS,
     ROWS_END,
+    SHEET_COLUMNS,
     Sheet,
     before,
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, check, told_in
+from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
 from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
 from stepwell.mechanism.elements import build
 from stepwell.mechanism.elements.beside import beside
@@ -67,8 +67,9 @@ class Element(ByValue, Drawn):
     _ends: tuple[float, float] = field(init=False, repr=False, compare=False)
     _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
     _stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
+    _leaves: tuple[float, float] = field(init=False, repr=False, compare=False)
     _largest: float = field(init=False, repr=False, compare=False)
-    _packed: tuple[Floats, tuple[Floats, ...]] = field(init=False, repr=False, compare=False)
+    _packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         put = object.__setattr__
@@ -84,10 +85,13 @@ class Element(ByValue, Drawn):
         own = tuple(sheet.scaled(*scales) for sheet in self.sheets)
         put(self, "_sheets", own)
         put(self, "_ends", (min(sheet.begin for sheet in own), max(sheet.end for sheet in own)))
-        largest = max(float(np.max(np.abs(signs(s.rows, s.end)[0]))) for s in self._sheets)
-        put(self, "_largest", largest)
-        put(self, "_phases", _phases_of(self))
+        turns = [signs(sheet.rows, sheet.end) for sheet in own]
+        put(self, "_largest", max(float(np.max(np.abs(forces))) for forces, _ in turns))
+        put(self, "_phases", _phases_of(self, turns))
         put(self, "_stretches", tuple((one.sheet, one.low, one.high) for one in self._phases))
+        forces = [force for one in self._phases for force in (one.force_low, one.force_high)]
+        finite = [force for force in forces if abs(force) < np.inf]
+        put(self, "_leaves", (min(finite, default=np.inf), max(finite, default=-np.inf)))
         _refuse_loose_ends(self)
         put(self, "_packed", _packed(self))
 
@@ -269,11 +273,11 @@ class Element(ByValue, Drawn):
         return self._sheets
 
     @property
-    def packed(self) -> tuple[Floats, tuple[Floats, ...]]:
-        """What a chain is packed from: a table of its sheets, and their rows.
+    def packed(self) -> tuple[tuple[float, ...], Floats]:
+        """What a chain is packed from: a table of its sheets, row by row, and their curves.
 
-        The table has one row a sheet, see `sheet.LOW`. An open end is infinite in it and has a row
-        of its own: the last one goes on for ever, the first one is blank.
+        See `sheet.LOW` for the columns of the table; the first sheet is counted from each one. An
+        open end is infinite in it and has a row of its own in the curve, blank at the low end.
         """
         return self._packed
 
@@ -288,6 +292,11 @@ class Element(ByValue, Drawn):
         return self._stretches
 
     @property
+    def leaves(self) -> tuple[float, float]:
+        """Least and largest force at which it leaves a phase [N]; infinite where it never does."""
+        return self._leaves
+
+    @property
     def low(self) -> float:
         """Least travel of its curve [m]."""
         return self._ends[0]
@@ -300,7 +309,8 @@ class Element(ByValue, Drawn):
     @property
     def full_travel(self) -> float:
         """Travel between the ends of its curve [m]; an end without a stop can be passed."""
-        return self.high - self.low
+        low, high = self._ends
+        return high - low
 
     @property
     def largest_force(self) -> float:
@@ -402,19 +412,18 @@ def _both(stops: Stops) -> tuple[bool, bool]:
     return bool(low), bool(high)
 
 
-def _packed(element: Element) -> tuple[Floats, tuple[Floats, ...]]:
-    table: list[tuple[float, ...]] = []
+def _packed(element: Element) -> tuple[tuple[float, ...], Floats]:
+    table: list[float] = []
     curves: list[Floats] = []
     rows = 0
-    for sheet in element.laws:
-        begin, end, first = sheet.begin, sheet.end, rows
+    for number, sheet in enumerate(element.laws):
         low, high = element.goes_on(sheet)
         curves += [*[_BLANK] * low, sheet.rows, *[sheet.after] * high]
-        rows += low + len(sheet.rows) + high
-        ends = -np.inf if low else begin, np.inf if high else end
+        first, rows = rows, rows + low + len(sheet.rows) + high
+        ends = -np.inf if low else sheet.begin, np.inf if high else sheet.end
         leads = (-1 if to is None else to for to in (sheet.below, sheet.above))
-        table.append((*ends, begin, end, first, rows, *leads, 0))
-    return np.array(table, float), tuple(curves)
+        table += [*ends, sheet.begin, sheet.end, first, rows, *leads, -number]
+    return tuple(table), np.concatenate(curves)
 
 
 def _refuse_loose_ends(element: Element) -> None:
@@ -431,12 +440,12 @@ def _refuse_loose_ends(element: Element) -> None:
                 )
 
 
-def _phases_of(element: Element) -> tuple[Phase, ...]:
-    """Runs of rows on which the force does not fall, and stops."""
+def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:
+    """Runs of rows on which the force does not fall, and stops; `turns` has `signs` by sheet."""
     below, above = element.stopped
     found: list[Phase] = []
     for number, sheet in enumerate(element.laws):
-        forces, rises = signs(sheet.rows, sheet.end)
+        forces, rises = turns[number]
         joints = np.append(sheet.rows[:, 0], sheet.end)
         # What holds it at either end: a stop, or a curve that goes on rising.
         ends_low = sheet.below is None and sheet.begin == element.low

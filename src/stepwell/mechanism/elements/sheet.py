@@ -10,7 +10,8 @@ from stepwell.mechanism.cubics import COLUMNS, end_of, monotone
 # Columns of a table of sheets: its ends; the same without what an open end goes on beyond the
 # curve; its rows; the sheets to which it leads from below and above, or -1; and the first sheet of
 # its cell.
-LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(9)
+SHEET_COLUMNS = 9
+LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(SHEET_COLUMNS)
 
 
 def before(rows: Floats, force: float) -> Floats:
@@ -71,6 +72,8 @@ class Sheet(ByValue):
 
     def scaled(self, force: float, travel: float) -> "Sheet":
         """The same sheet with all forces and all travels times a number."""
+        if force == travel == 1.0:
+            return self
         by = force / travel ** np.arange(4)
         rows = self.rows * np.array([travel, *by, force * travel])
         rows.setflags(write=False)
