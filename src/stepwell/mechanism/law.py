@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import entry, leaf
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
@@ -91,7 +91,7 @@ def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
     ends[BEYOND] = row[HIGH] if row[ABOVE] < 0.0 else np.inf
 
 
-@kernel
+@entry(1e-5, "sheets.now")
 def ends_of(sheets: Sheets) -> tuple[float, float]:
     """Least and largest Σ s that the cells have, with open ends as far as they go on."""
     table, low, high = sheets.table, 0.0, 0.0

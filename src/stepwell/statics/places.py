@@ -59,10 +59,9 @@ def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Config
     if low > high:
         # Whoever begins there is told what does not balance.
         return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
-    weights = problem.alpha, problem.beta
 
     def gap(travel: Floats, force: float) -> float:
-        return weights[0] * math.fsum(travel.tolist()) + weights[1] * force - drive
+        return _drive(problem, travel, force) - drive
 
     first, last = _at(problem, stretches, low), _at(problem, stretches, high)
     below, above = gap(first, low), gap(last, high)
@@ -132,11 +131,9 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
     least = min(0.0, float(np.min(forces)) - more)
     most = max(0.0, float(np.max(forces)) + more)
     first, last = ([cell.stretches[k] for cell in chain.cells] for k in (0, -1))
-    begin, end = (
-        _place(_at(problem, stretches, force), stretches)
-        for stretches, force in ((first, least), (last, most))
-    )
-    return begin, (_drive(problem, begin, least), _drive(problem, end, most))
+    begin, end = _at(problem, first, least), _at(problem, last, most)
+    ends = _drive(problem, begin, least), _drive(problem, end, most)
+    return _place(begin, first), ends
 
 
 def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration, float] | None:
@@ -155,16 +152,16 @@ def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration,
     # Where a stretch ends, only just nothing holds the cell; a stop does.
     within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
     force = min(max(0.0, low + within), high - within)
-    place = _place(_at(problem, stretches, force), stretches)
-    return place, _drive(problem, place, force)
+    travel = _at(problem, stretches, force)
+    return _place(travel, stretches), _drive(problem, travel, force)
 
 
 def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
     return Configuration(tuple(travel.tolist()), tuple([one[0] for one in stretches]))
 
 
-def _drive(problem: Problem, place: Configuration, force: float) -> float:
-    return problem.alpha * math.fsum(place.travel) + problem.beta * force
+def _drive(problem: Problem, travel: Floats, force: float) -> float:
+    return problem.alpha * math.fsum(travel.tolist()) + problem.beta * force
 
 
 def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[float, float]:
