@@ -264,7 +264,7 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
 
 def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     """The laws of the cells, inner first, and where they end, each on its first sheet."""
-    # A chain may have very many cells: every attribute of them is read once, without a call.
+    # A chain may have very many cells: every attribute of them is read once.
     n = len(cells)
     levers = [cell for cell in cells if isinstance(cell, Cell)]
     is_lever = np.array([isinstance(cell, Cell) for cell in cells])

@@ -130,7 +130,8 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
     more = _BEYOND * problem.scale + float(np.max(laws.friction))
     least = min(0.0, float(np.min(forces)) - more)
     most = max(0.0, float(np.max(forces)) + more)
-    first, last = ([cell.stretches[k] for cell in chain.cells] for k in (0, -1))
+    stretches = [cell.stretches for cell in chain.cells]
+    first, last = [own[0] for own in stretches], [own[-1] for own in stretches]
     begin, end = _at(problem, first, least), _at(problem, last, most)
     ends = _drive(problem, begin, least), _drive(problem, end, most)
     return _place(begin, first), ends
