@@ -297,9 +297,8 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     table[of_lever, HIGH] = table[of_lever, CURVE_HIGH] = full[is_lever]
     full = np.maximum.reduceat(table[:, CURVE_HIGH], now)
     full -= np.minimum.reduceat(table[:, CURVE_LOW], now)
-    heights = np.maximum.reduceat(table[:, ROWS_END], now).astype(int)
-    table[:, ROWS : ROWS_END + 1] += (band_rows[-1] + _starts(heights))[cell_of, None]
-    table[:, FIRST] = now[cell_of]
+    starts = band_rows[-1] + _starts(table[:, ROWS_END])
+    table[:, ROWS], table[:, ROWS_END], table[:, FIRST] = starts[:-1], starts[1:], now[cell_of]
     leads = table[:, BELOW : ABOVE + 1]
     leads += np.where(leads < 0, 0, now[cell_of, None])
     rows = np.concatenate(curves + [loads for _, loads in packs])
@@ -309,7 +308,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
     if low.any() or high.any():
         reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
-        first, last = table[low, ROWS].astype(int), table[high, ROWS_END].astype(int) - 1
+        first, last = starts[:-1][low], starts[1:][high] - 1
         rows[first] = before(rows[first + 1], -reach)
         table[low, LOW] = rows[first, 0]
         end, force, slope = rows[last, :3].T
@@ -347,7 +346,7 @@ def _rows_of(columns: int, values: Sequence[Sequence[float]]) -> Floats:
     return np.fromiter(flatten.from_iterable(values), float).reshape(-1, columns)
 
 
-def _starts(sizes: Sequence[int] | Ints) -> Ints:
+def _starts(sizes: Sequence[int] | Ints | Floats) -> Ints:
     """Where stretches of these sizes begin, and where the last one ends."""
     starts = np.zeros(len(sizes) + 1, int)
     np.cumsum(np.asarray(sizes, int), out=starts[1:])

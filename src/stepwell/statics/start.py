@@ -82,8 +82,8 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     alpha, beta, scale = problem.alpha, problem.beta, problem.scale
-    travels = np.array(place.travel)
-    if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+    travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
+    if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
             raise InputError(
                 "no cell has any force, so nothing tells where they stand behind a spring: tighten "
@@ -91,7 +91,7 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
             )
         raise InputError(
             f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
-            f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
+            f"at most {scale:.3g} N on {full:.3g} m: the last digit of its position "
             f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
         )
     state = blank_state(travels, logged.empty_log(0, 0))
@@ -99,7 +99,7 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     forces, free = state.at_rest, state.mode == FREE
     stroke = float(np.sum(travels))
     if beta == 0:
-        if abs(stroke - drive) > 1e-9 * chain.full_stroke:
+        if abs(stroke - drive) > 1e-9 * full:
             unit, factor = told_in(chain.measure.travel_unit)
             raise InputError(
                 f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "

@@ -276,8 +276,9 @@ class Element(ByValue, Drawn):
     def packed(self) -> tuple[tuple[float, ...], Floats]:
         """What a chain is packed from: a table of its sheets, row by row, and their curves.
 
-        See `sheet.LOW` for the columns of the table; the first sheet is counted from each one. An
-        open end is infinite in it and has a row of its own in the curve, blank at the low end.
+        See `sheet.LOW` for the columns of the table; rows and the first sheet are counted from each
+        sheet. An open end is infinite there and has a row of its own in the curves, blank at the
+        low end.
         """
         return self._packed
 
@@ -415,14 +416,13 @@ def _both(stops: Stops) -> tuple[bool, bool]:
 def _packed(element: Element) -> tuple[tuple[float, ...], Floats]:
     table: list[float] = []
     curves: list[Floats] = []
-    rows = 0
     for number, sheet in enumerate(element.laws):
         low, high = element.goes_on(sheet)
         curves += [*[_BLANK] * low, sheet.rows, *[sheet.after] * high]
-        first, rows = rows, rows + low + len(sheet.rows) + high
+        rows = low + len(sheet.rows) + high
         ends = -np.inf if low else sheet.begin, np.inf if high else sheet.end
         leads = (-1 if to is None else to for to in (sheet.below, sheet.above))
-        table += [*ends, sheet.begin, sheet.end, first, rows, *leads, -number]
+        table += [*ends, sheet.begin, sheet.end, 0, rows, *leads, -number]
     return tuple(table), np.concatenate(curves)
 
 
