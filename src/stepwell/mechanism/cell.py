@@ -227,8 +227,8 @@ class Cell(ByValue, Drawn):
         return (0, 0.0, 0.0), (0, full, full)
 
     @property
-    def leaves(self) -> tuple[float, float]:
-        """Least and largest force at which it leaves a state [N]."""
+    def switching_range(self) -> tuple[float, float]:
+        """Least and largest switching force of its states [N]."""
         return min(self.force_0, self.force_1), max(self.force_0, self.force_1)
 
     @property

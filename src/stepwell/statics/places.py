@@ -122,7 +122,9 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
         least, most = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
         reach = problem.alpha * high
         return begin, (problem.beta * least, reach + problem.beta * most)
-    forces = np.fromiter(flatten.from_iterable([cell.leaves for cell in chain.cells]), float)
+    forces = np.fromiter(
+        flatten.from_iterable([cell.switching_range for cell in chain.cells]), float
+    )
     forces = forces[np.isfinite(forces)]
     if not forces.size:
         own = of_curve(problem.sheets, pieces)

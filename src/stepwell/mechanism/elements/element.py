@@ -67,7 +67,7 @@ class Element(ByValue, Drawn):
     _ends: tuple[float, float] = field(init=False, repr=False, compare=False)
     _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
     _stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
-    _leaves: tuple[float, float] = field(init=False, repr=False, compare=False)
+    _switching_range: tuple[float, float] = field(init=False, repr=False, compare=False)
     _largest: float = field(init=False, repr=False, compare=False)
     _packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
 
@@ -91,7 +91,7 @@ class Element(ByValue, Drawn):
         put(self, "_stretches", tuple((one.sheet, one.low, one.high) for one in self._phases))
         forces = [force for one in self._phases for force in (one.force_low, one.force_high)]
         finite = [force for force in forces if abs(force) < np.inf]
-        put(self, "_leaves", (min(finite, default=np.inf), max(finite, default=-np.inf)))
+        put(self, "_switching_range", (min(finite, default=np.inf), max(finite, default=-np.inf)))
         _refuse_loose_ends(self)
         put(self, "_packed", _packed(self))
 
@@ -293,9 +293,9 @@ class Element(ByValue, Drawn):
         return self._stretches
 
     @property
-    def leaves(self) -> tuple[float, float]:
-        """Least and largest force at which it leaves a phase [N]; infinite where it never does."""
-        return self._leaves
+    def switching_range(self) -> tuple[float, float]:
+        """Least and largest switching force of its phases [N]; infinite if there is none."""
+        return self._switching_range
 
     @property
     def low(self) -> float:

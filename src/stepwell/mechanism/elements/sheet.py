@@ -72,7 +72,7 @@ class Sheet(ByValue):
 
     def scaled(self, force: float, travel: float) -> "Sheet":
         """The same sheet with all forces and all travels times a number."""
-        if force == travel == 1.0:
+        if force == travel == 1.0 and not self.rows.flags.writeable:
             return self
         by = force / travel ** np.arange(4)
         rows = self.rows * np.array([travel, *by, force * travel])
