@@ -9,6 +9,13 @@ from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.cubics import cubic, through, value
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.elements import (
+    ABOVE,
+    BELOW,
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    LOW,
     MOBILITIES,
     Element,
     Phase,
@@ -34,15 +41,8 @@ from stepwell.mechanism.geometry import (
     turn_at,
 )
 from stepwell.mechanism.law import (
-    ABOVE,
     BEFORE,
-    BELOW,
     BEYOND,
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    LOW,
     Laws,
     Looks,
     Sheets,

@@ -227,6 +227,11 @@ class Cell(ByValue, Drawn):
         return (0, 0.0, 0.0), (0, full, full)
 
     @property
+    def switching_range(self) -> tuple[float, float]:
+        """Least and largest switching force of its states [N]."""
+        return min(self.force_0, self.force_1), max(self.force_0, self.force_1)
+
+    @property
     def phases(self) -> tuple[Phase, ...]:
         """Its two states, at the stops."""
         full = self.full_travel

@@ -80,7 +80,7 @@ class Chain(ByValue, Drawn):
     @property
     def full_travels(self) -> tuple[float, ...]:
         """S_i [m] of every cell."""
-        return tuple(cell.full_travel for cell in self.cells)
+        return tuple([cell.full_travel for cell in self.cells])
 
     @property
     def drive_unit(self) -> str:

@@ -1,18 +1,32 @@
 """Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
 
 import math
-from collections.abc import Mapping, Sequence
-from itertools import accumulate, chain as flatten
+from collections.abc import Sequence
+from itertools import chain as flatten
 from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints, Vec2
-from stepwell.kernels import leaf
+from stepwell.base import Floats, Ints
+from stepwell.kernels import entry, leaf
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
-from stepwell.mechanism.elements import Element
+from stepwell.mechanism.curves import Load
+from stepwell.mechanism.elements import (
+    ABOVE,
+    BELOW,
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    LOW,
+    ROWS,
+    ROWS_END,
+    SHEET_COLUMNS,
+    Element,
+    before,
+)
 from stepwell.mechanism.geometry import (
     band_energy,
     band_length,
@@ -49,12 +63,9 @@ class Sheets(NamedTuple):
 
     ends: Floats  # (N, 4) travels between which cell i stands, and between which it can go
     now: Ints  # (N,) which of all sheets cell i stands on
-    table: Floats  # (T, 9) see below, in order of the cells
+    table: Floats  # (T, 9) see elements/sheet, in order of the cells
 
 
-# Columns of a sheet: its ends; the same without what an open end goes on beyond the curve; its
-# rows; the sheets to which it leads from below and above, or -1; and the first sheet of its cell.
-LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(9)
 # Columns of `ends`, after LOW and HIGH: where a cell can go no further, which an end that leads on
 # is not.
 BEFORE, BEYOND = 2, 3
@@ -98,7 +109,7 @@ def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
     ends[BEYOND] = row[HIGH] if row[ABOVE] < 0.0 else np.inf
 
 
-@leaf
+@entry(1e-5, "sheets.now")
 def ends_of(sheets: Sheets) -> tuple[float, float]:
     """Least and largest Σ s that the cells have, with open ends as far as they go on."""
     table, low, high = sheets.table, 0.0, 0.0
@@ -271,22 +282,22 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
 
 def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     """The laws of the cells, inner first, and where they end, each on its first sheet."""
-    # A chain may have very many cells: every attribute of them is read once, without a call.
+    # A chain may have very many cells: every attribute of them is read once.
     n = len(cells)
-    elements = {i: cell for i, cell in enumerate(cells) if isinstance(cell, Element)}
-    lever = np.array([1.0 if isinstance(cell, Element) else cell.lever for cell in cells])
-    limits = (0.0 if isinstance(cell, Element) else cell.limit for cell in cells)
-    sin_limit = np.array(list(map(math.sin, limits)))
-    full = travel_of(sin_limit, lever, sin_limit)
-    for i, element in elements.items():
-        # No band asks an element for its lever; this one leaves sine and cosine finite.
-        lever[i], full[i] = np.inf, element.full_travel
+    levers = [cell for cell in cells if isinstance(cell, Cell)]
+    is_lever = np.array([isinstance(cell, Cell) for cell in cells])
+    # No band asks an element for its lever; this one leaves sine and cosine finite.
+    lever, sin_limit, full = np.full(n, np.inf), np.zeros(n), np.empty(n)
+    lever[is_lever] = [cell.lever for cell in levers]
+    sin_limit[is_lever] = [math.sin(cell.limit) for cell in levers]
+    full[is_lever] = travel_of(sin_limit[is_lever], lever[is_lever], sin_limit[is_lever])
 
-    held = [() if isinstance(cell, Element) else cell.band for cell in cells]
-    own = [1 if isinstance(one, Band) else len(one) for one in held]
+    held = [cell.band for cell in levers]
+    own = np.zeros(n, int)
+    own[is_lever] = [1 if isinstance(one, Band) else len(one) for one in held]
     flat = [b for one in held for b in ((one,) if isinstance(one, Band) else one)]
     band = np.empty((len(flat), 4))
-    band[:, :2] = _plane([b.q for b in flat]) - _plane([b.p for b in flat])
+    band[:, :2] = _rows_of(2, [b.q for b in flat]) - _rows_of(2, [b.p for b in flat])
     band[:, 2], band[:, 3] = [b.stiffness for b in flat], [b.rest_length for b in flat]
     # Most bands share one law, so each law is asked once for its rows.
     laws_of = [b.law for b in flat]
@@ -296,39 +307,41 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     band_rows = _starts(list(map(len, curves)))
 
     # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
-    others = _sheets_of(elements, _reach(cells) if elements else 0.0) | {
-        i: [([cell.load.pieces()], (0.0, full[i], 0.0, full[i]), (-1, -1))]
-        for i, cell in enumerate(cells)
-        if not isinstance(cell, Element) and cell.load is not None
-    }
-    counts = [1] * n
-    for i, sheets in others.items():
-        counts[i] = len(sheets)
-    now = _starts(counts)[:-1]
-    table = np.zeros((sum(counts), FIRST + 1))
-    table[:, FIRST] = np.repeat(now, counts)
-    table[:, HIGH] = table[:, CURVE_HIGH] = np.repeat(full, counts)
-    table[:, BELOW : ABOVE + 1] = -1
-    heights = [0] * len(table)
-    for i in sorted(others):
-        for k, (parts, ends, leads) in enumerate(others[i], int(now[i])):
-            curves += parts
-            heights[k] = sum(map(len, parts))
-            table[k, LOW : CURVE_HIGH + 1] = ends
-            table[k, BELOW : ABOVE + 1] = [one if one < 0 else one + now[i] for one in leads]
-    first = band_rows[-1] + _starts(heights)
-    table[:, ROWS], table[:, ROWS_END] = first[:-1], first[1:]
+    packs = [_of_load(cell.load) if isinstance(cell, Cell) else cell.packed for cell in cells]
+    table = _rows_of(SHEET_COLUMNS, [sheets for sheets, _ in packs])
+    is_first = table[:, FIRST] == 0
+    now, cell_of = np.flatnonzero(is_first), np.cumsum(is_first) - 1
+    of_lever = is_lever[cell_of]
+    table[of_lever, HIGH] = table[of_lever, CURVE_HIGH] = full[is_lever]
+    full = np.maximum.reduceat(table[:, CURVE_HIGH], now)
+    full -= np.minimum.reduceat(table[:, CURVE_LOW], now)
+    starts = band_rows[-1] + _starts(table[:, ROWS_END])
+    table[:, ROWS], table[:, ROWS_END], table[:, FIRST] = starts[:-1], starts[1:], now[cell_of]
+    leads = table[:, BELOW : ABOVE + 1]
+    leads += np.where(leads < 0, 0, now[cell_of, None])
+    rows = np.concatenate(curves + [loads for _, loads in packs])
+    friction = np.array([cell.friction for cell in cells])
+
+    # An open end: straight on, as far as any force of the chain can pull it.
+    low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
+    if low.any() or high.any():
+        reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
+        first, last = starts[:-1][low], starts[1:][high] - 1
+        rows[first] = before(rows[first + 1], -reach)
+        table[low, LOW] = rows[first, 0]
+        end, force, slope = rows[last, :3].T
+        table[high, HIGH] = end + np.maximum((reach - force) / slope, 1e-3 * full[cell_of[high]])
     laws = Laws(
         lever=lever,
         sin_limit=sin_limit,
         full=full,
-        friction=np.array([cell.friction for cell in cells]),
+        friction=friction,
         band_first=_starts(own),
         band=band,
         two_sided=np.array([b.two_sided for b in flat], int),
         band_rows=band_rows,
         load_rows=table[now, ROWS : ROWS_END + 1].astype(int),
-        rows=np.concatenate([np.empty((0, COLUMNS)), *curves]),
+        rows=rows,
     )
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
     ends = table[now[:, None], [LOW, HIGH, LOW, HIGH]]
@@ -337,41 +350,22 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     return laws, Sheets(ends, now, table)
 
 
-def _plane(points: Sequence[Vec2]) -> Floats:
-    """Points of the plane as (n, 2)."""
-    return np.fromiter(flatten.from_iterable(points), float, 2 * len(points)).reshape(-1, 2)
+def _of_load(load: Load | None) -> tuple[tuple[float, ...], Floats]:
+    """The only sheet of a lever cell with this load, as `Element.packed`; its high end is 0."""
+    rows = _NO_ROWS if load is None else load.pieces()
+    return (0.0, 0.0, 0.0, 0.0, 0.0, len(rows), -1.0, -1.0, 0.0), rows
 
 
-def _starts(sizes: Sequence[int]) -> Ints:
+_NO_ROWS = np.empty((0, COLUMNS))
+
+
+def _rows_of(columns: int, values: Sequence[Sequence[float]]) -> Floats:
+    """A table of so many columns, whose rows follow one another in sequences of numbers."""
+    return np.fromiter(flatten.from_iterable(values), float).reshape(-1, columns)
+
+
+def _starts(sizes: Sequence[int] | Ints | Floats) -> Ints:
     """Where stretches of these sizes begin, and where the last one ends."""
-    return np.fromiter(accumulate(sizes, initial=0), int, len(sizes) + 1)
-
-
-# Curves of rows; its ends, and those of the curve itself; where it leads from below and above.
-_Sheet = tuple[list[Floats], tuple[float, float, float, float], tuple[int, int]]
-
-
-def _sheets_of(elements: Mapping[int, Element], reach: float) -> dict[int, list[_Sheet]]:
-    """Every sheet of each of these elements."""
-    found: dict[int, list[_Sheet]] = {i: [] for i in elements}
-    for i, element in elements.items():
-        for sheet in element.laws:
-            before, after = sheet.beyond(*element.going_on(sheet, reach))
-            low, high, curves = sheet.begin, sheet.end, [sheet.rows]
-            if before is not None:
-                low = float(before[0])
-                curves.insert(0, before[None])
-            if after is not None:
-                # An open end: straight on, as far as any force of the chain can pull it.
-                high += max((reach - after[1]) / after[2], 1e-3 * element.full_travel)
-                curves.append(after[None])
-            below, above = (-1 if one is None else one for one in (sheet.below, sheet.above))
-            found[i].append((curves, (low, high, sheet.begin, sheet.end), (below, above)))
-    return found
-
-
-def _reach(cells: Sequence[Cell | Element]) -> float:
-    """A force above all that the cells of a chain offer [N]; 0 where no curve is open."""
-    if all(all(cell.stopped) for cell in cells):
-        return 0.0
-    return 4.0 * max(cell.largest_force + cell.friction for cell in cells)
+    starts = np.zeros(len(sizes) + 1, int)
+    np.cumsum(np.asarray(sizes, int), out=starts[1:])
+    return starts

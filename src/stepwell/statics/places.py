@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import chain as flatten
 from typing import NamedTuple
 
 import numpy as np
@@ -58,10 +59,9 @@ def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Config
     if low > high:
         # Whoever begins there is told what does not balance.
         return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
-    weights = problem.alpha, problem.beta
 
     def gap(travel: Floats, force: float) -> float:
-        return weights[0] * math.fsum(travel.tolist()) + weights[1] * force - drive
+        return _drive(problem, travel, force) - drive
 
     first, last = _at(problem, stretches, low), _at(problem, stretches, high)
     below, above = gap(first, low), gap(last, high)
@@ -122,24 +122,21 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
         least, most = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
         reach = problem.alpha * high
         return begin, (problem.beta * least, reach + problem.beta * most)
-    finite = [
-        force
-        for phases in chain.phases
-        for phase in phases
-        for force in (phase.force_low, phase.force_high)
-        if math.isfinite(force)
-    ]
-    if not finite:
-        own = of_curve(problem.sheets, pieces)
-        finite = [*pieces.force_left[own], *pieces.force_right[own]]
-    more = _BEYOND * problem.scale + float(np.max(laws.friction))
-    least, most = min(0.0, min(finite) - more), max(0.0, max(finite) + more)
-    first, last = ([own[k] for own in chain.stretches] for k in (0, -1))
-    begin, end = (
-        _place(_at(problem, stretches, force), stretches)
-        for stretches, force in ((first, least), (last, most))
+    forces = np.fromiter(
+        flatten.from_iterable([cell.switching_range for cell in chain.cells]), float
     )
-    return begin, (_drive(problem, begin, least), _drive(problem, end, most))
+    forces = forces[np.isfinite(forces)]
+    if not forces.size:
+        own = of_curve(problem.sheets, pieces)
+        forces = np.concatenate([pieces.force_left[own], pieces.force_right[own]])
+    more = _BEYOND * problem.scale + float(np.max(laws.friction))
+    least = min(0.0, float(np.min(forces)) - more)
+    most = max(0.0, float(np.max(forces)) + more)
+    stretches = [cell.stretches for cell in chain.cells]
+    first, last = [own[0] for own in stretches], [own[-1] for own in stretches]
+    begin, end = _at(problem, first, least), _at(problem, last, most)
+    ends = _drive(problem, begin, least), _drive(problem, end, most)
+    return _place(begin, first), ends
 
 
 def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration, float] | None:
@@ -158,16 +155,16 @@ def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration,
     # Where a stretch ends, only just nothing holds the cell; a stop does.
     within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
     force = min(max(0.0, low + within), high - within)
-    place = _place(_at(problem, stretches, force), stretches)
-    return place, _drive(problem, place, force)
+    travel = _at(problem, stretches, force)
+    return _place(travel, stretches), _drive(problem, travel, force)
 
 
 def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
-    return Configuration(tuple(travel.tolist()), tuple(sheet for sheet, *_ in stretches))
+    return Configuration(tuple(travel.tolist()), tuple([one[0] for one in stretches]))
 
 
-def _drive(problem: Problem, place: Configuration, force: float) -> float:
-    return problem.alpha * math.fsum(place.travel) + problem.beta * force
+def _drive(problem: Problem, travel: Floats, force: float) -> float:
+    return problem.alpha * math.fsum(travel.tolist()) + problem.beta * force
 
 
 def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[float, float]:
@@ -184,7 +181,8 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
 def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
-    travels_between(*problem[:3], np.array(stretches, float), force, found)
+    numbers = np.fromiter(flatten.from_iterable(stretches), float).reshape(-1, 3)
+    travels_between(*problem[:3], numbers, force, found)
     return found
 
 

@@ -22,7 +22,6 @@ from stepwell.statics.following import (
     drive_of,
     follow,
     log as logged,
-    sheets_of,
     stand_all_on,
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
@@ -65,7 +64,7 @@ def path(
     points = _reached_turns(chain, problem, points)
     place = starting_configuration(chain, problem, start, float(points[0]))
     state = starting_state(chain, problem, place, float(points[0]))
-    return _follow_from(chain, problem, points, state, progress)
+    return _follow_from(chain, problem, points, place, state, progress)
 
 
 def full_cycle(
@@ -89,25 +88,35 @@ def full_cycle(
     problem = problem_of(chain, cells, prefer)
     begin, (low, high) = full_range(chain, problem)
     state = starting_state(chain, problem, begin, low)
-    return _follow_from(chain, problem, np.array([low, high, low]), state, progress)
+    return _follow_from(chain, problem, np.array([low, high, low]), begin, state, progress)
 
 
 def _follow_from(
-    chain: Chain, problem: Problem, turning: Floats, start: State, progress: Progress | None
+    chain: Chain,
+    problem: Problem,
+    turning: Floats,
+    place: Configuration,
+    start: State,
+    progress: Progress | None,
 ) -> Path:
-    """Run the follower, giving it a longer log where it needs one."""
+    """Run the follower from a place and its state, giving it a longer log where it needs one."""
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
-    sheets = sheets_of(problem.sheets)
+    sheets = np.array(place.sheet)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
-    state = start
+
+    def fresh() -> State:
+        log = logged.empty_log(room, 4 * room)
+        return State._make([*(values.copy() for values in start[:-1]), log])
+
+    def again() -> State:
+        stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
+        return fresh()
+
+    state = fresh()
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
-        if state is start:
-            log = logged.empty_log(room, 4 * room)
-            state = State._make([*(values.copy() for values in start[:-1]), log])
-            stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
         problem.effort[MOST] = most if aside else min(most, few)
         try:
             if aside:
@@ -116,10 +125,10 @@ def _follow_from(
                 status = follow(problem, turning, state)
         except _MachineCodeCame:
             follow.compiled()
-            state = start
+            state = again()
             continue
         if status == GAVE_UP and not aside and few < most:
-            aside, state = True, start
+            aside, state = True, again()
         elif status == LOG_FULL and len(state.log.segments) <= _MOST_SEGMENTS:
             state = state._replace(log=logged.longer(state.log))
         else:
@@ -135,8 +144,7 @@ def _follow_from(
     if promise != KEPT:
         drive = float(log.segments[broken, logged.DRIVE_1])
         refuse_broken(promise, chain, drive, by, problem.scale)
-    begin = Configuration(tuple(start.travel.tolist()), tuple(sheets.tolist()))
-    return _as_path(chain, problem, turning, begin, float(start.force[0]), log)
+    return _as_path(chain, problem, turning, place, float(start.force[0]), log)
 
 
 def _involved(state: State) -> list[int]:

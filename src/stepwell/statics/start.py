@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, told_in
+from stepwell.base import Floats, InputError, Ints, told_in
+from stepwell.kernels import entry
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Cell, Chain
 from stepwell.statics.following import (
     FREE,
@@ -70,7 +71,7 @@ def starting_configuration(
             )
     travels = np.where(travels < low + slip, low, travels)
     travels = np.where(travels > high - slip, high, travels)
-    return Configuration(tuple(travels.tolist()), tuple(sheets))
+    return Configuration(tuple(travels.tolist()), tuple(map(int, sheets)))
 
 
 def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: float) -> State:
@@ -80,11 +81,9 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
-    laws, _, pieces, alpha, beta, scale, *_ = problem
-    ends = problem.sheets.ends
-    travels = np.array(place.travel)
-    stand_all_on(laws, problem.sheets, pieces, np.array(place.sheet))
-    if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+    alpha, beta, scale = problem.alpha, problem.beta, problem.scale
+    travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
+    if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
             raise InputError(
                 "no cell has any force, so nothing tells where they stand behind a spring: tighten "
@@ -92,23 +91,15 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
             )
         raise InputError(
             f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
-            f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
+            f"at most {scale:.3g} N on {full:.3g} m: the last digit of its position "
             f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
         )
-    n = len(travels)
     state = blank_state(travels, logged.empty_log(0, 0))
-    for i in range(n):
-        hold(problem, state, i)
-        state.piece[i] = resting_piece(pieces, i, travels[i])
-        inside = ends[i, BEFORE] < travels[i] < ends[i, BEYOND]
-        if inside and laws.friction[i] == 0:
-            state.mode[i] = FREE
-    forces = state.at_rest.copy()
-    free = state.mode == FREE
-    low, high = held_range(problem, state)
+    low, high, falling, total, size = _rest(problem, state, np.array(place.sheet))
+    forces, free = state.at_rest, state.mode == FREE
     stroke = float(np.sum(travels))
     if beta == 0:
-        if abs(stroke - drive) > 1e-9 * chain.full_stroke:
+        if abs(stroke - drive) > 1e-9 * full:
             unit, factor = told_in(chain.measure.travel_unit)
             raise InputError(
                 f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "
@@ -120,16 +111,45 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
         force = (drive - alpha * stroke) / beta
     # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
     # it leaves open the cells tell.
-    size = abs(drive) + alpha * float(np.sum(np.abs(travels)))
-    rounding = 4.0 * EPSILON * size / beta if beta > 0 else 0.0
+    reach = abs(drive) + alpha * float(np.sum(np.abs(travels)))
+    rounding = 4.0 * EPSILON * reach / beta if beta > 0 else 0.0
     slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
         raise InputError(_unbalanced(chain, problem, state, forces, force))
-    _refuse_unstable(problem, state)
+    # A path may have ended just where it would have snapped: there the sum is rounding.
+    if falling > 1 or (falling == 1 and total >= _FOLD * size):
+        raise InputError(
+            f"start is an unstable equilibrium: {falling} cells between their stops push back less "
+            f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
+        )
     shown = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
     state.force[0] = min(max(shown, force - rounding), force + rounding)
     return state
+
+
+@entry(3e-5, "state.travel")
+def _rest(problem: Problem, state: State, sheets: Ints) -> tuple[float, float, int, float, float]:
+    """Let every cell rest where it is, on its sheet, free where nothing holds it.
+
+    Returns:
+        The forces at which every held cell stays; how many of the free ones have a falling force;
+        their compliance dU/dλ, and the sum of the sizes of its terms.
+    """
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    stand_all_on(laws, problem.sheets, pieces, sheets)
+    falling, total, size = 0, problem.beta, problem.beta
+    for i in range(len(sheets)):
+        travel = state.travel[i]
+        hold(problem, state, i)
+        state.piece[i] = resting_piece(pieces, i, travel)
+        if ends[i, BEFORE] < travel < ends[i, BEYOND] and laws.friction[i] == 0.0:
+            state.mode[i] = FREE
+            falling += int(pieces.sign[state.piece[i]] < 0)
+            share = problem.alpha * inverse_slope(laws, pieces, i, state.piece[i], travel)
+            total, size = total + share, size + abs(share)
+    low, high = held_range(problem, state)
+    return low, high, falling, total, size
 
 
 def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, force: float) -> str:
@@ -150,18 +170,3 @@ def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, fo
         f"start is no equilibrium: {'; '.join(parts)}{given}; one force must suit all. Start from "
         f"all cells at 0 and drive to the state that you mean."
     )
-
-
-def _refuse_unstable(problem: Problem, state: State) -> None:
-    laws, _, pieces, alpha, beta, *_ = problem
-    total, size, falling = beta, beta, 0
-    for i in np.flatnonzero(state.mode == FREE).tolist():
-        falling += int(pieces.sign[state.piece[i]] < 0)
-        share = alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
-        total, size = total + share, size + abs(share)
-    # A path may have ended just where it would have snapped: there the sum is rounding.
-    if falling > 1 or (falling == 1 and total >= _FOLD * size):
-        raise InputError(
-            f"start is an unstable equilibrium: {falling} cells between their stops push back less "
-            f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
-        )

@@ -62,7 +62,7 @@ def _curves(element: Element, reach: float) -> list[_Part]:
     stopped = element.stopped
     parts: list[_Part] = []
     for sheet in element.laws:
-        rows = sheet.extended(*element.going_on(sheet, reach))
+        rows = sheet.extended(element.goes_on(sheet), -reach)
         goes_on = (
             sheet.below is None and not stopped[0],
             sheet.above is None and not stopped[1],

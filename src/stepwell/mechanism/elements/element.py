@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, check, told_in
-from stepwell.mechanism.cubics import Force, end_of, integral, signs, value
+from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
+from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
 from stepwell.mechanism.elements import build
 from stepwell.mechanism.elements.beside import beside
 from stepwell.mechanism.elements.fold import folded
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Stops = bool | tuple[bool, bool]
 
+_BLANK = np.zeros((1, COLUMNS))
 # A digit of a state tells one of so many phases.
 _MOST_PHASES = 10
 # An end that is open goes on straight; it has to rise by this share of the mean stiffness.
@@ -63,8 +64,12 @@ class Element(ByValue, Drawn):
     mobility: float = field(default=1.0, kw_only=True)
     # In the units of the curve as it is, scales included.
     _sheets: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
+    _ends: tuple[float, float] = field(init=False, repr=False, compare=False)
     _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
+    _stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
+    _switching_range: tuple[float, float] = field(init=False, repr=False, compare=False)
     _largest: float = field(init=False, repr=False, compare=False)
+    _packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         put = object.__setattr__
@@ -77,11 +82,18 @@ class Element(ByValue, Drawn):
         if not self.sheets:
             raise InputError("sheets is empty: an element has a curve; see Element.from_table.")
         scales = self.force_scale, self.travel_scale
-        put(self, "_sheets", tuple(sheet.scaled(*scales) for sheet in self.sheets))
-        largest = max(float(np.max(np.abs(signs(s.rows, s.end)[0]))) for s in self._sheets)
-        put(self, "_largest", largest)
-        put(self, "_phases", _phases_of(self))
+        own = tuple(sheet.scaled(*scales) for sheet in self.sheets)
+        put(self, "_sheets", own)
+        put(self, "_ends", (min(sheet.begin for sheet in own), max(sheet.end for sheet in own)))
+        turns = [signs(sheet.rows, sheet.end) for sheet in own]
+        put(self, "_largest", max(float(np.max(np.abs(forces))) for forces, _ in turns))
+        put(self, "_phases", _phases_of(self, turns))
+        put(self, "_stretches", tuple((one.sheet, one.low, one.high) for one in self._phases))
+        forces = [force for one in self._phases for force in (one.force_low, one.force_high)]
+        finite = [force for force in forces if abs(force) < np.inf]
+        put(self, "_switching_range", (min(finite, default=np.inf), max(finite, default=-np.inf)))
         _refuse_loose_ends(self)
+        put(self, "_packed", _packed(self))
 
     @classmethod
     def from_table(
@@ -252,12 +264,23 @@ class Element(ByValue, Drawn):
     @property
     def stopped(self) -> tuple[bool, bool]:
         """Whether it is stopped at the low and at the high end of its curve."""
-        return _both(self.stops)
+        assert not isinstance(self.stops, bool)
+        return self.stops
 
     @property
     def laws(self) -> tuple[Sheet, ...]:
         """Its sheets with the scales in them."""
         return self._sheets
+
+    @property
+    def packed(self) -> tuple[tuple[float, ...], Floats]:
+        """What a chain is packed from: a table of its sheets, row by row, and their curves.
+
+        See `sheet.LOW` for the columns of the table; rows and the first sheet are counted from each
+        sheet. An open end is infinite there and has a row of its own in the curves, blank at the
+        low end.
+        """
+        return self._packed
 
     @property
     def phases(self) -> tuple[Phase, ...]:
@@ -267,22 +290,28 @@ class Element(ByValue, Drawn):
     @property
     def stretches(self) -> tuple[Stretch, ...]:
         """Sheet and travels [m] of every phase, in their order."""
-        return tuple((phase.sheet, phase.low, phase.high) for phase in self._phases)
+        return self._stretches
+
+    @property
+    def switching_range(self) -> tuple[float, float]:
+        """Least and largest switching force of its phases [N]; infinite if there is none."""
+        return self._switching_range
 
     @property
     def low(self) -> float:
         """Least travel of its curve [m]."""
-        return min(sheet.begin for sheet in self._sheets)
+        return self._ends[0]
 
     @property
     def high(self) -> float:
         """Largest travel of its curve [m]."""
-        return max(sheet.end for sheet in self._sheets)
+        return self._ends[1]
 
     @property
     def full_travel(self) -> float:
         """Travel between the ends of its curve [m]; an end without a stop can be passed."""
-        return self.high - self.low
+        low, high = self._ends
+        return high - low
 
     @property
     def largest_force(self) -> float:
@@ -326,17 +355,13 @@ class Element(ByValue, Drawn):
         """
         return integral(*self._asked(travel, sheet))
 
-    def going_on(self, sheet: Sheet, force: float) -> tuple[float | None, float | None]:
-        """The forces to which a sheet goes on at its low and at its high end [N]; None if stopped.
-
-        Args:
-            sheet: one of its sheets, with the scales in it.
-            force: how large the forces are there.
-        """
+    def goes_on(self, sheet: Sheet) -> tuple[bool, bool]:
+        """Whether one of its sheets goes straight on past its low and past its high end."""
         below, above = self.stopped
-        first = None if below or sheet.begin != self.low or sheet.below is not None else -force
-        last = None if above or sheet.end != self.high or sheet.above is not None else force
-        return first, last
+        return (
+            not below and sheet.begin == self.low and sheet.below is None,
+            not above and sheet.end == self.high and sheet.above is None,
+        )
 
     def renamed(self, name: str) -> Element:
         """The same element by another name."""
@@ -349,11 +374,7 @@ class Element(ByValue, Drawn):
             )
         chosen, travel = self._sheets[sheet], np.asarray(travel, float)
         slip = 1e-9 * self.full_travel
-        below, above = self.stopped
-        opens = (
-            not below and chosen.begin == self.low and chosen.below is None,
-            not above and chosen.end == self.high and chosen.above is None,
-        )
+        opens = self.goes_on(chosen)
         far = np.isnan(travel)
         far |= (travel < chosen.begin - slip) & (not opens[0])
         far |= (travel > chosen.end + slip) & (not opens[1])
@@ -365,12 +386,8 @@ class Element(ByValue, Drawn):
                 f"{chosen.begin * factor:.6g} and {chosen.end * factor:.6g} {unit}, where "
                 f"{'the curve' if len(self._sheets) == 1 else f'sheet {sheet}'} ends."
             )
-        reach = self.largest_force
-        rows = chosen.extended(
-            -2.0 * reach - abs(float(chosen.rows[0, 1])) if opens[0] else None,
-            reach if opens[1] else None,
-        )
-        return rows, travel
+        force = -2.0 * self.largest_force - abs(float(chosen.rows[0, 1]))
+        return chosen.extended(opens, force), travel
 
     def __repr__(self):
         unit, factor = told_in(self.measure.travel_unit)
@@ -396,18 +413,26 @@ def _both(stops: Stops) -> tuple[bool, bool]:
     return bool(low), bool(high)
 
 
+def _packed(element: Element) -> tuple[tuple[float, ...], Floats]:
+    table: list[float] = []
+    curves: list[Floats] = []
+    for number, sheet in enumerate(element.laws):
+        low, high = element.goes_on(sheet)
+        curves += [*[_BLANK] * low, sheet.rows, *[sheet.after] * high]
+        rows = low + len(sheet.rows) + high
+        ends = -np.inf if low else sheet.begin, np.inf if high else sheet.end
+        leads = (-1 if to is None else to for to in (sheet.below, sheet.above))
+        table += [*ends, sheet.begin, sheet.end, 0, rows, *leads, -number]
+    return tuple(table), np.concatenate(curves)
+
+
 def _refuse_loose_ends(element: Element) -> None:
     """Raise ValueError where the curve would go on without bound: falling, or flat."""
     slowest = _LEAST_RISE * element.largest_force / element.full_travel
-    below, above = element.stopped
     for sheet in element.laws:
-        slope = end_of(sheet.rows, sheet.end)[1]
-        checks = (
-            ("low", below, sheet.begin == element.low, sheet.below, sheet.rows[0, 2]),
-            ("high", above, sheet.end == element.high, sheet.above, slope),
-        )
-        for end, stopped, outermost, leads, rise in checks:
-            if outermost and leads is None and not stopped and not rise > slowest:
+        rises = sheet.rows[0, 2], sheet.after[0, 2]
+        for end, goes_on, rise in zip(("low", "high"), element.goes_on(sheet), rises, strict=True):
+            if goes_on and not rise > slowest:
                 raise InputError(
                     f"stops: at the {end} end of the curve the force does not rise with travel, so "
                     f"without a stop there the element would run away: pass stops=True if it is "
@@ -415,12 +440,12 @@ def _refuse_loose_ends(element: Element) -> None:
                 )
 
 
-def _phases_of(element: Element) -> tuple[Phase, ...]:
-    """Runs of rows on which the force does not fall, and stops."""
+def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:
+    """Runs of rows on which the force does not fall, and stops; `turns` has `signs` by sheet."""
     below, above = element.stopped
     found: list[Phase] = []
     for number, sheet in enumerate(element.laws):
-        forces, rises = signs(sheet.rows, sheet.end)
+        forces, rises = turns[number]
         joints = np.append(sheet.rows[:, 0], sheet.end)
         # What holds it at either end: a stop, or a curve that goes on rising.
         ends_low = sheet.below is None and sheet.begin == element.low

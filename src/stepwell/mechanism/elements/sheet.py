@@ -5,7 +5,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stepwell.base import ByValue, Floats
-from stepwell.mechanism.cubics import end_of, monotone
+from stepwell.mechanism.cubics import COLUMNS, end_of, monotone
+
+# Columns of a table of sheets: its ends; the same without what an open end goes on beyond the
+# curve; its rows; the sheets to which it leads from below and above, or -1; and the first sheet of
+# its cell.
+SHEET_COLUMNS = 9
+LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(SHEET_COLUMNS)
+
+
+def before(rows: Floats, force: float) -> Floats:
+    """(..., 6) straight rows that lead from a force [N] to where each of (..., 6) rows begins."""
+    x0, first, slope, _, _, energy = np.moveaxis(rows, -1, 0)
+    way = (first - force) / slope
+    out = np.zeros(rows.shape)
+    out[..., 0], out[..., 1], out[..., 2] = x0 - way, force, slope
+    out[..., COLUMNS - 1] = energy - way * (first + force) / 2.0
+    return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,11 +43,13 @@ class Sheet(ByValue):
     end: float
     below: int | None = None
     above: int | None = None
-    # Force, slope and energy at its high end, which a chain of very many elements asks each for.
-    _tail: tuple[float, float, float] = field(init=False, repr=False, compare=False)
+    _after: Floats = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
-        object.__setattr__(self, "_tail", end_of(self.rows, self.end))
+        force, slope, energy = end_of(self.rows, self.end)
+        after = np.array([[self.end, force, slope, 0.0, 0.0, energy]])
+        after.setflags(write=False)
+        object.__setattr__(self, "_after", after)
 
     @classmethod
     def of(
@@ -47,32 +65,27 @@ class Sheet(ByValue):
         """Travel where it begins [m]."""
         return float(self.rows[0, 0])
 
+    @property
+    def after(self) -> Floats:
+        """(1, 6) the row on which it goes straight on past its high end."""
+        return self._after
+
     def scaled(self, force: float, travel: float) -> "Sheet":
         """The same sheet with all forces and all travels times a number."""
+        if force == travel == 1.0 and not self.rows.flags.writeable:
+            return self
         by = force / travel ** np.arange(4)
         rows = self.rows * np.array([travel, *by, force * travel])
         rows.setflags(write=False)
         return Sheet(rows, self.end * travel, self.below, self.above)
 
-    def beyond(self, low: float | None, high: float | None) -> tuple[Floats | None, Floats | None]:
-        """A row before its own and one after, on which it goes straight on to these forces [N].
+    def extended(self, goes_on: tuple[bool, bool], force: float) -> Floats:
+        """Its rows, with those on which it goes straight on at its low and at its high end.
 
-        Returns:
-            Two (6,) rows, None at an end where it does not go on. The first begins where the force
-            is `low`; the last has no end.
+        Args:
+            goes_on: at which ends it does.
+            force: at which the first row begins [N]; the last one has no end.
         """
-        before = after = None
-        if high is not None:
-            force, slope, energy = self._tail
-            after = np.array([self.end, force, slope, 0.0, 0.0, energy])
-        if low is not None:
-            x0, force, slope, _, _, begin = self.rows[0].tolist()
-            way = (force - low) / slope
-            energy = begin - way * (force + low) / 2.0
-            before = np.array([x0 - way, low, slope, 0.0, 0.0, energy])
-        return before, after
-
-    def extended(self, low: float | None, high: float | None) -> Floats:
-        """Its rows, going on straight to these forces [N] at an end; None where it does not."""
-        before, after = self.beyond(low, high)
-        return np.vstack([rows for rows in (before, self.rows, after) if rows is not None])
+        low, high = goes_on
+        first = [before(self.rows[:1], force)] if low else []
+        return np.concatenate([*first, self.rows, *[self.after] * high])

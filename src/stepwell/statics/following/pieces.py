@@ -286,7 +286,7 @@ def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: Room) 
 
 def cut(laws: Laws, sheets: Sheets) -> Pieces:
     """All pieces of all cells."""
-    size = 16 * len(laws.lever) + 64
+    size = 16 * len(laws.lever) + len(laws.rows) + 64
     while True:
         pieces = room_of_pieces(laws, sheets, size)
         total = _cut(laws, sheets, pieces, room_for(laws))
