@@ -66,7 +66,7 @@ KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 # engine keeps them a hundred times better; what breaks them has lost its digits.
 FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
 # How often all cells of a long chain are looked at.
-_WHOLE_LOOKS = 16
+_WHOLE_LOOKS = 8
 # Rows of the spare room that are free once a path is followed.
 _NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = WAS, PLACE, FAR_PLACE, START, WORN
 _SEEN, _ON, _NAMED = MODES, SHEETS, WAS_ON
@@ -156,7 +156,7 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     and in the middle set, its force being convex or concave there; a snap sets energy free, and
     the last of several at one drive ends in a place that is stable. [N], [N/m] or [J]. Where cells
     follow the force without rows of their own, all of them are looked at, and their travels added
-    up, at the last such segment and at about 16 before it; at the others the cells with rows are.
+    up, at the last such segment and at about 8 before it; at the others the cells with rows are.
     """
     return audit_in(problem, log, start, sheets)
 

@@ -34,81 +34,71 @@ class Queues(NamedTuple):
     """
 
     heap: Ints  # (Q, N) cells; those of queue q are the first size[q]
-    place: Ints  # (Q, N) where each cell is in the heap, or -1
-    key: Floats  # (Q, N) by cell
+    key: Floats  # (Q, N) of these
+    place: Ints  # (N, Q) where each cell is in the heap, or -1
     size: Ints  # (Q,)
 
 
 @leaf
-def _settle_at(queues: Queues, q: int, k: int) -> None:
-    """Move the cell at place k up or down until the heap is in order."""
-    heap, place, key = queues.heap, queues.place, queues.key
-    cell = heap[q, k]
-    own = key[q, cell]
+def _settle_at(queues: Queues, q: int, k: int, cell: int, own: float) -> None:
+    """Put a cell and its key into place k or up or down from there, where the heap is in order."""
+    heap, key, place, size = queues.heap[q], queues.key[q], queues.place, queues.size[q]
     while k > 0:
         above = (k - 1) // 2
-        if key[q, heap[q, above]] <= own:
+        if key[above] <= own:
             break
-        heap[q, k] = heap[q, above]
-        place[q, heap[q, k]] = k
+        heap[k], key[k] = heap[above], key[above]
+        place[heap[k], q] = k
         k = above
-    size = queues.size[q]
     while 2 * k + 1 < size:
         below = 2 * k + 1
-        if below + 1 < size and key[q, heap[q, below + 1]] < key[q, heap[q, below]]:
+        if below + 1 < size and key[below + 1] < key[below]:
             below += 1
-        if own <= key[q, heap[q, below]]:
+        if own <= key[below]:
             break
-        heap[q, k] = heap[q, below]
-        place[q, heap[q, k]] = k
+        heap[k], key[k] = heap[below], key[below]
+        place[heap[k], q] = k
         k = below
-    heap[q, k] = cell
-    place[q, cell] = k
+    heap[k], key[k] = cell, own
+    place[cell, q] = k
 
 
 @leaf
 def put(queues: Queues, q: int, cell: int, key: float) -> None:
     """Let a cell stand in queue q with this key, whether it was there or not."""
-    queues.key[q, cell] = key
-    if queues.place[q, cell] < 0:
-        last = queues.size[q]
-        queues.size[q] = last + 1
-        queues.heap[q, last] = cell
-        queues.place[q, cell] = last
-    _settle_at(queues, q, queues.place[q, cell])
+    at = queues.place[cell, q]
+    if at < 0:
+        at = queues.size[q]
+        queues.size[q] = at + 1
+    _settle_at(queues, q, at, cell, key)
 
 
 @leaf
 def drop(queues: Queues, q: int, cell: int) -> None:
     """Take a cell out of queue q, if it is there."""
-    at = queues.place[q, cell]
+    at = queues.place[cell, q]
     if at < 0:
         return
     last = queues.size[q] - 1
     queues.size[q] = last
-    queues.place[q, cell] = -1
+    queues.place[cell, q] = -1
     if at < last:
-        queues.heap[q, at] = queues.heap[q, last]
-        queues.place[q, queues.heap[q, at]] = at
-        _settle_at(queues, q, at)
+        _settle_at(queues, q, at, queues.heap[q, last], queues.key[q, last])
 
 
 @leaf
 def first_key(queues: Queues, q: int) -> float:
     """The least key of queue q; inf where it is empty."""
-    return float(queues.key[q, queues.heap[q, 0]]) if queues.size[q] > 0 else np.inf
+    return float(queues.key[q, 0]) if queues.size[q] > 0 else np.inf
 
 
 @leaf
-def second(queues: Queues, q: int) -> int:
-    """The cell with the least key but one of queue q, or -1."""
-    size = queues.size[q]
+def second_key(queues: Queues, q: int) -> float:
+    """The least key but one of queue q; inf where there is none."""
+    size, key = queues.size[q], queues.key[q]
     if size < 2:
-        return -1
-    if size == 2:
-        return int(queues.heap[q, 1])
-    one, two = queues.heap[q, 1], queues.heap[q, 2]
-    return int(one if queues.key[q, one] <= queues.key[q, two] else two)
+        return np.inf
+    return float(key[1] if size == 2 else min(key[1], key[2]))
 
 
 class Rising(NamedTuple):
@@ -128,8 +118,8 @@ def no_rising(cells: int) -> Rising:
     return Rising(
         Queues(
             np.zeros((4, cells), np.int64),
-            np.full((4, cells), -1),
             np.zeros((4, cells)),
+            np.full((cells, 4), -1),
             np.zeros(4, np.int64),
         ),
         np.zeros(cells, np.int64),
@@ -189,17 +179,23 @@ def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
 @leaf
 def _count_in(problem: Problem, rising: Rising, piece: int, sign: float) -> None:
     """Add a straight piece to the sums, or take it out."""
+    soft, offset = _line(problem, piece)
+    _add(rising.sums, _COMPLIANCE, sign * soft)
+    _add(rising.sums, _OFFSET, sign * offset)
+
+
+@leaf
+def _line(problem: Problem, piece: int) -> tuple[float, float]:
+    """Travel of a straight piece over its force: 1/κ [m/N], and where the force is none [m]."""
     row = problem.laws.rows[problem.pieces.picked[piece, 0]]
     soft = 1.0 / row[2]
-    _add(rising.sums, _COMPLIANCE, sign * soft)
-    _add(rising.sums, _OFFSET, sign * (row[0] - row[1] * soft))
+    return soft, row[0] - row[1] * soft
 
 
 @leaf
 def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
     """Take cell i in on a piece, and queue the joints at the ends of that piece."""
-    pieces, queues = problem.pieces, rising.queues
-    if is_straight(problem.laws, pieces, i, piece):
+    if is_straight(problem.laws, problem.pieces, i, piece):
         rising.kind[i] = _STRAIGHT
         _count_in(problem, rising, piece, 1.0)
     else:
@@ -207,15 +203,23 @@ def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
         last = rising.counts[0]
         rising.curved[last], rising.place[i] = i, last
         rising.counts[0] = last + 1
-    first, last = pieces.among[i, 0], pieces.among[i, 1]
-    if piece < last and pieces.sign[piece + 1] > 0:
-        put(queues, JOINT_UP, i, pieces.force_right[piece])
+    _queue_joint(problem, rising, i, piece, 1)
+    _queue_joint(problem, rising, i, piece, -1)
+
+
+@leaf
+def _queue_joint(problem: Problem, rising: Rising, i: int, piece: int, toward: int) -> None:
+    """Queue the joint of a piece of cell i with the rising one that λ going `toward` leads to."""
+    pieces = problem.pieces
+    if toward > 0:
+        if piece < pieces.among[i, 1] and pieces.sign[piece + 1] > 0:
+            put(rising.queues, JOINT_UP, i, pieces.force_right[piece])
+        else:
+            drop(rising.queues, JOINT_UP, i)
+    elif piece > pieces.among[i, 0] and pieces.sign[piece - 1] > 0:
+        put(rising.queues, JOINT_DOWN, i, -pieces.force_left[piece])
     else:
-        drop(queues, JOINT_UP, i)
-    if piece > first and pieces.sign[piece - 1] > 0:
-        put(queues, JOINT_DOWN, i, -pieces.force_left[piece])
-    else:
-        drop(queues, JOINT_DOWN, i)
+        drop(rising.queues, JOINT_DOWN, i)
 
 
 @leaf
@@ -262,13 +266,21 @@ def rise_no_more(problem: Problem, state: State, rising: Rising, i: int) -> None
 @leaf
 def pass_joint(problem: Problem, state: State, rising: Rising, toward: int) -> None:
     """Let the cell that is first at a joint, λ going `toward`, go on to the next piece."""
-    laws, pieces = problem.laws, problem.pieces
-    i = rising.queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
+    laws, pieces, queues = problem.laws, problem.pieces, rising.queues
+    i = queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
     piece, kind = int(state.piece[i]), rising.kind[i]
+    following = piece + toward
     joint = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
+    state.piece[i], state.travel[i] = following, joint
+    if kind == _STRAIGHT and is_straight(laws, pieces, i, following):
+        (soft, offset), (softer, next_offset) = _line(problem, piece), _line(problem, following)
+        _add(rising.sums, _COMPLIANCE, softer - soft)
+        _add(rising.sums, _OFFSET, next_offset - offset)
+        _queue_joint(problem, rising, i, following, toward)
+        _queue_joint(problem, rising, i, following, -toward)
+        return
     _exit(problem, rising, i, piece)
-    state.piece[i], state.travel[i] = piece + toward, joint
-    _enter(problem, rising, i, piece + toward)
+    _enter(problem, rising, i, following)
     if kind != rising.kind[i]:
         held = stored(laws, i, pieces.picked[piece], joint)
         _add(rising.sums, _STORED, held if kind == _CURVED else -held)

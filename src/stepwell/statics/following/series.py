@@ -62,7 +62,7 @@ from stepwell.statics.following.rising import (
     rest_no_more,
     rise,
     rise_no_more,
-    second,
+    second_key,
     softness_at,
     stroke_at,
     travel_at_force,
@@ -273,8 +273,7 @@ def _stop_here(
 @leaf
 def _ties(queues: Queues, q: int, within: float) -> bool:
     """Whether the first two cells of a queue are nearer to each other than `within`."""
-    other = second(queues, q)
-    return bool(other >= 0 and queues.key[q, other] - first_key(queues, q) <= within)
+    return bool(second_key(queues, q) - first_key(queues, q) <= within)
 
 
 @leaf
@@ -290,7 +289,8 @@ def _next_cell(problem: Problem, state: State, rising: Rising, q: int, toward: i
     limit = first_key(queues, q) + within
     falls, other, goes = -1, -1, -1
     for i in range(len(state.mode)):
-        if queues.place[q, i] < 0 or queues.key[q, i] > limit:
+        at = queues.place[i, q]
+        if at < 0 or queues.key[q, at] > limit:
             continue
         if past_end(problem, state, rising, i, toward) != -1:
             goes = i if goes < 0 else goes
