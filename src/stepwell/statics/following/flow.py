@@ -46,10 +46,16 @@ _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _B
 # ... ds/dt, room for the stages of a step, what it goes in it, the error of that; travel, F, κ and
 # ds/dt after the step; and the error of its travel so far ...
 _RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL = range(10, 20)
-_NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF, _ROWS = range(20, 25)
-# ... and, whole numbers, which cell it is, on which piece before and after the step, and in which
-# sense it moves within a step, 0 where it stays.
-_CELL, _PIECE, _SENSE, _NEXT_PIECE = range(4)
+_NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF = range(20, 24)
+# ... where its law was asked last, F, κ and dκ/ds there, between which travels these tell it; and
+# 1 / (1 + γ h m κ) of the step.
+_ASKED, _THERE, _STEEP, _BEND, _FROM, _TO, _PIVOT, _ROWS = range(24, 32)
+# ... and, whole numbers, which cell it is, on which piece it was asked, and in which sense it moves
+# within a step, 0 where it stays.
+_CELL, _PIECE, _SENSE = range(3)
+# A law is told from where it was asked last as far as this share of the travel at most, and to this
+# share of the largest force.
+_CLOSE, _EXACT = 1e-3, 1e-9
 # What is known of the cells that keep still: the λ between which they do, and the sum of travels.
 _LOWEST, _HIGHEST, _STILL = range(3)
 
@@ -58,8 +64,8 @@ class Flow(NamedTuple):
     """Where the flow is; N cells of the chain, m of them in the flow."""
 
     drive: float
-    cell: Floats  # (24, N) see above, the first m columns
-    where: Ints  # (4, N) likewise
+    cell: Floats  # (31, N) see above, the first m columns
+    where: Ints  # (3, N) likewise
     used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
     first: Ints  # (2,) the cells that let go at the highest and at the lowest, or -1
@@ -88,7 +94,7 @@ def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
         state.mode[i] = LETS_GO
     for row in range(_ROWS):
         at.cell[row, j] = 0.0
-    for row in range(4):
+    for row in range(3):
         at.where[row, j] = 0
     at.where[_CELL, j] = i
     at.cell[_TRAVEL, j] = state.travel[i]
@@ -104,10 +110,39 @@ def _stand(problem: Problem, at: Flow, j: int) -> None:
     i, ends = at.where[_CELL, j], problem.sheets.ends
     at.cell[_LEAST, j], at.cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
     at.cell[_BEFORE, j], at.cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
-    piece = find_piece(problem.pieces, i, at.cell[_TRAVEL, j], 0)
-    at.where[_PIECE, j] = piece
-    picked, travel = problem.pieces.picked[piece], at.cell[_TRAVEL, j]
-    at.cell[_FORCE, j], at.cell[_SLOPE, j], _ = law(problem.laws, i, picked, travel)
+    travel = at.cell[_TRAVEL, j]
+    at.where[_PIECE, j] = find_piece(problem.pieces, i, travel, 0)
+    # Nothing is known of how the law bends on from here.
+    at.cell[_ASKED, j], at.cell[_FROM, j], at.cell[_TO, j] = np.nan, np.inf, -np.inf
+    at.cell[_FORCE, j], at.cell[_SLOPE, j] = _law_at(problem, at, j, travel)
+
+
+@leaf
+def _law_at(problem: Problem, at: Flow, j: int, travel: float) -> tuple[float, float]:
+    """F and κ of a cell in the flow at a travel.
+
+    Near where the law was asked last, F, κ and dκ/ds there tell it: most cells of a long chain
+    hardly move. How near is seen where it is asked again, from what these three have missed.
+    """
+    cell, where, pieces = at.cell, at.where, problem.pieces
+    if cell[_FROM, j] <= travel <= cell[_TO, j]:
+        off = travel - cell[_ASKED, j]
+        slope = cell[_STEEP, j] + off * cell[_BEND, j]
+        return cell[_THERE, j] + 0.5 * off * (cell[_STEEP, j] + slope), slope
+    before = where[_PIECE, j]
+    piece = _piece_near(pieces, before, travel)
+    force, slope, bend = law(problem.laws, where[_CELL, j], pieces.picked[piece], travel)
+    off = travel - cell[_ASKED, j]
+    reach = 0.0
+    if piece == before and off == off:
+        told = cell[_THERE, j] + off * (cell[_STEEP, j] + 0.5 * off * cell[_BEND, j])
+        miss = abs(force - told) / (_EXACT * problem.scale)
+        reach = min(_CLOSE * cell[_FULL, j], abs(off) / max(miss, 1e-30) ** (1.0 / 3.0))
+    where[_PIECE, j] = piece
+    cell[_ASKED, j], cell[_THERE, j], cell[_STEEP, j], cell[_BEND, j] = travel, force, slope, bend
+    cell[_FROM, j] = max(pieces.left[piece], travel - reach)
+    cell[_TO, j] = min(pieces.right[piece], travel + reach)
+    return force, slope
 
 
 @leaf
@@ -199,13 +234,10 @@ def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
 
 @leaf
 def _look(problem: Problem, at: Flow) -> None:
-    """Pieces, forces and slopes of the cells where they are."""
-    pieces, cell, where = problem.pieces, at.cell, at.where
+    """Forces and slopes of the cells where they are."""
+    cell = at.cell
     for j in range(at.used[0]):
-        i, travel = where[_CELL, j], cell[_TRAVEL, j]
-        piece = _piece_near(pieces, where[_PIECE, j], travel)
-        where[_PIECE, j] = piece
-        cell[_FORCE, j], cell[_SLOPE, j], _ = law(problem.laws, i, pieces.picked[piece], travel)
+        cell[_FORCE, j], cell[_SLOPE, j] = _law_at(problem, at, j, cell[_TRAVEL, j])
 
 
 @leaf
@@ -258,40 +290,44 @@ def _smooth_rates(
 
 
 @leaf
+def _set_pivots(cell: Floats, where: Ints, m: int, h: float) -> None:
+    """1 / (1 + h m κ) of the moving cells, and 0 of the others, for the solutions of a step."""
+    for j in range(m):
+        pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
+        cell[_PIVOT, j] = 1.0 / pivot if where[_SENSE, j] != 0 else 0.0
+
+
+@leaf
 def _solve(
     alpha: float, beta: float, cell: Floats, where: Ints, m: int, h: float, row: int, out: int
 ) -> None:
     """x of (I - h J) x = `row`, where J is -diag(m κ) on the moving cells, coupled by the drive.
 
-    One multiplier couples all of them, so the solution costs no more than `row` itself.
+    One multiplier couples all of them, so the solution costs no more than `row` itself. The pivots
+    are those of h.
     """
     total, weight = 0.0, 0.0
     for j in range(m):
-        if where[_SENSE, j] != 0:
-            pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
-            total += cell[row, j] / pivot
-            weight += cell[_MOBILITY, j] / pivot
+        total += cell[row, j] * cell[_PIVOT, j]
+        weight += cell[_MOBILITY, j] * cell[_PIVOT, j]
     if beta == 0.0:
         shared = -total / weight if weight != 0.0 else 0.0
     else:
         shared = -(h * alpha / beta) * total / (1.0 + (h * alpha / beta) * weight)
     for j in range(m):
-        cell[out, j] = cell[row, j]
-        if where[_SENSE, j] != 0:
-            pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
-            cell[out, j] = (cell[row, j] + cell[_MOBILITY, j] * shared) / pivot
+        moved = (cell[row, j] + cell[_MOBILITY, j] * shared) * cell[_PIVOT, j]
+        cell[out, j] = moved if where[_SENSE, j] != 0 else cell[row, j]
 
 
 @leaf
 def _forces(problem: Problem, at: Flow, row: int) -> None:
     """Forces of the cells that move, at the travels of `_TRIAL`, into `row`."""
-    pieces, cell, where = problem.pieces, at.cell, at.where
+    cell, where = at.cell, at.where
     for j in range(at.used[0]):
         cell[row, j] = 0.0
         if where[_SENSE, j] != 0:
             place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
-            picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], place)]
-            cell[row, j], _, _ = law(problem.laws, where[_CELL, j], picked, place)
+            cell[row, j], _ = _law_at(problem, at, j, place)
 
 
 @leaf
@@ -309,6 +345,7 @@ def _step(problem: Problem, at: Flow, h: float) -> None:
     """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m]."""
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     actuator = (alpha, beta, at.drive, at.still[_STILL])
+    _set_pivots(cell, where, m, _GAMMA * h)
     _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
     for j in range(m):
         cell[_TRIAL, j] = cell[_TRAVEL, j] + h * _A21 * cell[_X1, j]
@@ -389,19 +426,15 @@ def _worst(cell: Floats, m: int) -> float:
 
 @leaf
 def _look_ahead(problem: Problem, at: Flow) -> float:
-    """Pieces, forces, slopes and rates where the last step ends, into the rows of the next; λ."""
-    pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
+    """Forces, slopes and rates where the last step ends, into the rows of the next; λ."""
+    cell, where, m = at.cell, at.where, at.used[0]
     for j in range(m):
-        where[_NEXT_PIECE, j] = where[_PIECE, j]
         cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j] = cell[_FORCE, j], cell[_SLOPE, j]
         cell[_TRIAL, j] = cell[_TRAVEL, j]
         if where[_SENSE, j] != 0:
             cell[_TRIAL, j] += cell[_WAY, j]
             place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
-            piece = _piece_near(pieces, where[_PIECE, j], place)
-            where[_NEXT_PIECE, j] = piece
-            value, slope, _ = law(problem.laws, where[_CELL, j], pieces.picked[piece], place)
-            cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j] = value, slope
+            cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j] = _law_at(problem, at, j, place)
         cell[_NEXT_RATE, j] = cell[_NEXT_FORCE, j]
     actuator = (problem.alpha, problem.beta, at.drive, at.still[_STILL])
     return _smooth_rates(actuator, cell, where, m, _NEXT_RATE)
@@ -781,6 +814,7 @@ def flow(
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
     before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
+    exact = False
     for step in range(_STEPS):
         m = used[0]
         if overspent(effort, m):
@@ -803,7 +837,11 @@ def flow(
         # Newton can say so (two cells of constant force have no single place to be).
         longest = 1e6 / (stiffest * slowest)
         resting = wanted >= longest and largest <= 1e-11 * scale
-        settled = largest <= 1e-14 * scale or resting
+        settled = exact and (largest <= 1e-14 * scale or resting)
+        exact = largest <= 1e-6 * scale
+        if exact:
+            # Next to rest every law is asked.
+            cell[_FROM, :m], cell[_TO, :m] = np.inf, -np.inf
         if not settled and largest < 1e-2 * scale and step % 2 == 0:
             settled, level = _polish(problem, at, shared)
             if settled:
@@ -866,7 +904,6 @@ def flow(
             place = min(max(place, cell[_LEAST, j]), cell[_MOST, j])
             rubbed[where[_CELL, j]] += abs(place - cell[_TRAVEL, j])
             cell[_TRAVEL, j] = place
-            where[_PIECE, j] = where[_NEXT_PIECE, j]
             cell[_FORCE, j], cell[_SLOPE, j] = cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j]
         if stopped >= 0:
             _look(problem, at)

@@ -75,8 +75,8 @@ class Spare(NamedTuple):
     number: Floats  # (10, N), see above
     whole: Ints  # (7, N)
     stack: Floats  # (2, 256) stretches that wait to be looked at
-    in_flow: Floats  # (24, N) what the flow knows of cells
-    where: Ints  # (4, N)
+    in_flow: Floats  # (31, N) what the flow knows of cells
+    where: Ints  # (3, N)
     of_flow: Floats  # (3,) and of all of them
     counts: Ints  # (3,)
 
@@ -88,8 +88,8 @@ def spare_room(cells: int) -> Spare:
         np.zeros((_NUMBERS, cells)),
         np.zeros((_WHOLES, cells), np.int64),
         np.zeros((2, _STACK)),
-        np.zeros((24, cells)),
-        np.zeros((4, cells), np.int64),
+        np.zeros((31, cells)),
+        np.zeros((3, cells), np.int64),
         np.zeros(3),
         np.zeros(3, np.int64),
     )
