@@ -72,7 +72,7 @@ BEFORE, BEYOND = 2, 3
 
 
 @leaf
-def smallest(values: Floats) -> float:
+def smallest(values: Floats | Ints) -> float:
     """The least of (N,) numbers; inf of none."""
     least = np.inf
     for value in values:
@@ -81,7 +81,7 @@ def smallest(values: Floats) -> float:
 
 
 @leaf
-def largest(values: Floats) -> float:
+def largest(values: Floats | Ints) -> float:
     """The largest of (N,) numbers; -inf of none."""
     most = -np.inf
     for value in values:

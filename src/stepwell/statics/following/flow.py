@@ -13,7 +13,16 @@ from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, smallest
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
-from stepwell.statics.following.state import HELD, LETS_GO, TIE, Problem, State, set_near
+from stepwell.statics.following.state import (
+    HELD,
+    LETS_GO,
+    OF_FLOW,
+    TIE,
+    WHOLES_OF_FLOW,
+    Problem,
+    State,
+    set_near,
+)
 
 _STEPS = 30_000
 # The L-stable pair of orders 4 and 3 with four stages (Hairer and Wanner 1996, IV.7): γ; where a
@@ -76,7 +85,8 @@ def _begin(problem: Problem, state: State, drive: float) -> Flow:
     """The flow as it begins, with all cells in it that do not rest."""
     spare, mode = problem.spare, state.mode
     counts = spare.counts
-    at = Flow(drive, spare.in_flow, spare.where, counts[:1], spare.of_flow, counts[1:])
+    cell, where = spare.number[OF_FLOW:], spare.whole[WHOLES_OF_FLOW:]
+    at = Flow(drive, cell, where, counts[:1], spare.stack[2, :3], counts[1:])
     at.used[0] = 0
     for i in range(len(mode)):
         if mode[i] != HELD:

@@ -208,9 +208,9 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
     # What a cell of mobility 1 goes until the first one arrives.
     room, total = np.inf, 0.0
     for m in range(count):
-        i = movers.cell[m]
-        room = min(room, abs(_end_of(pieces, movers, m, direction) - begun.travel[i]) / mobility[i])
-        total += mobility[i]
+        i, end = movers.cell[m], _end_of(pieces, movers, m, direction)
+        room = min(room, abs(end - float(begun.travel[i])) / float(mobility[i]))
+        total += float(mobility[i])
     # A target within rounding of the end of the piece is that end.
     span = alpha * (total * room - 1e-13 * summed(laws.full))
     reached = alpha > 0.0 and direction * (target - begun.drive) < span
@@ -219,7 +219,7 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
     friction_work = 0.0
     for m in range(count):
         i, end = movers.cell[m], _end_of(pieces, movers, m, direction)
-        way = room * mobility[i]
+        way = room * float(mobility[i])
         arrives = not reached and abs(end - begun.travel[i]) - way <= 1e-15 * laws.full[i]
         state.travel[i] = end if arrives else begun.travel[i] + direction * way
         friction_work += float(laws.friction[i]) * way

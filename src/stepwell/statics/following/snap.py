@@ -351,8 +351,8 @@ def _leave(problem: Problem, state: State, share: float) -> None:
     if beta == 0.0 and count > 1:
         if abs(summed(way)) > 1e-6:
             # Two slopes alike to the last digit have no direction of their own.
-            way[:] = -1.0 / (count - 1)
-            way[mine] = 1.0
+            for m in range(count):
+                way[m] = 1.0 if m == mine else -1.0 / (count - 1)
         # The stroke stays what it is, to rounding.
         way[mine] -= summed(way)
     step = share * smallest(laws.full) * (sense if way[mine] > 0.0 else -sense)

@@ -61,24 +61,21 @@ TIE = 1e-9
 # What each row of the spare room is for. Numbers: travels where a segment began; friction that λ
 # bears besides the force of a mover; travels of movers, and at the other end of a stretch; the way
 # that every cell went in a snap; travels and ways before the flow; slopes and mobilities of some
-# cells, and their direction.
-WAS, EXTRA, PLACE, FAR_PLACE, RUB, START, WORN, SLOPES, WEIGHTS, WAY = range(10)
+# cells, and their direction; and from there on those of the flow.
+WAS, EXTRA, PLACE, FAR_PLACE, RUB, START, WORN, SLOPES, WEIGHTS, WAY, OF_FLOW = range(11)
 # Whole numbers: sheets where a segment began; cells that go on; movers and their pieces; modes and
-# sheets before the flow; which mover a cell is.
-WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE = range(7)
-_NUMBERS, _WHOLES, _STACK = 10, 7, 256
+# sheets before the flow; which mover a cell is; and from there on those of the flow.
+WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE, WHOLES_OF_FLOW = range(8)
+_NUMBERS, _WHOLES, _STACK = OF_FLOW + 31, WHOLES_OF_FLOW + 3, 256
 
 
 class Spare(NamedTuple):
     """Room for what is worked out on the way, so that no event makes an array; N cells."""
 
-    number: Floats  # (10, N), see above
-    whole: Ints  # (7, N)
-    stack: Floats  # (2, 256) stretches that wait to be looked at
-    in_flow: Floats  # (31, N) what the flow knows of cells
-    where: Ints  # (3, N)
-    of_flow: Floats  # (3,) and of all of them
-    counts: Ints  # (3,)
+    number: Floats  # (41, N), see above
+    whole: Ints  # (10, N)
+    stack: Floats  # (3, 256) stretches that wait to be looked at, and what the flow knows of all
+    counts: Ints  # (3,) of the flow
 
 
 @kernel
@@ -87,10 +84,7 @@ def spare_room(cells: int) -> Spare:
     return Spare(
         np.zeros((_NUMBERS, cells)),
         np.zeros((_WHOLES, cells), np.int64),
-        np.zeros((2, _STACK)),
-        np.zeros((31, cells)),
-        np.zeros((3, cells), np.int64),
-        np.zeros(3),
+        np.zeros((3, _STACK)),
         np.zeros(3, np.int64),
     )
 
