@@ -77,12 +77,17 @@ def cycles_of(
         designs, which = stacked([*chains.values()]), np.array([*chains], np.int64)
     if designs is not None and len(which):
         followed = full_cycles(designs, progress)
-        rows, row = np.unique(followed.visited, axis=0, return_inverse=True)
-        codes = np.array(
-            [sequences.setdefault(_sequence(one, designs), len(sequences)) if one[0] >= 0 else _ASK
-             for one in rows.tolist()], np.int64,
-        )  # fmt: skip
-        number[which], found[which] = codes[row.ravel()], followed.found
+        rows = followed.visited
+        # One key a design: equal bytes are equal states.
+        keys = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
+        codes: dict[bytes, int] = {}
+        for key, one in zip(keys, rows, strict=True):
+            if key not in codes:
+                codes[key] = _ASK
+                if one[0] >= 0:
+                    sequence = _sequence(one.tolist(), designs)
+                    codes[key] = sequences.setdefault(sequence, len(sequences))
+        number[which], found[which] = [codes[key] for key in keys], followed.found
     for i in np.flatnonzero(number == _ASK).tolist():
         if progress is not None:
             progress(i, count)

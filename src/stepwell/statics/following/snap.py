@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import leaf
-from stepwell.mechanism import HIGH, LOW, largest, law, smallest, stored, summed
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, largest, law, smallest, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -280,7 +280,8 @@ def _by_flow(
     near = state.near
     line = near[0], near[1]
     for within in (_ROUGH, accuracy):
-        # Where friction holds cells the way decides where they rest, and not only at which rest.
+        # Where friction holds cells, or several have a constant force, the way decides where they
+        # rest, and not only at which rest.
         if within == _ROUGH and (accuracy >= _ROUGH or largest(laws.friction) > 0.0):
             continue
         # The place next to a fold can be too narrow for the flow to get out of; then the way
@@ -299,7 +300,7 @@ def _by_flow(
             settled, level, tie = flow(problem, state, drive, force, within, rubbed)
             if settled or on_its_way:
                 break
-        if settled and not tie and near[1] > _SURE * near[2]:
+        if settled and not tie and near[1] > _SURE * near[2] and not _drifted(problem, state):
             break
     near[0], near[1] = min(near[0], line[0]), min(near[1], line[1])
     if not settled:
@@ -314,6 +315,16 @@ def _by_flow(
         if abs(travel[i] - start[i]) <= 1e-15 * full[i]:
             travel[i] = start[i]
     return True, tie
+
+
+@leaf
+def _drifted(problem: Problem, state: State) -> bool:
+    """Whether more than one of the cells that moved rests where its force is constant."""
+    pieces, ends, travel, flat = problem.pieces, problem.sheets.ends, state.travel, 0
+    for i in range(len(travel)):
+        if state.mode[i] != HELD and ends[i, BEFORE] < travel[i] < ends[i, BEYOND]:
+            flat += pieces.sign[find_piece(pieces, i, travel[i], 0)] == 0
+    return flat > 1
 
 
 @leaf
