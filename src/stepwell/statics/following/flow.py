@@ -56,15 +56,15 @@ _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _B
 # ds/dt after the step; and the error of its travel so far ...
 _RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL = range(10, 20)
 _NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF = range(20, 24)
-# ... where its law was asked last, F, κ and dκ/ds there, between which travels these tell it; and
-# 1 / (1 + γ h m κ) of the step.
-_ASKED, _THERE, _STEEP, _BEND, _FROM, _TO, _PIVOT, _ROWS = range(24, 32)
-# ... and, whole numbers, which cell it is, on which piece it was asked, and in which sense it moves
-# within a step, 0 where it stays.
+# ... the travel of the last evaluation of its law; F, κ and dκ/ds there; the range of travel in
+# which this expansion is used; and 1 / (1 + γ h m κ) of the step.
+_CENTRE, _CENTRE_FORCE, _CENTRE_SLOPE, _CENTRE_BEND, _FROM, _TO, _PIVOT, _ROWS = range(24, 32)
+# ... and, whole numbers, which cell it is, the piece of the last evaluation, and in which sense it
+# moves within a step, 0 where it stays.
 _CELL, _PIECE, _SENSE = range(3)
-# A law is told from where it was asked last as far as this share of the travel at most, and to this
-# share of the largest force.
-_CLOSE, _EXACT = 1e-3, 1e-9
+# The range of an expansion is at most this share of the full travel, and its error about this share
+# of the largest force.
+_RANGE, _EXACT = 1e-3, 1e-9
 # What is known of the cells that keep still: the λ between which they do, and the sum of travels.
 _LOWEST, _HIGHEST, _STILL = range(3)
 
@@ -122,34 +122,40 @@ def _stand(problem: Problem, at: Flow, j: int) -> None:
     at.cell[_BEFORE, j], at.cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
     travel = at.cell[_TRAVEL, j]
     at.where[_PIECE, j] = find_piece(problem.pieces, i, travel, 0)
-    # Nothing is known of how the law bends on from here.
-    at.cell[_ASKED, j], at.cell[_FROM, j], at.cell[_TO, j] = np.nan, np.inf, -np.inf
+    at.cell[_CENTRE, j] = np.nan
+    _drop_expansion(at.cell, j)
     at.cell[_FORCE, j], at.cell[_SLOPE, j] = _law_at(problem, at, j, travel)
+
+
+@leaf
+def _drop_expansion(cell: Floats, j: int) -> None:
+    """Have the law of a cell evaluated at its next travel."""
+    cell[_FROM, j], cell[_TO, j] = np.inf, -np.inf
 
 
 @leaf
 def _law_at(problem: Problem, at: Flow, j: int, travel: float) -> tuple[float, float]:
     """F and κ of a cell in the flow at a travel.
 
-    Near where the law was asked last, F, κ and dκ/ds there tell it: most cells of a long chain
-    hardly move. How near is seen where it is asked again, from what these three have missed.
+    Near the last evaluation an expansion of second order is used, because most cells of a long
+    chain move little. Its range follows from its error at the next evaluation.
     """
     cell, where, pieces = at.cell, at.where, problem.pieces
+    off = travel - cell[_CENTRE, j]
+    slope = cell[_CENTRE_SLOPE, j] + off * cell[_CENTRE_BEND, j]
+    expanded = cell[_CENTRE_FORCE, j] + 0.5 * off * (cell[_CENTRE_SLOPE, j] + slope)
     if cell[_FROM, j] <= travel <= cell[_TO, j]:
-        off = travel - cell[_ASKED, j]
-        slope = cell[_STEEP, j] + off * cell[_BEND, j]
-        return cell[_THERE, j] + 0.5 * off * (cell[_STEEP, j] + slope), slope
+        return expanded, slope
     before = where[_PIECE, j]
     piece = _piece_near(pieces, before, travel)
     force, slope, bend = law(problem.laws, where[_CELL, j], pieces.picked[piece], travel)
-    off = travel - cell[_ASKED, j]
     reach = 0.0
-    if piece == before and off == off:
-        told = cell[_THERE, j] + off * (cell[_STEEP, j] + 0.5 * off * cell[_BEND, j])
-        miss = abs(force - told) / (_EXACT * problem.scale)
-        reach = min(_CLOSE * cell[_FULL, j], abs(off) / max(miss, 1e-30) ** (1.0 / 3.0))
+    if piece == before and not np.isnan(off):
+        error = max(abs(force - expanded) / (_EXACT * problem.scale), 1e-30)
+        reach = min(_RANGE * cell[_FULL, j], abs(off) / error ** (1.0 / 3.0))
     where[_PIECE, j] = piece
-    cell[_ASKED, j], cell[_THERE, j], cell[_STEEP, j], cell[_BEND, j] = travel, force, slope, bend
+    cell[_CENTRE, j], cell[_CENTRE_FORCE, j] = travel, force
+    cell[_CENTRE_SLOPE, j], cell[_CENTRE_BEND, j] = slope, bend
     cell[_FROM, j] = max(pieces.left[piece], travel - reach)
     cell[_TO, j] = min(pieces.right[piece], travel + reach)
     return force, slope
@@ -252,23 +258,32 @@ def _look(problem: Problem, at: Flow) -> None:
 
 @leaf
 def unstable_direction(
-    slopes: Floats, mobility: Floats, alpha: float, beta: float, out: Floats
+    slopes: Floats, mobility: Floats, alpha: float, beta: float, leader: int, out: Floats
 ) -> None:
-    """The one way out of an equilibrium that has lost its stability, unit largest entry.
+    """The direction out of an equilibrium that has lost its stability, largest entry 1, into `out`.
 
-    Into (m,) `out`; the slopes become rates, κ times mobility.
+    The (m,) slopes become rates, κ times mobility. Where several cells have the least rate, to
+    rounding, they move against each other and no other cell moves; `leader`, if it is one of them,
+    moves one way and the others the other way.
     """
-    rates = slopes
-    for i in range(len(slopes)):
+    rates, count = slopes, len(slopes)
+    for i in range(count):
         rates[i] *= mobility[i]
     least = smallest_eigenvalue(rates, mobility, alpha, beta)
-    biggest = 0.0
-    for i in range(len(rates)):
+    biggest, alike, first = 0.0, 0, -1
+    for i in range(count):
         gap = rates[i] - least
         out[i] = mobility[i] / gap if gap != 0.0 else 1e300
         biggest = max(biggest, abs(out[i]))
-    for i in range(len(rates)):
-        out[i] /= biggest
+        if abs(gap) <= 1e-9 * abs(least):
+            alike += 1
+            first = i if first < 0 or i == leader else first
+    for i in range(count):
+        if alike > 1:
+            same = abs(rates[i] - least) <= 1e-9 * abs(least)
+            out[i] = 1.0 if i == first else (-1.0 / (alike - 1) if same else 0.0)
+        else:
+            out[i] /= biggest
 
 
 @leaf
@@ -824,7 +839,7 @@ def flow(
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
     before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
-    exact = False
+    exact, left, level = False, False, shared
     for step in range(_STEPS):
         m = used[0]
         if overspent(effort, m):
@@ -850,10 +865,14 @@ def flow(
         settled = exact and (largest <= 1e-14 * scale or resting)
         exact = largest <= 1e-6 * scale
         if exact:
-            # Next to rest every law is asked.
-            cell[_FROM, :m], cell[_TO, :m] = np.inf, -np.inf
+            # Close to rest every law is evaluated.
+            for j in range(m):
+                _drop_expansion(cell, j)
         if not settled and largest < 1e-2 * scale and step % 2 == 0:
-            settled, level = _polish(problem, at, shared)
+            # Newton would take it back to the place that was lost.
+            left = left or _has_left(state, at)
+            if left:
+                settled, level = _polish(problem, at, shared)
             if settled:
                 shared = level
                 for j in range(m):
@@ -864,7 +883,8 @@ def flow(
         _set_senses(at, shared)
         if largest > before and slows:
             # It was slowest here: with so much less it would have come to rest.
-            if before < 0.5 * peak and _has_left(state, at):
+            left = left or _has_left(state, at)
+            if before < 0.5 * peak and left:
                 set_near(state.near, before, steepest)
                 close = close or before <= max(2.0 * steepest * off, TIE * scale)
             slows = False

@@ -82,7 +82,7 @@ def sample(
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    none = _nobody()
+    none = _no_movers()
     residual[0], stability[0] = certify(problem, now, start_force, none)
     at = 1
     for k in range(log.used[0]):
@@ -140,7 +140,7 @@ def sample(
 
 
 @kernel
-def _nobody() -> Movers:
+def _no_movers() -> Movers:
     """No movers."""
     return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
 

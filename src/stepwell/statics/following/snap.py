@@ -356,7 +356,7 @@ def _leave(problem: Problem, state: State, share: float) -> None:
         if i == trigger:
             mine = m
     if count > 1:
-        unstable_direction(slopes[:count], weights[:count], alpha, beta, way)
+        unstable_direction(slopes[:count], weights[:count], alpha, beta, mine, way)
     else:
         way[0] = 1.0
     if beta == 0.0 and count > 1:
