@@ -96,3 +96,24 @@ def test_alike_smooth_cells_set_apart_as_advised_are_followed(seed):
     element = sw.Element.from_table(tuple(travel - travel[0]), tuple(force))
     cells = [replace(element, force_scale=1.0 + 0.01 * i) for i in range(4)]
     assert not sw.Chain(cells).cycle().degenerate
+
+
+@pytest.mark.parametrize("seed", [1113, 1245, 1322, 1375])
+def test_nearly_alike_cells_leave_a_saddle_against_each_other(seed):
+    # Chains at which two falling cells of equal slope behind a spring were pushed the same way,
+    # which is no way out.
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(4, 9))
+    travel = np.cumsum(rng.uniform(0.3, 3.0, n)) * 1e-3
+    force = np.cumsum(rng.uniform(-1.0, 1.0, n))
+    force[-1], force[1] = force[-2] + rng.uniform(0.1, 1.0), force[0] + rng.uniform(0.1, 1.0)
+    element = sw.Element.from_table(tuple(travel - travel[0]), tuple(force))
+    count, apart = int(rng.integers(3, 7)), [0.0, 0.0, 1e-9, 1e-12, 1e-11]
+    cells = [
+        replace(element, force_scale=1.0 + rng.choice(apart) * rng.uniform(-1.0, 1.0))
+        for _ in range(count)
+    ]
+    stiffness = float(rng.choice([np.inf, np.inf, 100.0, 1000.0]))
+    cycle = sw.Chain(cells, actuator_stiffness=stiffness).cycle()
+    assert cycle.sequence.states[0] == cycle.sequence.states[-1]
+    assert cycle.degenerate
