@@ -56,15 +56,11 @@ _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _B
 # ds/dt after the step; and the error of its travel so far ...
 _RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL = range(10, 20)
 _NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF = range(20, 24)
-# ... the travel of the last evaluation of its law; F, κ and dκ/ds there; the range of travel in
-# which this expansion is used; and 1 / (1 + γ h m κ) of the step.
-_CENTRE, _CENTRE_FORCE, _CENTRE_SLOPE, _CENTRE_BEND, _FROM, _TO, _PIVOT, _ROWS = range(24, 32)
+# ... and 1 / (1 + γ h m κ) of the step.
+_PIVOT, _ROWS = 24, 25
 # ... and, whole numbers, which cell it is, the piece of the last evaluation, and in which sense it
 # moves within a step, 0 where it stays.
 _CELL, _PIECE, _SENSE = range(3)
-# The range of an expansion is at most this share of the full travel, and its error about this share
-# of the largest force.
-_RANGE, _EXACT = 1e-3, 1e-9
 # What is known of the cells that keep still: the λ between which they do, and the sum of travels.
 _LOWEST, _HIGHEST, _STILL = range(3)
 
@@ -73,7 +69,7 @@ class Flow(NamedTuple):
     """Where the flow is; N cells of the chain, m of them in the flow."""
 
     drive: float
-    cell: Floats  # (31, N) see above, the first m columns
+    cell: Floats  # (25, N) see above, the first m columns
     where: Ints  # (3, N) likewise
     used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
@@ -122,42 +118,16 @@ def _stand(problem: Problem, at: Flow, j: int) -> None:
     at.cell[_BEFORE, j], at.cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
     travel = at.cell[_TRAVEL, j]
     at.where[_PIECE, j] = find_piece(problem.pieces, i, travel, 0)
-    at.cell[_CENTRE, j] = np.nan
-    _drop_expansion(at.cell, j)
     at.cell[_FORCE, j], at.cell[_SLOPE, j] = _law_at(problem, at, j, travel)
 
 
 @leaf
-def _drop_expansion(cell: Floats, j: int) -> None:
-    """Have the law of a cell evaluated at its next travel."""
-    cell[_FROM, j], cell[_TO, j] = np.inf, -np.inf
-
-
-@leaf
 def _law_at(problem: Problem, at: Flow, j: int, travel: float) -> tuple[float, float]:
-    """F and κ of a cell in the flow at a travel.
-
-    Near the last evaluation an expansion of second order is used, because most cells of a long
-    chain move little. Its range follows from its error at the next evaluation.
-    """
-    cell, where, pieces = at.cell, at.where, problem.pieces
-    off = travel - cell[_CENTRE, j]
-    slope = cell[_CENTRE_SLOPE, j] + off * cell[_CENTRE_BEND, j]
-    expanded = cell[_CENTRE_FORCE, j] + 0.5 * off * (cell[_CENTRE_SLOPE, j] + slope)
-    if cell[_FROM, j] <= travel <= cell[_TO, j]:
-        return expanded, slope
-    before = where[_PIECE, j]
-    piece = _piece_near(pieces, before, travel)
-    force, slope, bend = law(problem.laws, where[_CELL, j], pieces.picked[piece], travel)
-    reach = 0.0
-    if piece == before and not np.isnan(off):
-        error = max(abs(force - expanded) / (_EXACT * problem.scale), 1e-30)
-        reach = min(_RANGE * cell[_FULL, j], abs(off) / error ** (1.0 / 3.0))
+    """F and κ of a cell in the flow at a travel."""
+    pieces, where = problem.pieces, at.where
+    piece = _piece_near(pieces, where[_PIECE, j], travel)
     where[_PIECE, j] = piece
-    cell[_CENTRE, j], cell[_CENTRE_FORCE, j] = travel, force
-    cell[_CENTRE_SLOPE, j], cell[_CENTRE_BEND, j] = slope, bend
-    cell[_FROM, j] = max(pieces.left[piece], travel - reach)
-    cell[_TO, j] = min(pieces.right[piece], travel + reach)
+    force, slope, _ = law(problem.laws, where[_CELL, j], pieces.picked[piece], travel)
     return force, slope
 
 
@@ -839,7 +809,7 @@ def flow(
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
     before, peak, slows, steepest, close = np.inf, 0.0, False, 0.0, False
-    exact, left, level = False, False, shared
+    left, level = False, shared
     for step in range(_STEPS):
         m = used[0]
         if overspent(effort, m):
@@ -862,12 +832,7 @@ def flow(
         # Newton can say so (two cells of constant force have no single place to be).
         longest = 1e6 / (stiffest * slowest)
         resting = wanted >= longest and largest <= 1e-11 * scale
-        settled = exact and (largest <= 1e-14 * scale or resting)
-        exact = largest <= 1e-6 * scale
-        if exact:
-            # Close to rest every law is evaluated.
-            for j in range(m):
-                _drop_expansion(cell, j)
+        settled = largest <= 1e-14 * scale or resting
         if not settled and largest < 1e-2 * scale and step % 2 == 0:
             # Newton would take it back to the place that was lost.
             left = left or _has_left(state, at)

@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import leaf
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, largest, law, smallest, stored, summed
+from stepwell.mechanism import HIGH, LOW, largest, law, smallest, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -63,9 +63,6 @@ from stepwell.statics.following.state import (
 
 # Accuracies of a step of the flow, as shares of the travel: of a path, and of samples.
 FINE, COARSE = 2e-7, 1e-4
-# A rough flow decides where another landing is so many times further than its error. The landing
-# itself is an equilibrium to rounding, however it was decided.
-_ROUGH, _SURE = 2e-5, 10.0
 
 
 @leaf
@@ -279,28 +276,21 @@ def _by_flow(
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
     near = state.near
     line = near[0], near[1]
-    for within in (_ROUGH, accuracy):
-        # Where friction holds cells, or several have a constant force, the way decides where they
-        # rest, and not only at which rest.
-        if within == _ROUGH and (accuracy >= _ROUGH or largest(laws.friction) > 0.0):
-            continue
-        # The place next to a fold can be too narrow for the flow to get out of; then the way
-        # out is begun further on, where the one unstable direction still holds.
-        for share in (1e-4, 1e-3, 1e-2):
+    # The place next to a fold can be too narrow for the flow to get out of; then the way
+    # out is begun further on, where the one unstable direction still holds.
+    for share in (1e-4, 1e-3, 1e-2):
+        for i in range(len(travel)):
+            travel[i], rubbed[i], mode[i] = start[i], worn[i], modes[i]
+        stand_all_on(laws, problem.sheets, pieces, sheets)
+        near[0], near[1], near[2] = np.inf, np.inf, 0.0
+        if not on_its_way:
+            _leave(problem, state, share)
             for i in range(len(travel)):
-                travel[i], rubbed[i], mode[i] = start[i], worn[i], modes[i]
-            stand_all_on(laws, problem.sheets, pieces, sheets)
-            near[0], near[1], near[2] = np.inf, np.inf, 0.0
-            if not on_its_way:
-                _leave(problem, state, share)
-                for i in range(len(travel)):
-                    rubbed[i] += abs(travel[i] - start[i])
-                # The way out bends away from its direction by the square of the first step.
-                near[2] = share**2 * largest(laws.full)
-            settled, level, tie = flow(problem, state, drive, force, within, rubbed)
-            if settled or on_its_way:
-                break
-        if settled and not tie and near[1] > _SURE * near[2] and not _drifted(problem, state):
+                rubbed[i] += abs(travel[i] - start[i])
+            # The way out bends away from its direction by the square of the first step.
+            near[2] = share**2 * largest(laws.full)
+        settled, level, tie = flow(problem, state, drive, force, accuracy, rubbed)
+        if settled or on_its_way:
             break
     near[0], near[1] = min(near[0], line[0]), min(near[1], line[1])
     if not settled:
@@ -315,16 +305,6 @@ def _by_flow(
         if abs(travel[i] - start[i]) <= 1e-15 * full[i]:
             travel[i] = start[i]
     return True, tie
-
-
-@leaf
-def _drifted(problem: Problem, state: State) -> bool:
-    """Whether more than one of the cells that moved rests where its force is constant."""
-    pieces, ends, travel, flat = problem.pieces, problem.sheets.ends, state.travel, 0
-    for i in range(len(travel)):
-        if state.mode[i] != HELD and ends[i, BEFORE] < travel[i] < ends[i, BEYOND]:
-            flat += pieces.sign[find_piece(pieces, i, travel[i], 0)] == 0
-    return flat > 1
 
 
 @leaf

@@ -66,13 +66,13 @@ WAS, EXTRA, PLACE, FAR_PLACE, RUB, START, WORN, SLOPES, WEIGHTS, WAY, OF_FLOW = 
 # Whole numbers: sheets where a segment began; cells that go on; movers and their pieces; modes and
 # sheets before the flow; which mover a cell is; and from there on those of the flow.
 WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE, WHOLES_OF_FLOW = range(8)
-_NUMBERS, _WHOLES, _STACK = OF_FLOW + 31, WHOLES_OF_FLOW + 3, 256
+_NUMBERS, _WHOLES, _STACK = OF_FLOW + 25, WHOLES_OF_FLOW + 3, 256
 
 
 class Spare(NamedTuple):
     """Room for what is worked out on the way, so that no event makes an array; N cells."""
 
-    number: Floats  # (41, N), see above
+    number: Floats  # (35, N), see above
     whole: Ints  # (10, N)
     stack: Floats  # (3, 256) stretches that wait to be looked at, and what the flow knows of all
     counts: Ints  # (3,) of the flow
