@@ -17,7 +17,7 @@ from stepwell.studio.wire import Ask, Design, View
 MM, MJ = 1e3, 1e3
 # A picture needs no more samples than this on all smooth segments together, nor on one of them;
 # and so many on a segment that takes the whole range of the drive.
-_ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 48
+_ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
 _LANDSCAPE = 65
 
 
