@@ -98,6 +98,7 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
         there = sheet_of(problem.sheets, i)
         changed = state.travel[i] != before[i] or there != begun.sheet[i]
         any_changed = any_changed or changed
+        # A cell that yields and comes back has rubbed as well.
         friction_work += laws.friction[i] * rubbed[i]
         # The cell that let go belongs to the snap even where the flow brings it back to its stop.
         if not changed and i != trigger:
