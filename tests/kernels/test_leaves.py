@@ -2,7 +2,8 @@
 
 import ast
 import inspect
-from typing import Any, get_args, get_origin, get_type_hints
+import sys
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import stepwell.statics.inertial
 import stepwell.statics.landed
 import stepwell.statics.run
 import stepwell.statics.sorted_cycle  # noqa: F401
-from stepwell.kernels import fingerprint, kernel, leaf
+from stepwell.kernels import entry, fingerprint, kernel, leaf, record
 from stepwell.kernels.machine import machine
 
 LEAVES = sorted(fingerprint._LEAVES, key=lambda one: f"{one.__module__}.{one.__qualname__}")
@@ -107,3 +108,88 @@ def test_whether_a_kernel_is_a_leaf_is_in_its_fingerprint(monkeypatch):
     before = fingerprint.fingerprint(handed_on)
     monkeypatch.setattr(fingerprint, "_LEAVES", set())
     assert fingerprint.fingerprint(handed_on) != before
+
+
+@record
+class Inner(NamedTuple):
+    numbers: Any
+    wholes: Any
+
+
+@record
+class Outer(NamedTuple):
+    inner: Inner
+    factor: float
+    table: Any
+
+
+def outer(factor: float = 2.0) -> Outer:
+    """A record of three arrays."""
+    return Outer(Inner(np.arange(4.0), np.arange(3)), factor, np.ones((2, 3)))
+
+
+@leaf
+def read(what):
+    return what.factor * what.inner.numbers[2] + what.table.shape[1] + what.inner.wholes[1]
+
+
+@leaf
+def write(what, value):
+    what.inner.numbers[2] = value
+    what.table[1, 2] += value
+
+
+@entry()
+@leaf
+def made_anew(what, times):
+    total = 0.0
+    for k in range(times):
+        again = Outer(what.inner, what.factor * k, what.table)
+        write(again, 1.0 + k)
+        total += read(again)
+    return total
+
+
+@kernel
+def counted(what):
+    mine = what.inner.numbers
+    both = np.concatenate((mine, what.inner.numbers))
+    write(what, both[1])
+    return read(what) + np.sum(both)
+
+
+@pytest.mark.parametrize("use", [read, made_anew.function, counted])
+def test_a_record_is_read_and_written_where_it_is_in_machine_code_too(use):
+    rest = (5,) if use is made_anew.function else ()
+    plain, compiled = outer(), outer()
+    assert machine(use)(compiled, *rest) == use(plain, *rest)
+    for one, other in zip(plain.inner, compiled.inner, strict=True):
+        assert np.array_equal(one, other)
+    assert np.array_equal(plain.table, compiled.table)
+
+
+@pytest.mark.parametrize("use", [read, counted])
+def test_machine_code_gives_back_every_array_of_a_record(use):
+    what, ready = outer(), machine(use)
+    ready(what)
+    arrays = what.inner.numbers, what.inner.wholes, what.table
+    before = [sys.getrefcount(array) for array in arrays]
+    for _ in range(100):
+        ready(what)
+    assert [sys.getrefcount(array) for array in arrays] == before
+
+
+def test_no_kernel_returns_a_record_which_ends_with_the_kernel_that_made_it():
+    returned = [
+        one.__qualname__
+        for one in fingerprint._KERNELS
+        if one.__module__.startswith("stepwell.")
+        and fingerprint.is_record(get_type_hints(one).get("return"))
+    ]
+    assert returned == []
+
+
+def test_whether_a_named_tuple_is_a_record_is_in_a_fingerprint(monkeypatch):
+    before = fingerprint.fingerprint(made_anew.function)
+    monkeypatch.setattr(fingerprint, "_RECORDS", set())
+    assert fingerprint.fingerprint(made_anew.function) != before

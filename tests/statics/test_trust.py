@@ -246,8 +246,8 @@ def test_a_path_that_breaks_its_certificate_is_never_handed_out(promise, monkeyp
     leg = sw.Chain([PAPER, OUTER])
     honest = run.follow
 
-    def dishonest(problem, turning, state):
-        status = honest(problem, turning, state)
+    def dishonest(problem, turning, state, *queues):
+        status = honest(problem, turning, state, *queues)
         laws, pieces, log = problem.laws, problem.pieces, state.log
         kinds = log.segments[: log.used[0], logged.KIND]
         snap = int(np.flatnonzero(kinds == logged.SNAP)[0])
@@ -294,8 +294,8 @@ def spent(monkeypatch) -> list[int]:
     spent: list[int] = []
     honest = run.follow
 
-    def counted(problem, turning, state):
-        status = honest(problem, turning, state)
+    def counted(problem, turning, state, *queues):
+        status = honest(problem, turning, state, *queues)
         spent.append(int(problem.effort[0]))
         return status
 

@@ -7,6 +7,6 @@ it is not, and what was compiled is kept on disk under the fingerprint of all th
 
 from stepwell.kernels.effort import MOST, SPENT, UNLIMITED, end_early, overspent, watched
 from stepwell.kernels.entry import WORTH_LOADING, entry, stay
-from stepwell.kernels.fingerprint import kernel, leaf
+from stepwell.kernels.fingerprint import kernel, leaf, record
 from stepwell.kernels.store import kept
 from stepwell.kernels.threads import beside, cores, in_blocks

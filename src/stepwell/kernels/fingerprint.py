@@ -13,9 +13,11 @@ from typing import Any, TypeVar, cast
 import numpy as np
 
 F = TypeVar("F", bound=Callable[..., Any])
+R = TypeVar("R", bound=type)
 
 _KERNELS: set[FunctionType] = set()
 _LEAVES: set[FunctionType] = set()
+_RECORDS: set[type] = set()
 
 
 def kernel(function: F) -> F:
@@ -33,6 +35,22 @@ def leaf(function: F) -> F:
     """
     _LEAVES.add(cast(FunctionType, function))
     return kernel(function)
+
+
+def record(kind: R) -> R:
+    """Mark a named tuple that kernels are handed by its place in memory; it stays as it is.
+
+    Machine code passes an array as seven numbers or more, so that a chain of some thirty arrays was
+    three hundred numbers, copied at every call. A kernel may make such a record for those that it
+    calls, but not return one: it ends with the kernel that made it.
+    """
+    _RECORDS.add(kind)
+    return kind
+
+
+def is_record(kind: Any) -> bool:
+    """Whether a class is marked as a record."""
+    return isinstance(kind, type) and kind in _RECORDS
 
 
 def is_leaf(function: FunctionType) -> bool:
@@ -105,7 +123,8 @@ def _value(value: Any, names: set[str], known: dict[FunctionType, str]) -> str:
         used = sorted(names & vars(value).keys())
         return str([(name, _value(getattr(value, name), names, known)) for name in used])
     if isinstance(value, type):
-        return f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}"
+        fields = getattr(value, "_fields", "")
+        return f"{value.__module__}.{value.__qualname__} {fields} {is_record(value)}"
     if isinstance(value, (bool, int, float, str, tuple, type(None))):
         return repr(value)
     if not isinstance(value, FunctionType) and hasattr(value, "__name__"):

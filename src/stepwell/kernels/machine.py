@@ -11,7 +11,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from stepwell.kernels import compiler, store
-from stepwell.kernels.fingerprint import is_leaf, kernel_of, names_of, stem
+from stepwell.kernels.fingerprint import is_leaf, is_record, kernel_of, names_of, stem
+from stepwell.kernels.reference import maker
 
 _MADE: dict[FunctionType, Any] = {}
 
@@ -24,7 +25,10 @@ def machine(function: FunctionType) -> Any:
         for name in names:
             value = function.__globals__[name]
             inner = kernel_of(value)
-            scope[name] = value if inner is None else machine(inner)
+            if is_record(value):
+                scope[name] = maker(value)
+            else:
+                scope[name] = value if inner is None else machine(inner)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import entry, leaf
+from stepwell.kernels import entry, leaf, record
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
@@ -38,6 +38,7 @@ from stepwell.mechanism.geometry import (
 )
 
 
+@record
 class Laws(NamedTuple):
     """The cells of a chain as flat arrays; N cells, B bands, M curve rows."""
 
@@ -53,6 +54,7 @@ class Laws(NamedTuple):
     rows: Floats  # (M, 6) piecewise cubics, see mechanism/cubics
 
 
+@record
 class Sheets(NamedTuple):
     """Where the cells of a chain end; N cells, T sheets.
 
@@ -207,6 +209,7 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
     return force, slope, bend
 
 
+@record
 class Looks(NamedTuple):
     """Travels of a cell, and its law there; n of them."""
 
@@ -222,7 +225,7 @@ class Looks(NamedTuple):
 def law_along(laws: Laws, cell: int, picked: Ints, at: Looks) -> None:
     """The same at many travels, band by band, so that machine code does several at once."""
     band, rows, r, limit = laws.band, laws.rows, laws.lever[cell], laws.sin_limit[cell]
-    travel, sin, cos, force, slope, bend = at
+    travel, sin, cos, force, slope, bend = at.travel, at.sin, at.cos, at.force, at.slope, at.bend
     n = len(travel)
     for i in range(n):
         sin[i] = sine_at(travel[i], r, limit)

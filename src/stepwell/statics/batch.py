@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import MOST, entry, in_blocks, leaf
+from stepwell.kernels import MOST, entry, in_blocks, leaf, record
 from stepwell.mechanism import (
     BEFORE,
     BEYOND,
@@ -41,14 +41,14 @@ from stepwell.statics.following import (
     Segment,
     Spare,
     State,
-    audit_in,
+    audit,
     blank_state,
     cut_into,
-    follow_in,
+    follow,
+    force_scale,
     held_range,
     hold,
     inverse_slope,
-    largest_force,
     log as logged,
     no_rising,
     no_segment,
@@ -78,6 +78,7 @@ _CLEAR = 1e-3
 _LEAST_LIMIT, _MOST_LIMIT = math.sin(math.radians(0.02)), math.sin(math.radians(89.8))
 
 
+@record
 class Designs(NamedTuple):
     """m designs of one shape of chain: N cells, B bands, M rows, T sheets, P phases.
 
@@ -97,6 +98,7 @@ class Designs(NamedTuple):
     drives: Floats  # (m, 2) α and β of the drive coordinate
 
 
+@record
 class _Work(NamedTuple):
     """What one design after another is written to."""
 
@@ -118,6 +120,7 @@ class _Work(NamedTuple):
     effort: Ints  # (2,)
 
 
+@record
 class Followed(NamedTuple):
     """What m designs do in a full cycle.
 
@@ -269,15 +272,21 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
     """Follow one design, and write down what it does."""
     if not _build(designs, k, work):
         return
-    problem = _problem(designs, k, work)
-    if problem.scale < 0.0 or not _begin(designs, problem, work):
+    laws, sheets, pieces, effort = work.laws, work.sheets, work.pieces, work.effort
+    if cut_into(laws, sheets, pieces, work.room) < 0:
         return
-    state, turning, effort = work.state, work.turning, work.effort
+    scale = force_scale(laws, sheets, pieces)
+    alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
+    rank, mobility, spare = work.rank, work.mobility, work.spare
+    problem = Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
+    if not _begin(designs, problem, work):
+        return
+    state, turning = work.state, work.turning
     effort[0], effort[MOST] = 0, _LOOKS
-    if follow_in(problem, turning, state, work.rising, work.segment) != DONE:
+    if follow(problem, turning, state, work.rising, work.segment) != DONE:
         return
     effort[0], effort[MOST] = 0, _LOOKS
-    _, promise, _ = audit_in(problem, state.log, work.begin, work.sheet)
+    _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
     if promise == KEPT:
         _read(designs, work, (problem.alpha, problem.beta), visited, found)
 
@@ -342,18 +351,6 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
         if abs(reach - lever) < _CLEAR * lever:
             return False
     return True
-
-
-@leaf
-def _problem(designs: Designs, k: int, work: _Work) -> Problem:
-    """The problem that the design sets; of a negative scale where it has too many pieces."""
-    laws, sheets, pieces = work.laws, work.sheets, work.pieces
-    alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
-    scale = -1.0
-    if cut_into(laws, sheets, pieces, work.room) >= 0:
-        scale = largest_force(laws, sheets, pieces)
-    rank, mobility, effort, spare = work.rank, work.mobility, work.effort, work.spare
-    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
 
 
 @leaf

@@ -17,11 +17,15 @@ from stepwell.statics.following import (
     STALLED,
     TRIGGER,
     Problem,
+    Rising,
+    Segment,
     State,
     audit,
     drive_of,
     follow,
     log as logged,
+    no_rising,
+    no_segment,
     stand_all_on,
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
@@ -114,15 +118,15 @@ def _follow_from(
         stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
         return fresh()
 
-    state = fresh()
+    state, queues = fresh(), (no_rising(len(chain)), no_segment(len(chain)))
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
         problem.effort[MOST] = most if aside else min(most, few)
         try:
             if aside:
-                status = _watched(problem, turning, state, progress)
+                status = _watched(problem, turning, state, queues, progress)
             else:
-                status = follow(problem, turning, state)
+                status = follow(problem, turning, state, *queues)
         except _MachineCodeCame:
             follow.compiled()
             state = again()
@@ -155,7 +159,13 @@ def _involved(state: State) -> list[int]:
     return sorted({*moved, trigger} - {-1}) or list(range(len(state.travel)))
 
 
-def _watched(problem: Problem, turning: Floats, state: State, progress: Progress | None) -> int:
+def _watched(
+    problem: Problem,
+    turning: Floats,
+    state: State,
+    queues: tuple[Rising, Segment],
+    progress: Progress | None,
+) -> int:
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
 
     An interpreted run that takes long is given up for a compiled one once there is machine code.
@@ -169,13 +179,16 @@ def _watched(problem: Problem, turning: Floats, state: State, progress: Progress
         if interpreted and spent > WORTH_LOADING and follow.ready():
             raise _MachineCodeCame
         if interpreted and spent > _ASK_AFTER:
-            follow.ask_for_machine_code(problem, turning, state)
+            follow.ask_for_machine_code(problem, turning, state, *queues)
         if progress is not None:
             stroke = max(int(state.stroke[0]) - 1, 0)
             here = drive_of(problem, state.travel, float(state.force[0]))
             progress(done[stroke] + min(abs(here - turning[stroke]), way[stroke]), done[-1])
 
-    return beside(lambda: follow(problem, turning, state), lambda: end_early(problem.effort), look)
+    def run() -> int:
+        return follow(problem, turning, state, *queues)
+
+    return beside(run, lambda: end_early(problem.effort), look)
 
 
 def _as_path(

@@ -12,9 +12,8 @@ from stepwell.statics.following.certificate import (
     STABILITY,
     STROKE,
     audit,
-    audit_in,
 )
-from stepwell.statics.following.follow import follow, follow_in
+from stepwell.statics.following.follow import follow
 from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
@@ -26,7 +25,6 @@ from stepwell.statics.following.pieces import (
     find_piece,
     force_scale,
     invert,
-    largest_force,
     of_curve,
     resting_piece,
     room_for,

@@ -64,7 +64,7 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
 def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[float, float]:
     """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    bound, end = beta, beta
+    bound = end = beta + alpha * movers.soft
     for m in range(len(movers.cell)):
         cell, piece, offset = movers.cell[m], movers.piece[m], movers.offset[m]
         at_one = invert(laws, pieces, cell, piece, one - offset)
@@ -158,14 +158,15 @@ def point_at(
         inverse = inverse_slope(laws, pieces, movers.cell[m], movers.piece[m], out[m])
         if abs(inverse) > largest:
             softest, largest = m, abs(inverse)
-    if problem.alpha * largest <= problem.beta:
+    soft = problem.beta + problem.alpha * movers.soft
+    if problem.alpha * largest <= soft:
         return force
     total = movers.held
     for m in range(len(movers.cell)):
         if m != softest:
             total += out[m]
     piece = movers.piece[softest]
-    travel = (drive - problem.beta * force) / problem.alpha - total
+    travel = (drive - soft * force) / problem.alpha - total
     out[softest] = min(max(travel, pieces.left[piece]), pieces.right[piece])
     return force
 
@@ -181,4 +182,4 @@ def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats, joint
         cell, piece = movers.cell[m], movers.piece[m]
         out[m] = invert_near(laws, pieces, cell, piece, force - movers.offset[m], out[m])
         total += out[m]
-    return alpha * total + beta * force
+    return alpha * total + (beta + alpha * movers.soft) * force

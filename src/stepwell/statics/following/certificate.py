@@ -148,6 +148,7 @@ def _beyond(problem: Problem, cell: int, piece: int, travel: float) -> float:
 
 
 @entry()
+@leaf
 def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, which one, and by how much.
 
@@ -158,12 +159,6 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     follow the force without rows of their own, all of them are looked at, and their travels added
     up, at the last such segment and at about 8 before it; at the others the cells with rows are.
     """
-    return audit_in(problem, log, start, sheets)
-
-
-@leaf
-def audit_in(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
-    """The same."""
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)

@@ -40,7 +40,6 @@ from stepwell.statics.following.state import (
     Movers,
     Problem,
     State,
-    some_movers,
 )
 
 # No landing is looked for while the force has fallen by less than this share of the largest one:
@@ -119,20 +118,12 @@ def floor_of(
 
 
 @leaf
-def softened(problem: Problem, rising: Rising) -> Problem:
-    """The problem of the other cells, with those of straight force as a part of the actuator."""
-    laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare = problem
-    beta = beta + alpha * compliance_of(rising)
-    return Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
-
-
-@leaf
 def with_curved(
     problem: Problem, state: State, rising: Rising, cell: int, piece: int, apart: float
 ) -> Movers:
     """The cells of curved force that rise, and before them `cell` unless it is -1.
 
-    `apart` is the travel of what is neither in these nor in the sums.
+    Those of straight force are what is soft besides. `apart` is the travel of what is neither.
     """
     count, one = rising.counts[0], 0 if cell < 0 else 1
     spare = problem.spare
@@ -142,7 +133,8 @@ def with_curved(
     for k in range(count):
         i = rising.curved[k]
         cells[one + k], on[one + k], offset[one + k] = i, state.piece[i], 0.0
-    return some_movers(spare, count + one, offset_of(rising) + apart)
+    held, count = offset_of(rising) + apart, count + one
+    return Movers(cells[:count], on[:count], offset[:count], held, compliance_of(rising))
 
 
 @leaf
@@ -153,14 +145,14 @@ def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> float
     for m in range(len(out)):
         out[m] = invert_near(laws, pieces, movers.cell[m], movers.piece[m], force, out[m])
         total += out[m]
-    return float(problem.alpha * total + problem.beta * force)
+    return float(problem.alpha * total + (problem.beta + problem.alpha * movers.soft) * force)
 
 
 @leaf
 def _softest(problem: Problem, movers: Movers, one: Floats, two: Floats) -> tuple[float, float]:
     """Bounds of dU/dλ between two places on the same pieces, on which κ is monotone."""
     laws, pieces = problem.laws, problem.pieces
-    low = high = problem.beta
+    low = high = problem.beta + problem.alpha * movers.soft
     for m in range(len(one)):
         cell, piece = movers.cell[m], movers.piece[m]
         a = problem.alpha * inverse_slope(laws, pieces, cell, piece, one[m])
@@ -252,12 +244,11 @@ def land_after(
             while level > max(end, floor):
                 joint = -first_key(queues, behind)
                 following = max(end, floor, joint)
-                soft = softened(problem, rising)
                 movers = with_curved(problem, state, rising, j, p, 0.0)
                 top = min(level, d * (pieces.force_left[p] if d > 0 else pieces.force_right[p]))
                 if following < top:
                     root, place, near = _first_return(
-                        soft, movers, (d * top, d * following), drive, d
+                        problem, movers, (d * top, d * following), drive, d
                     )
                     missed = min(missed, near)
                     if not np.isnan(root):
@@ -291,11 +282,10 @@ def land_after(
         at = stop if stopped else invert(problem.laws, pieces, j, p, d * following)
         there = at + stroke_at(problem, state, rising, d * following)
         if d * (there + problem.beta * d * following - drive) <= 0.0:
-            soft = softened(problem, rising)
             one, apart = (-1, stop) if stopped else (j, 0.0)
             movers = with_curved(problem, state, rising, one, p, apart)
             places = problem.spare.number[PLACE, : len(movers.cell)]
-            root = point_at(soft, movers, d * level, d * following, drive, places, False)
+            root = point_at(problem, movers, d * level, d * following, drive, places, False)
             count_work(rising, d * level, root)
             return Landing(True, root, p, stop if stopped else places[0], missed)
         count_work(rising, d * level, d * following)

@@ -11,8 +11,8 @@ from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
-from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.series import Segment, advance, is_regular, no_segment
+from stepwell.statics.following.rising import Rising
+from stepwell.statics.following.series import Segment, advance, is_regular
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -50,20 +50,15 @@ _LONGEST_WAIT = 15
 
 
 @entry()
-def follow(problem: Problem, turning: Floats, state: State) -> int:
-    """Drive the chain through `turning`, writing every segment to the log; how it ended.
-
-    Where the log is full, it goes on from there when it is called again with a longer one.
-    """
-    n = len(state.mode)
-    return follow_in(problem, turning, state, no_rising(n), no_segment(n))
-
-
 @leaf
-def follow_in(
+def follow(
     problem: Problem, turning: Floats, state: State, rising: Rising, segment: Segment
 ) -> int:
-    """The same, with room for long chains."""
+    """Drive the chain through `turning`, writing every segment to the log; how it ended.
+
+    Where the log is full, it goes on from there when it is called again with a longer one. Long
+    chains write over `rising` and `segment`.
+    """
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[GOES]
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)

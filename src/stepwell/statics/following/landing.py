@@ -16,6 +16,8 @@ from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import FREE, HELD, Problem, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
+# The first of eight rows of the spare stack: pull, resistance and slopes at the ends of stretches.
+_AT = 3
 
 
 class Line(NamedTuple):
@@ -145,6 +147,8 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
     paired, share = forth >= 0 and back >= 0, line.share
     lefts, rights = problem.spare.stack[0], problem.spare.stack[1]
+    # What `_ends` says at both ends of every stretch that waits.
+    at = problem.spare.stack[_AT : _AT + 8]
     begin = 0.0
     looks = 0
     while True:
@@ -156,14 +160,21 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
         end = max(end, begin)
         lefts[0], rights[0] = begin, end
         waiting = 1 if end > begin else 0
+        if waiting > 0:
+            at[0, 0], at[1, 0], at[2, 0], at[3, 0] = _ends(
+                laws, picked, line, on_forth, on_back, bias, begin
+            )
+            at[4, 0], at[5, 0], at[6, 0], at[7, 0] = _ends(
+                laws, picked, line, on_forth, on_back, bias, end
+            )
         while waiting > 0:
             looks += 1
             if overspent(effort, 4) or looks > 200_000:
                 return UNDECIDED, begin, line.force
             waiting -= 1
             a, b = lefts[waiting], rights[waiting]
-            ga, dga, ha, dha = _ends(laws, picked, line, on_forth, on_back, bias, a)
-            gb, dgb, hb, dhb = _ends(laws, picked, line, on_forth, on_back, bias, b)
+            ga, dga, ha, dha = at[0, waiting], at[1, waiting], at[2, waiting], at[3, waiting]
+            gb, dgb, hb, dhb = at[4, waiting], at[5, waiting], at[6, waiting], at[7, waiting]
             if paired:
                 low = share * min(ga, gb) + (1.0 - share) * min(ha, hb)
                 high = share * max(ga, gb) + (1.0 - share) * max(ha, hb)
@@ -201,8 +212,14 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
                     return JOINED, b, at_b
                 continue
             middle = 0.5 * (a + b)
+            g, dg, h, dh = _ends(laws, picked, line, on_forth, on_back, bias, middle)
             lefts[waiting], rights[waiting] = middle, b
+            at[0, waiting], at[1, waiting], at[2, waiting], at[3, waiting] = g, dg, h, dh
             lefts[waiting + 1], rights[waiting + 1] = a, middle
+            at[0, waiting + 1], at[1, waiting + 1] = ga, dga
+            at[2, waiting + 1], at[3, waiting + 1] = ha, dha
+            at[4, waiting + 1], at[5, waiting + 1] = g, dg
+            at[6, waiting + 1], at[7, waiting + 1] = h, dh
             waiting += 2
         if end >= limit:
             g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, limit)

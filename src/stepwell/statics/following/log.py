@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import leaf
+from stepwell.kernels import leaf, record
 
 # What happens on a segment; on a drift, cells of constant force move.
 HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
@@ -29,6 +29,7 @@ MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 
 
+@record
 class Log(NamedTuple):
     """K segments (one row each) and, per segment, the cells that moved in it."""
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
-from stepwell.kernels import entry, kernel, leaf
+from stepwell.kernels import entry, kernel, leaf, record
 from stepwell.mechanism import (
     CURVE_HIGH,
     CURVE_LOW,
@@ -40,6 +40,7 @@ MOST_PIECES = 1000
 NO_FORCE = 1e-12
 
 
+@record
 class Pieces(NamedTuple):
     """P monotone pieces of all cells, in order of cell, sheet and travel; T sheets."""
 
@@ -67,6 +68,7 @@ _TO_SERIES = _transform()
 _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 
 
+@record
 class Room(NamedTuple):
     """What cutting writes to on its way, so that no cut makes an array."""
 
@@ -289,7 +291,7 @@ def cut(laws: Laws, sheets: Sheets) -> Pieces:
     size = 16 * len(laws.lever) + len(laws.rows) + 64
     while True:
         pieces = room_of_pieces(laws, sheets, size)
-        total = _cut(laws, sheets, pieces, room_for(laws))
+        total = cut_into(laws, sheets, pieces, room_for(laws))
         if total >= 0:
             columns = (column[:total].copy() for column in pieces[2:])
             return Pieces._make((*pieces[:2], *columns))
@@ -305,11 +307,6 @@ def room_of_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
 
 
 @entry(1e-3, "laws.lever")
-def _cut(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
-    """Fill the pieces; how many there are, or -1 where they are more than fit in."""
-    return cut_into(laws, sheets, out, room)
-
-
 @leaf
 def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
     """Fill the pieces; how many there are, or -1 where they are more than fit in."""
@@ -401,14 +398,9 @@ def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
 
 
 @entry(1e-6, "pieces.left")
+@leaf
 def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     """Largest force of any cell on its curve [N], against which tolerances are measured."""
-    return largest_force(laws, sheets, pieces)
-
-
-@leaf
-def largest_force(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
-    """The same."""
     left, right, begins, ends = pieces.left, pieces.right, pieces.force_left, pieces.force_right
     most = NO_FORCE
     for i in range(len(laws.friction)):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import leaf, record
 from stepwell.mechanism import HIGH, LOW, Laws, stored
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.pieces import Pieces, find_piece, invert, invert_near, piece_along
@@ -27,6 +27,7 @@ _APART, _STRAIGHT, _CURVED = 0, 1, 2
 _COMPLIANCE, _OFFSET, _MOBILITY, _STORED = 0, 2, 4, 6
 
 
+@record
 class Queues(NamedTuple):
     """Q priority queues of up to N cells, each a binary heap with the least key first.
 
@@ -101,6 +102,7 @@ def second_key(queues: Queues, q: int) -> float:
     return float(key[1] if size == 2 else min(key[1], key[2]))
 
 
+@record
 class Rising(NamedTuple):
     """The cells on rising branches; N cells in the chain."""
 
@@ -112,7 +114,6 @@ class Rising(NamedTuple):
     sums: Floats  # (8,)
 
 
-@kernel
 def no_rising(cells: int) -> Rising:
     """No cell yet, in a chain of so many."""
     return Rising(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import entry, kernel, overspent
+from stepwell.kernels import entry, kernel, overspent, record
 from stepwell.mechanism import law, summed
 from stepwell.statics.following.branch import point_at
 from stepwell.statics.following.certificate import certify
@@ -40,6 +40,7 @@ from stepwell.statics.following.pieces import (
 from stepwell.statics.following.state import Movers, Problem, drive_of, moved
 
 
+@record
 class Samples(NamedTuple):
     """Points along a path, each with its certificate; n samples, N cells."""
 
@@ -76,7 +77,9 @@ def sample(
 ) -> int:
     """Fill the samples; evenly in the drive along a branch, both ends of every jump."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    drive, travel, sheet, force, branch, snap_after, direction, residual, stability = samples
+    drive, travel, sheet, force = samples.drive, samples.travel, samples.sheet, samples.force
+    branch, snap_after, direction = samples.branch, samples.snap_after, samples.direction
+    residual, stability = samples.residual, samples.stability
     stand_all_on(laws, problem.sheets, pieces, sheets)
     now, number = start.copy(), 0
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
@@ -142,7 +145,7 @@ def sample(
 @kernel
 def _no_movers() -> Movers:
     """No movers."""
-    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
+    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0, 0.0)
 
 
 @kernel
@@ -154,4 +157,4 @@ def _movers(rows: Floats, stroke: float) -> Movers:
         cell[j], piece[j] = int(rows[j, CELL]), int(rows[j, PIECE])
         offset[j] = rows[j, OFFSET]
         stroke -= rows[j, TRAVEL_0]
-    return Movers(cell, piece, offset, stroke)
+    return Movers(cell, piece, offset, stroke, 0.0)

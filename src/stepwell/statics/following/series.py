@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf, overspent
+from stepwell.kernels import leaf, overspent, record
 from stepwell.mechanism import largest, smallest, stored
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
 from stepwell.statics.following.fall import (
@@ -19,7 +19,6 @@ from stepwell.statics.following.fall import (
     floor_of,
     heaviest_of,
     land_after,
-    softened,
     with_curved,
 )
 from stepwell.statics.following.log import (
@@ -91,6 +90,7 @@ from stepwell.statics.following.state import (
 _WORTH = 64
 
 
+@record
 class Segment(NamedTuple):
     """The segment that is being followed, and the cells that its row has to name.
 
@@ -104,7 +104,6 @@ class Segment(NamedTuple):
     counts: Ints  # (2,) how many, and the row of the segment before or -1
 
 
-@kernel
 def no_segment(cells: int) -> Segment:
     """None yet, in a chain of so many cells."""
     return Segment(
@@ -356,10 +355,9 @@ def advance(
                 break
             there = stroke_at(problem, state, rising, d * key) + problem.beta * d * key
             if d * (there - target) > slack:
-                soft = softened(problem, rising)
                 movers = with_curved(problem, state, rising, -1, 0, 0.0)
                 at = places[: len(movers.cell)]
-                state.force[0] = point_at(soft, movers, force, d * key, target, at, False)
+                state.force[0] = point_at(problem, movers, force, d * key, target, at, False)
                 drive, status = target, DONE
                 break
             if joint_key <= end_key:
@@ -409,11 +407,10 @@ def advance(
             if min(last, end_level) >= level - TIE * problem.scale:
                 # Both come to the ends of their branches, as alike cells do.
                 break
-            soft = softened(problem, rising)
             movers = with_curved(problem, state, rising, leader, piece, 0.0)
             fold = np.nan
             if rising.counts[0] > 0 or not is_straight(laws, pieces, leader, piece):
-                fold = first_fold(soft, movers, force, d * level)
+                fold = first_fold(problem, movers, force, d * level)
             following = d * level if np.isnan(fold) else fold
             place = invert(laws, pieces, leader, piece, following)
             there = stroke_at(problem, state, rising, following) + place
@@ -421,7 +418,7 @@ def advance(
             _name(segment, leader, travel)
             if d * (there - target) > slack:
                 at = places[: len(movers.cell)]
-                state.force[0] = point_at(soft, movers, force, following, target, at, False)
+                state.force[0] = point_at(problem, movers, force, following, target, at, False)
                 state.travel[leader] = at[0]
                 drive, status = target, DONE
                 break

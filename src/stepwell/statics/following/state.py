@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following.log import (
     CAUSE,
@@ -69,26 +69,29 @@ WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE, WHOLES_OF_FLOW = range(8)
 _NUMBERS, _WHOLES, _STACK = OF_FLOW + 25, WHOLES_OF_FLOW + 3, 256
 
 
+@record
 class Spare(NamedTuple):
     """Room for what is worked out on the way, so that no event makes an array; N cells."""
 
     number: Floats  # (35, N), see above
     whole: Ints  # (10, N)
-    stack: Floats  # (3, 256) stretches that wait to be looked at, and what the flow knows of all
+    stack: (
+        Floats  # (11, 256) stretches that wait to be looked at; row 2: what the flow knows
+    )
     counts: Ints  # (3,) of the flow
 
 
-@kernel
 def spare_room(cells: int) -> Spare:
     """Room to follow so many cells in."""
     return Spare(
         np.zeros((_NUMBERS, cells)),
         np.zeros((_WHOLES, cells), np.int64),
-        np.zeros((3, _STACK)),
+        np.zeros((11, _STACK)),
         np.zeros(3, np.int64),
     )
 
 
+@record
 class Problem(NamedTuple):
     """A chain and its actuator: what stays as it is while it is followed; N cells."""
 
@@ -104,6 +107,7 @@ class Problem(NamedTuple):
     spare: Spare
 
 
+@record
 class State(NamedTuple):
     """Where the chain is, and how it came there; N cells."""
 
@@ -140,12 +144,13 @@ def blank_state(travel: Floats, log: Log) -> State:
 
 
 class Movers(NamedTuple):
-    """The m cells that move on one branch, and what the others leave of the stroke."""
+    """The m cells that move on one branch; the others take `held` + `soft` λ of the stroke."""
 
     cell: Ints  # (m,)
     piece: Ints  # (m,), -1 where it is not known
     offset: Floats  # (m,) friction that λ bears besides the force of the cell
-    held: float  # Σ s of all other cells
+    held: float  # [m]
+    soft: float  # [m/N] of other cells that follow λ
 
 
 class Begin(NamedTuple):
@@ -184,7 +189,7 @@ def begin(problem: Problem, state: State, direction: int) -> Begin:
 def some_movers(spare: Spare, count: int, held: float) -> Movers:
     """The first so many movers in the spare room."""
     cell, piece, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
-    return Movers(cell[:count], piece[:count], offset[:count], held)
+    return Movers(cell[:count], piece[:count], offset[:count], held, 0.0)
 
 
 @leaf
