@@ -10,7 +10,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, smallest
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, smallest, summed
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
 from stepwell.statics.following.state import (
@@ -805,6 +805,9 @@ def flow(
     cell, where, used, still = at.cell, at.where, at.used, at.still
     folds = len(problem.sheets.table) > len(state.travel)
     gentle, late = scale / smallest(laws.full), _LATE * accuracy
+    # Behind a spring λ is the difference of two travels: rounding of these is a force.
+    nothing = 1e-15 * (abs(drive) + alpha * summed(laws.full)) / beta if beta > 0.0 else 0.0
+    nothing = min(max(nothing, 1e-11 * scale), TIE * scale)
     stiffest = _stiffest(cell, used[0], gentle)
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
@@ -828,14 +831,14 @@ def flow(
         largest = _rates(cell, m, shared)
         if folds and _jumps(problem, at):
             continue
-        # The longest step moves no cell by more than rounding: this is rest, whether or not
-        # Newton can say so (two cells of constant force have no single place to be).
         longest = 1e6 / (stiffest * slowest)
-        resting = wanted >= longest and largest <= 1e-11 * scale
+        # Before that it would be the place that was lost.
+        left = left or (largest < 1e-2 * scale and step % 2 == 0 and _has_left(state, at))
+        # Nothing moves but for rounding: this is rest, whether or not Newton can say so (two cells
+        # of constant force have no single place to be, and alike cells meet at a saddle).
+        resting = largest <= nothing and (left or wanted >= longest)
         settled = largest <= 1e-14 * scale or resting
         if not settled and largest < 1e-2 * scale and step % 2 == 0:
-            # Newton would take it back to the place that was lost.
-            left = left or _has_left(state, at)
             if left:
                 settled, level = _polish(problem, at, shared)
             if settled:
