@@ -132,6 +132,33 @@ def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_pat
     assert done.stdout == "heard\n"
 
 
+COMPILES = """
+import os, signal, time
+from llvmlite import binding as llvm
+from stepwell.cli.screen.outcomes import _interrupt
+llvm.initialize_native_target()
+llvm.initialize_native_asmprinter()
+machine = llvm.Target.from_default_triple().create_target_machine()
+engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+engine.set_object_cache(lambda *_: os.kill(os.getpid(), signal.SIGINT), lambda *_: None)
+signal.signal(signal.SIGINT, _interrupt)
+try:
+    engine.add_module(llvm.parse_assembly("define i32 @one() { ret i32 1 }"))
+    engine.finalize_object()
+    time.sleep(30)
+except KeyboardInterrupt:
+    print("heard")
+"""
+
+
+def test_ctrl_c_is_heard_though_the_compiler_drops_exceptions(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", COMPILES], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "heard\n", done.stderr
+    assert "ignored" not in done.stderr
+
+
 @pytest.mark.slow
 def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
     (tmp_path / "long.toml").write_text(long_chain())

@@ -4,6 +4,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Any, cast
 
@@ -60,21 +61,26 @@ class Commands(TyperGroup):
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """What Ctrl-C does while a command runs: a KeyboardInterrupt, once no module is being opened.
+    """What Ctrl-C does while a command runs: a KeyboardInterrupt, where it would not be lost.
 
-    Modules of others call Python out of C as they open, and some of that drops any exception.
+    Modules that open and the compiler call Python out of C, which drops any exception.
     """
-    if _opening(frame) and hasattr(signal, "setitimer"):
+    if _is_lost(frame) and hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, _interrupt)
         signal.setitimer(signal.ITIMER_REAL, _LOOK_AGAIN)
     else:
         raise KeyboardInterrupt
 
 
-def _opening(frame: FrameType | None) -> bool:
-    """Whether a command, which may itself run while a module opens, is opening one."""
+def _is_lost(frame: FrameType | None) -> bool:
+    """Whether an exception raised here could be dropped before it reaches the command.
+
+    The command may itself run while a module opens.
+    """
     while frame is not None and frame.f_code is not Commands.invoke.__code__:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        if "llvmlite" in Path(frame.f_code.co_filename).parts:
             return True
         frame = frame.f_back
     return False

@@ -191,10 +191,12 @@ def _balance(cell: Floats, m: int, shared: float) -> float:
 @leaf
 def _stroke(cell: Floats, m: int, travel: int, still: float) -> float:
     """Σ s where the cells in the flow have the travels of that row."""
-    total = still
+    total = 0.0
     for j in range(m):
         total += cell[travel, j]
-    return total
+    # Long chains: the many that keep still come last, or each of the others would be rounded as
+    # all of them are.
+    return total + still
 
 
 @leaf
@@ -836,7 +838,8 @@ def flow(
         left = left or (largest < 1e-2 * scale and step % 2 == 0 and _has_left(state, at))
         # Nothing moves but for rounding: this is rest, whether or not Newton can say so (two cells
         # of constant force have no single place to be, and alike cells meet at a saddle).
-        resting = largest <= nothing and (left or wanted >= longest)
+        gone = left or wanted >= longest or peak > 1e3 * nothing
+        resting = largest <= nothing and gone
         settled = largest <= 1e-14 * scale or resting
         if not settled and largest < 1e-2 * scale and step % 2 == 0:
             if left:

@@ -75,9 +75,7 @@ class Spare(NamedTuple):
 
     number: Floats  # (35, N), see above
     whole: Ints  # (10, N)
-    stack: (
-        Floats  # (11, 256) stretches that wait to be looked at; row 2: what the flow knows
-    )
+    stack: Floats  # (11, 256) stretches that wait to be looked at; row 2: what the flow knows
     counts: Ints  # (3,) of the flow
 
 
