@@ -189,6 +189,25 @@ def test_no_kernel_returns_a_record_which_ends_with_the_kernel_that_made_it():
     assert returned == []
 
 
+@kernel
+def made_while_counting(what):
+    again = Outer(what.inner, 2.0, np.ones((2, 3)))
+    return read(again)
+
+
+def test_a_kernel_that_counts_references_makes_no_record():
+    with pytest.raises(TypeError, match="made_while_counting makes the record Outer"):
+        machine(made_while_counting)
+    makers = [
+        one.__qualname__
+        for one in fingerprint._KERNELS - fingerprint._LEAVES
+        if one.__module__.startswith("stepwell.")
+        for name in fingerprint.names_of(one.__code__) & one.__globals__.keys()
+        if fingerprint.is_record(one.__globals__[name])
+    ]
+    assert makers == []
+
+
 def test_whether_a_named_tuple_is_a_record_is_in_a_fingerprint(monkeypatch):
     before = fingerprint.fingerprint(made_anew.function)
     monkeypatch.setattr(fingerprint, "_RECORDS", set())

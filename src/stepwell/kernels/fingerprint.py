@@ -41,8 +41,8 @@ def record(kind: R) -> R:
     """Mark a named tuple that kernels are handed by its place in memory; it stays as it is.
 
     Machine code passes an array as seven numbers or more, so that a chain of some thirty arrays was
-    three hundred numbers, copied at every call. A kernel may make such a record for those that it
-    calls, but not return one: it ends with the kernel that made it.
+    three hundred numbers, copied at every call. A leaf may make such a record for those that it
+    calls, but not return one: it ends with the leaf that made it.
     """
     _RECORDS.add(kind)
     return kind

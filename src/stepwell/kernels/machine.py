@@ -25,6 +25,11 @@ def machine(function: FunctionType) -> Any:
         for name in names:
             value = function.__globals__[name]
             inner = kernel_of(value)
+            if is_record(value) and not is_leaf(function):
+                raise TypeError(
+                    f"{function.__qualname__} makes the record {name}, which only a leaf may: the "
+                    f"arrays of a kernel that counts references may be gone before the record is."
+                )
             if is_record(value):
                 scope[name] = maker(value)
             else:

@@ -833,17 +833,15 @@ def flow(
         largest = _rates(cell, m, shared)
         if folds and _jumps(problem, at):
             continue
-        longest = 1e6 / (stiffest * slowest)
-        # Before that it would be the place that was lost.
-        left = left or (largest < 1e-2 * scale and step % 2 == 0 and _has_left(state, at))
+        longest, looks = 1e6 / (stiffest * slowest), largest < 1e-2 * scale and step % 2 == 0
+        # Before it has left, rest would be the place that was lost.
+        left = left or (looks and _has_left(state, at))
+        gone = left or wanted >= longest or peak > 1e3 * nothing
         # Nothing moves but for rounding: this is rest, whether or not Newton can say so (two cells
         # of constant force have no single place to be, and alike cells meet at a saddle).
-        gone = left or wanted >= longest or peak > 1e3 * nothing
-        resting = largest <= nothing and gone
-        settled = largest <= 1e-14 * scale or resting
-        if not settled and largest < 1e-2 * scale and step % 2 == 0:
-            if left:
-                settled, level = _polish(problem, at, shared)
+        settled = largest <= 1e-14 * scale or (gone and largest <= nothing)
+        if looks and left and not settled:
+            settled, level = _polish(problem, at, shared)
             if settled:
                 shared = level
                 for j in range(m):
