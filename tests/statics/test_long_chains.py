@@ -181,6 +181,25 @@ def test_lever_cells_some_of_which_are_alike_give_a_sequence_with_ties_named(cel
     assert cycle.degenerate
 
 
+@pytest.mark.parametrize("seed", [0, 2, 5])
+def test_lever_cells_alike_to_eight_digits_let_go_in_their_turn(seed):
+    # Where another one did, within the tolerance, the one whose turn it was took its place back.
+    rng = np.random.default_rng(seed)
+    stiffness = 28.5 * (1.0 + 1e-8 * rng.uniform(-1.0, 1.0, 12))
+    chain = sw.Chain(
+        [
+            sw.Cell(
+                sw.Band((-0.010, 0.0), (0.011, -0.004), stiffness=float(k), rest_length=0.018),
+                unusual=True,
+            )
+            for k in stiffness
+        ]
+    )
+    cycle = chain.cycle()
+    assert cycle.sequence.states[-1] == "0" * 12
+    assert cycle.degenerate
+
+
 def test_a_path_of_many_tables_needs_memory_for_what_happens_and_not_for_cells_squared():
     rng = np.random.default_rng(1)
     for cells in (50, 200):

@@ -253,13 +253,15 @@ def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank = problem.pieces, problem.rank
     friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, TIE * problem.scale
+    # One that lets go out of turn would be called back by the one whose turn it is.
+    same = 1e-3 * tie_force
     mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
     nearest = np.inf
     for i in range(len(rank)):
         if mode[i] == HELD:
             distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
             nearest = min(nearest, distance)
-    first, rival, falls = -1, -1, False
+    first, rival, falls, closest = -1, -1, False, np.inf
     if nearest == np.inf:
         return nearest, first
     for i in range(len(rank)):
@@ -269,8 +271,9 @@ def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float
         if distance <= nearest + tie_force:
             piece = find_piece(pieces, i, travel[i], toward)
             falls = falls or pieces.sign[piece] < 0
-            if first < 0 or rank[i] < rank[first]:
-                first, rival = i, first
+            sooner = first >= 0 and rank[i] == rank[first] and distance < closest - same
+            if first < 0 or rank[i] < rank[first] or sooner:
+                first, rival, closest = i, first, distance
             else:
                 rival = i
     if rival >= 0 and falls:
