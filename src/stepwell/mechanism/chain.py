@@ -162,8 +162,9 @@ class Chain(ByValue, Drawn):
             turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
             start: state such as "010", (N,) travels [m], or the `end_configuration` of another
                 path; all cells at 0 by default.
-            prefer: cells by falling priority where two of them tie; by default the innermost
-                goes first, and cells of constant force share the motion.
+            prefer: cells by falling priority where two of them tie; by default the first by its
+                force, of the same forces the innermost, and cells of constant force share the
+                motion.
             progress: called now and then with (done, total) of the way of the actuator.
 
         Returns:
