@@ -123,7 +123,7 @@ def with_curved(
 ) -> Movers:
     """The cells of curved force that rise, and before them `cell` unless it is -1.
 
-    Those of straight force are what is soft besides. `apart` is the travel of what is neither.
+    The cells of straight force count as `soft`. `apart` is the travel of any other cell [m].
     """
     count, one = rising.counts[0], 0 if cell < 0 else 1
     spare = problem.spare

@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Ints
+from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, beyond, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import FREE, HELD, Problem, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
-# The first of eight rows of the spare stack: pull, resistance and slopes at the ends of stretches.
-_AT = 3
+# Rows of the spare stack: shifts where stretches end, and what `_ends` says there.
+_SHIFT, _PULL, _PULL_SLOPE, _RESIST, _RESIST_SLOPE = range(3, 8)
 
 
 class Line(NamedTuple):
@@ -122,6 +122,15 @@ def _balance(
 
 
 @leaf
+def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, float]) -> int:
+    """Let the end of a stretch wait in place k of the stack; how many wait then."""
+    stack[_SHIFT, k] = x
+    stack[_PULL, k], stack[_PULL_SLOPE, k] = there[0], there[1]
+    stack[_RESIST, k], stack[_RESIST_SLOPE, k] = there[2], there[3]
+    return k + 1
+
+
+@leaf
 def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there of a snap along a line.
 
@@ -146,10 +155,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
     paired, share = forth >= 0 and back >= 0, line.share
-    lefts, rights = problem.spare.stack[0], problem.spare.stack[1]
-    # What `_ends` says at both ends of every stretch that waits.
-    at = problem.spare.stack[_AT : _AT + 8]
-    begin = 0.0
+    stack, begin = problem.spare.stack, 0.0
     looks = 0
     while True:
         end = limit
@@ -158,23 +164,26 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
         if back >= 0:
             end = min(end, from_back - pieces.left[on_back])
         end = max(end, begin)
-        lefts[0], rights[0] = begin, end
-        waiting = 1 if end > begin else 0
-        if waiting > 0:
-            at[0, 0], at[1, 0], at[2, 0], at[3, 0] = _ends(
-                laws, picked, line, on_forth, on_back, bias, begin
-            )
-            at[4, 0], at[5, 0], at[6, 0], at[7, 0] = _ends(
-                laws, picked, line, on_forth, on_back, bias, end
-            )
+        # Shifts wait where stretches end, the nearest last; after one stretch comes the next.
+        waiting, after, of_after = 0, begin, (0.0, 0.0, 0.0, 0.0)
+        if end > begin:
+            of_after = _ends(laws, picked, line, on_forth, on_back, bias, begin)
+            of_end = _ends(laws, picked, line, on_forth, on_back, bias, end)
+            waiting = _wait(stack, waiting, end, of_end)
         while waiting > 0:
             looks += 1
             if overspent(effort, 4) or looks > 200_000:
                 return UNDECIDED, begin, line.force
             waiting -= 1
-            a, b = lefts[waiting], rights[waiting]
-            ga, dga, ha, dha = at[0, waiting], at[1, waiting], at[2, waiting], at[3, waiting]
-            gb, dgb, hb, dhb = at[4, waiting], at[5, waiting], at[6, waiting], at[7, waiting]
+            a, of_a, b = after, of_after, stack[_SHIFT, waiting]
+            of_b = (
+                stack[_PULL, waiting],
+                stack[_PULL_SLOPE, waiting],
+                stack[_RESIST, waiting],
+                stack[_RESIST_SLOPE, waiting],
+            )
+            after, of_after = b, of_b
+            (ga, dga, ha, dha), (gb, dgb, hb, dhb) = of_a, of_b
             if paired:
                 low = share * min(ga, gb) + (1.0 - share) * min(ha, hb)
                 high = share * max(ga, gb) + (1.0 - share) * max(ha, hb)
@@ -212,15 +221,9 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
                     return JOINED, b, at_b
                 continue
             middle = 0.5 * (a + b)
-            g, dg, h, dh = _ends(laws, picked, line, on_forth, on_back, bias, middle)
-            lefts[waiting], rights[waiting] = middle, b
-            at[0, waiting], at[1, waiting], at[2, waiting], at[3, waiting] = g, dg, h, dh
-            lefts[waiting + 1], rights[waiting + 1] = a, middle
-            at[0, waiting + 1], at[1, waiting + 1] = ga, dga
-            at[2, waiting + 1], at[3, waiting + 1] = ha, dha
-            at[4, waiting + 1], at[5, waiting + 1] = g, dg
-            at[6, waiting + 1], at[7, waiting + 1] = h, dh
-            waiting += 2
+            of_middle = _ends(laws, picked, line, on_forth, on_back, bias, middle)
+            after, of_after = a, of_a
+            waiting = _wait(stack, waiting + 1, middle, of_middle)
         if end >= limit:
             g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, limit)
             return STOPPED, limit, _level(line, g, h)

@@ -75,7 +75,7 @@ class Spare(NamedTuple):
 
     number: Floats  # (35, N), see above
     whole: Ints  # (10, N)
-    stack: Floats  # (11, 256) stretches that wait to be looked at; row 2: what the flow knows
+    stack: Floats  # (8, 256) stretches that wait to be looked at; row 2: what the flow knows
     counts: Ints  # (3,) of the flow
 
 
@@ -84,7 +84,7 @@ def spare_room(cells: int) -> Spare:
     return Spare(
         np.zeros((_NUMBERS, cells)),
         np.zeros((_WHOLES, cells), np.int64),
-        np.zeros((11, _STACK)),
+        np.zeros((8, _STACK)),
         np.zeros(3, np.int64),
     )
 
