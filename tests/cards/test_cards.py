@@ -11,10 +11,13 @@ from matplotlib.figure import Figure
 import stepwell as sw
 from cards.values import every, of_chains
 from stepwell import cards, figures
+from stepwell.accounts import ACCOUNTS
 from stepwell.base import Drawn, InputError, Shown, brief, headed
-from stepwell.cards.cards import _CARDS
+from stepwell.cards.cards import _CARDS as _OLD
 from stepwell.figures.common.page import PageFigure
 from stepwell.figures.usual import _USUAL
+
+_CARDS = {**_OLD, **ACCOUNTS}
 
 ROOMS = "mechanism", "statics", "sequences", "design", "lab", "robot", "simulation"
 # What is given, and what is told as a part of something else: these show what they print.

@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from golden.running import FROZEN
-from stepwell.cli.screen import fold, show
+from stepwell.accounts import fold
+from stepwell.cli.screen import show
 
 # What the pages and a pipe have; narrower and wider terminals.
 USUAL = 80

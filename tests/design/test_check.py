@@ -157,6 +157,6 @@ def test_a_program_of_another_chain_and_no_cycle_are_refused():
 
 
 def test_the_page_of_a_check_shows_what_those_built_do_and_moves(tmp_path):
-    reports.write_check(check(sw.preset("paper-forward"), samples=60), tmp_path)
+    reports.write(check(sw.preset("paper-forward"), samples=60), tmp_path)
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "data:image/svg+xml" in page and "<iframe" in page

@@ -117,6 +117,9 @@ class Quantity:
         none: what tables tell where there is none.
         left: whether its column starts at the left; words do.
         dims: further dimensions in xarray.
+        holds: what JSON has of it: a type, a schema, a list of one of these, or a dictionary from
+            `str` to one of these; a number where it has a unit, else text.
+        missing: whether JSON has null where there is none; of numbers it always has.
     """
 
     name: str
@@ -128,6 +131,8 @@ class Quantity:
     none: str = ""
     left: bool | None = None
     dims: tuple[str, ...] = ()
+    holds: Any = None
+    missing: bool = False
 
     @property
     def attribute(self) -> str:
@@ -207,8 +212,21 @@ def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
         value: what has it.
         given: quantities by name that `value` does not have itself.
     """
-    told = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
-    return {q.key: plain(found, q.factor) for q, found in told}
+    found = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
+    return {q.key: _held(q.holds, one, q.factor) for q, one in found}
+
+
+def _held(holds: Any, value: Any, factor: float) -> Any:
+    """What JSON has of a value that is one of what a quantity holds, see `Quantity`."""
+    if value is None:
+        return None
+    if isinstance(holds, tuple):
+        return record(holds, value)
+    if isinstance(holds, list):
+        return [_held(holds[0], one, factor) for one in value]
+    if isinstance(holds, dict):
+        return {key: _held(holds[str], one, factor) for key, one in value.items()}
+    return plain(value, factor)
 
 
 def in_measure(schema: Schema, measure: Measure) -> Schema:
@@ -234,9 +252,21 @@ def in_measure(schema: Schema, measure: Measure) -> Schema:
             head=said(q.head),
             doc=said(q.doc),
             read=q.read or q.name,
+            holds=_measured(q.holds, measure),
         )
         for q in schema
     )
+
+
+def _measured(holds: Any, measure: Measure) -> Any:
+    """What a quantity holds, of a chain that has another pair than travel and force."""
+    if isinstance(holds, tuple):
+        return in_measure(holds, measure)
+    if isinstance(holds, list):
+        return [_measured(holds[0], measure)]
+    if isinstance(holds, dict):
+        return {str: _measured(holds[str], measure)}
+    return holds
 
 
 def plain(value: Any, factor: float = 1.0) -> Any:

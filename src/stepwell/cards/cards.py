@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from stepwell import accounts
 from stepwell.base import of_kind
 from stepwell.cards.chains import CHAINS
 from stepwell.cards.designs import DESIGNS
@@ -24,6 +25,8 @@ def card(value: Any) -> str:
     Returns:
         HTML with inline styles, for light and dark notebooks alike.
     """
+    if accounts.has_account(value):
+        return accounts.card(accounts.account(value))
     made = of_kind(_CARDS, value)
     return html(made(value) if made is not None else _printed(value))
 

@@ -16,21 +16,15 @@ from stepwell.results import (
     atlas_record,
     built_schema,
     change_columns,
-    check_record,
-    killer_words,
     map_shares,
     margin_changes,
-    measure_words,
     nearest_changes,
-    pull_words,
     tolerance_words,
-    verdict_words,
 )
 
 if TYPE_CHECKING:
     from stepwell.atlas import Atlas
     from stepwell.design import (
-        Check,
         Design,
         Impossible,
         Margin,
@@ -82,19 +76,6 @@ def _yield(found: Yield) -> Card:
         _shares(found),
         **_outcomes(found.outcomes, found.n),
     )
-
-
-def _check(found: Check) -> Card:
-    told, chain = check_record(found), found.chain
-    known = {
-        "wanted": found.wanted,
-        **_shares(found.yield_),
-        "killer": killer_words(told, chain),
-        "pull": pull_words(told, chain),
-        "measure": measure_words(told, chain),
-    }
-    facts = {name: text for name, text in known.items() if text}
-    return Card(chain.title or "A design", [verdict_words(told), *found.oddities], facts)
 
 
 def _survival(found: Survival) -> Card:
@@ -161,7 +142,6 @@ def _atlas(found: Atlas) -> Card:
 
 DESIGNS: dict[str, Callable[[Any], Card]] = {
     "Atlas": _atlas,
-    "Check": _check,
     "Design": _design,
     "Impossible": _impossible,
     "MapView": _map,

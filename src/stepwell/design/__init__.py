@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from stepwell.design.margins import (
+    LONGEST_FOLLOWED,
     Change,
     Margin,
     Reprogramming,

@@ -9,6 +9,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from stepwell import files
+from stepwell.accounts import head
 from stepwell.base import InputError, nearest_word, need
 from stepwell.paper.claims import Claim, Verdict
 from stepwell.paper.mechanisms import (
@@ -29,12 +30,11 @@ from stepwell.paper.others import (
     TRILINEAR,
 )
 from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
-from stepwell.results import head
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCHEMA = "stepwell.paper/1"
+SCHEMA = "paper/1"
 
 
 def claims(

@@ -21,7 +21,6 @@ from stepwell.reports.chain import (
     write_run,
 )
 from stepwell.reports.design import (
-    write_check,
     write_design,
     write_reprogramming,
     write_survival,
@@ -38,6 +37,7 @@ from stepwell.reports.pages import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
 from stepwell.reports.study import write_study
+from stepwell.reports.write import write
 
 __all__ = [
     "OPENING",
@@ -52,7 +52,7 @@ __all__ = [
     "write_atlas",
     "write_band",
     "write_calibration",
-    "write_check",
+    "write",
     "write_comparison",
     "write_design",
     "write_graph",

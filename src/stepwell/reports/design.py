@@ -6,19 +6,16 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import have
 from stepwell.design import Yield
 from stepwell.files import dumps
 from stepwell.reports.pages import (
-    check_page,
     design_page,
     reprogramming_page,
     survival_page,
     yield_page,
 )
-from stepwell.reports.steps import Folder, Pictures, Progress, bundle, pictured, replay_of
+from stepwell.reports.steps import Folder, Pictures, Progress, bundle, pictured
 from stepwell.results import (
-    check_record,
     design_record,
     reprogram_record,
     survival_record,
@@ -28,7 +25,7 @@ from stepwell.results import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.design import Check, Design, Reprogramming, Survival
+    from stepwell.design import Design, Reprogramming, Survival
 
 # Mechanisms that are drawn around the drawing, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
@@ -85,27 +82,6 @@ def _of_yield(found: Yield) -> Pictures:
         clouds = found.end_forces(_CLOUD)
         draws["force-plane"] = partial(figures.force_plane, found.chain, clouds=clouds)
     return pictured(draws, _CAPTIONS)
-
-
-def write_check(
-    found: Check,
-    folder: Folder,
-    *,
-    design: str | None = None,
-    calibrated: Mapping[str, Any] | None = None,
-    progress: Progress | None = None,
-    force: bool = False,
-) -> tuple[str, ...]:
-    """Write a verdict on a design: design.toml, check.json, report.html."""
-    text, chain, built = design or dumps(found.chain), found.chain, found.yield_
-    # The verdict needs no figures: where they cannot be drawn, it stands without them.
-    page = _of_yield(built).wide if isinstance(built, Yield) and have("figures") else {}
-    contents = {
-        "design.toml": text,
-        "check.json": check_record(found, design=text, calibrated=calibrated),
-        "report.html": check_page(found, page, replay_of(chain, chain.title), calibrated),
-    }
-    return bundle(folder, "check", contents, progress=progress, force=force)
 
 
 def write_survival(

@@ -7,14 +7,7 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.results.assumptions import actuator_words, assumptions, simulation_assumptions
-from stepwell.results.check import (
-    check_record,
-    killer_words,
-    measure_words,
-    pull_words,
-    verdict_words,
-)
+from stepwell.accounts import actuator_words, assumptions, head, simulation_assumptions, tie_notes
 from stepwell.results.design import (
     SENSITIVITY,
     built_schema,
@@ -27,7 +20,6 @@ from stepwell.results.design import (
     yield_record,
 )
 from stepwell.results.graph import graph_record, implicit_graph_record
-from stepwell.results.head import head, tie_notes
 from stepwell.results.json_schema import schema_kinds, schema_of
 from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
 from stepwell.results.map import boundary_rows, map_record, map_shares
@@ -87,7 +79,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assumptions",
-    "check_record",
     "convergence_record",
     "design_record",
     "force_scale",

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts import head
 from stepwell.base import Column, counted, number, told_in
-from stepwell.results.head import head
 
 if TYPE_CHECKING:
     from stepwell.atlas import Atlas, Border, Cycling, Machine
@@ -27,7 +27,7 @@ def atlas_record(
     """
     shown = found.machines if machines is None else machines
     return {
-        **head("stepwell.atlas/1", found.chain, found.seed, "zarr"),
+        **head("atlas/1", found.chain, found.seed, "zarr"),
         "title": found.chain.title,
         "cells": len(found.chain),
         "drive": found.drive,

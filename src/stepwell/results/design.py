@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts import head
 from stepwell.base import Quantity, Schema, in_measure, number, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
-from stepwell.results.head import head
 from stepwell.results.run import CELL, actuator_record, cell_schema
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def yield_record(
         Plain numbers and texts.
     """
     return {
-        **_about("stepwell.yield/1", found, design),
+        **_about("yield/1", found, design),
         **_yield(found),
         "calibrated": None if calibrated is None else dict(calibrated),
     }
@@ -176,7 +176,7 @@ def survival_record(
         Quantity("assumptions"),
     )
     return {
-        **_about("stepwell.survival/1", found, design),
+        **_about("survival/1", found, design),
         **record(schema, found),
         "calibrated": None if calibrated is None else dict(calibrated),
     }
@@ -239,7 +239,7 @@ def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict
     columns = record(WAY, found).values()
     unit = told_in(found.unit)[0]
     return {
-        **head("stepwell.reprogram/1", design or found.chain),
+        **head("reprogram/1", design or found.chain),
         "title": found.chain.title,
         **record(reprogramming_schema("" if unit == "1" else unit), found),
         "way": [
@@ -257,7 +257,7 @@ def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict
 
 def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, Any]:
     return {
-        **head("stepwell.design/1", chain, seed),
+        **head("design/1", chain, seed),
         "title": "" if chain is None else chain.title,
         "possible": chain is not None,
         "proved": proved,

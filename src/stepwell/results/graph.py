@@ -6,8 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts import head, tie_notes
 from stepwell.base import Quantity, Schema, record, told_in
-from stepwell.results.head import head, tie_notes
 
 if TYPE_CHECKING:
     from stepwell.sequences import ImplicitGraph, Transition, TransitionGraph
@@ -56,7 +56,7 @@ def graph_record(graph: TransitionGraph, *, design: str | None = None) -> dict[s
     loop = partial(record, loop_schema(unit))
     loops, gardens = reading.sub_loops, reading.garden_of_eden
     return {
-        **head("stepwell.graph/1", design or graph.chain),
+        **head("graph/1", design or graph.chain),
         "title": graph.chain.title if graph.chain else "",
         "actuator": graph.actuator,
         "cells": list(graph.names),
@@ -123,7 +123,7 @@ def implicit_graph_record(
         up, down = (_way(graph.transition(node.label, way), unit) for way in (+1, -1))
         walk.append({"label": node.label} | record(ends, node) | {"up": up, "down": down})
     return {
-        **head("stepwell.implicit_graph/1", design or graph.chain),
+        **head("implicit_graph/1", design or graph.chain),
         "title": graph.chain.title,
         "actuator": graph.actuator,
         "cells": list(graph.names),

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from importlib.resources import files
 from typing import Any
 
+from stepwell import accounts
 from stepwell.base import InputError, nearest_word
 
 JsonSchema = dict[str, Any]
@@ -36,7 +37,8 @@ _PYTHON = {
 
 def schema_kinds() -> list[str]:
     """The kinds of records that have a schema, such as "run" or "lab.read"."""
-    return sorted(file.name[:-5] for file in _PUBLISHED.iterdir() if file.name.endswith(".json"))
+    files = (file.name[:-5] for file in _PUBLISHED.iterdir() if file.name.endswith(".json"))
+    return sorted({*files, *accounts.schema_kinds()})
 
 
 def schema_of(kind: str) -> JsonSchema:
@@ -45,6 +47,8 @@ def schema_of(kind: str) -> JsonSchema:
     Raises:
         ValueError: there is no such kind; the text lists them all.
     """
+    if kind in accounts.schema_kinds():
+        return accounts.schema_of(kind)
     known = schema_kinds()
     if kind not in known:
         near = nearest_word(kind, known)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell.accounts import head
 from stepwell.base import Quantity, csv_text, plain, told_in
-from stepwell.results.head import head
 
 if TYPE_CHECKING:
     import xarray
@@ -34,7 +34,7 @@ def map_record(
     axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
     pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}
     return {
-        **head("stepwell.map/2", text),
+        **head("map/2", text),
         "title": str(dataset.attrs["title"]),
         **{name: _axis(dataset[letter], here) for name, letter, here in axes},
         "shares": map_shares(dataset),

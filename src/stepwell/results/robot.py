@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts import head
 from stepwell.base import Quantity, Schema, plain, record
 from stepwell.files import digest, dumps, provenance
-from stepwell.results.head import head
 from stepwell.robot import Arena, Prediction, Robot
 from stepwell.robot.gait import depths
 from stepwell.statics import StaticsError
@@ -138,7 +138,7 @@ def robot_record(
     """A robot's numbers and what statics says of its gait, as docs/commands.md describes it."""
     legs = zip(prediction.legs, _depths(robot), strict=True)
     return {
-        **head("stepwell.robot/1", design or robot),
+        **head("robot/1", design or robot),
         **record(ROBOT, robot),
         "prediction": {
             **record(PREDICTION, prediction),
@@ -157,7 +157,7 @@ def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
     predicted = compared.predicted or (None,) * len(robot.legs)
     legs = zip(walk.gaits.items(), predicted, walk.slip, _depths(robot), strict=True)
     return {
-        **head("stepwell.walk/1", design or robot, None, "mujoco"),
+        **head("walk/1", design or robot, None, "mujoco"),
         **record(WALKED, walk),
         "work_per_cycle_mJ": plain(walk.work / walk.cycles, 1e3) if walk.cycles else None,
         "u_max_mm": plain(_most(robot), 1e3),
@@ -194,7 +194,7 @@ def maze_record(
     """
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
     return {
-        **head("stepwell.maze/1", design or robot, None, "mujoco"),
+        **head("maze/1", design or robot, None, "mujoco"),
         "arena_sha256": _arena_hash(arena),
         "start_seed": start_seed,
         "layout_seed": layout_seed,
@@ -228,7 +228,7 @@ def sweep_record(
 
     values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * len(sweep.trials)
     return {
-        **head("stepwell.sweep/1", design, seed, "mujoco"),
+        **head("sweep/1", design, seed, "mujoco"),
         "keys": list(sweep.values),
         "trials": [
             {"values": [float(value) for value in row], **record(TRIAL, trial)}
@@ -240,7 +240,7 @@ def sweep_record(
 def convergence_record(found: Convergence, *, design: str | None = None) -> dict[str, Any]:
     """How far a walk depends on the time step, as docs/commands.md describes it."""
     return {
-        **head("stepwell.convergence/1", design or found.robot, None, "mujoco"),
+        **head("convergence/1", design or found.robot, None, "mujoco"),
         "title": found.robot.title,
         "time_steps": [record(RESOLUTION, row) for row in found.rows],
     }

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts import head, tie_notes
 from stepwell.base import (
     Column,
     Columns,
@@ -19,7 +20,6 @@ from stepwell.base import (
     told_in,
 )
 from stepwell.mechanism import Cell, Chain, Element
-from stepwell.results.head import head, tie_notes
 from stepwell.results.landings import (
     checked,
     elsewhere_columns,
@@ -197,7 +197,7 @@ def run_record(
     landings = checked(cycle.path) if landings is None else landings
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     return {
-        **head("stepwell.run/1", design or chain),
+        **head("run/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": cell_records(chain),
@@ -410,7 +410,7 @@ def unreachable_record(
 
 def _head(chain: Chain, start: str | None, to: str | None, design: str | None) -> dict[str, Any]:
     return {
-        **head("stepwell.program/1", design or chain),
+        **head("program/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": list(chain.names),

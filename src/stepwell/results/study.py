@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell.accounts import head
 from stepwell.base import Column, Columns, Quantity, percent
-from stepwell.results.head import head
 
 if TYPE_CHECKING:
     from stepwell.studies import Decided, Status
@@ -42,7 +42,7 @@ def study_record(found: Status) -> dict[str, Any]:
     columns = {name: unit for name, unit in study.columns.items() if name not in not_found}
     problems = columns.pop("problem", None) and found.problems
     return {
-        **head("stepwell.study/1", study.text, study.designs.seed, "zarr"),
+        **head("study/1", study.text, study.designs.seed, "zarr"),
         "title": study.subject.title,
         "store": str(study.folder),
         "what": study.what,

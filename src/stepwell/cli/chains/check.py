@@ -1,6 +1,5 @@
 """`stepwell check`: one page, one verdict."""
 
-from functools import partial
 from typing import Annotated
 
 import typer
@@ -17,7 +16,7 @@ from stepwell.cli.options import (
     read_chain,
     tolerances as given,
 )
-from stepwell.cli.screen import answered, finish, progress, usable
+from stepwell.cli.screen import answered, progress, report, usable
 
 
 def check(
@@ -50,8 +49,8 @@ def check(
     Where it won't, the exit code is 3. With --out, a report and the result as JSON are written
     into a folder, together with the design.
     """
-    from stepwell import files, reports, results
-    from stepwell.cli.text import checks
+    from stepwell import files
+    from stepwell.accounts import About, account
     from stepwell.design import check
 
     text, chain = read_chain(design)
@@ -65,15 +64,13 @@ def check(
         chain.measure,
     )
     free(out, "check", force, design=text)
-    told = None
+    calibrated = None
     if data is not None:
-        text, chain, spread, told = calibrated_on(data, text, chain, spread)
+        text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     wanted = want
     if want is None and files.loads_program(text, design) is not None:
         wanted = own(text, design)
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
-    record = results.check_record(found, design=text, calibrated=told)
-    write = partial(reports.write_check, found, design=text, calibrated=told)
-    finish(record, partial(checks.check, chain=chain), as_json, out, force, write)
-    answered(record["verdict"] != "won't")
+    report(account(found, About(text, design, calibrated)), as_json, out, force)
+    answered(found.verdict != "won't")

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from stepwell.base import REACH
+from stepwell.accounts import CALIBRATED
+from stepwell.base import REACH, record as record_of
 from stepwell.cli.options import (
     Data,
     Design,
@@ -290,7 +291,8 @@ def yield_(
         raise typer.BadParameter("cannot stand with --program.", param_hint=option)
     told = None
     if data is not None:
-        text, chain, spread, told = calibrated_on(data, text, chain, spread)
+        text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
+        told = record_of(CALIBRATED, calibrated)
     if program:
         played = own(text, design)
         points, start, ends = played.turning_points, played.start, played.to

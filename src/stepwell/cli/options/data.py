@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stepwell.cli.screen import progress, warn
 
 if TYPE_CHECKING:
+    from stepwell.accounts import Calibrated
     from stepwell.design import Tolerances
     from stepwell.lab import Recording
     from stepwell.mechanism import Chain
@@ -41,7 +42,7 @@ def recordings_in(paths: Sequence[Path]) -> list[Recording]:
 
 def calibrated_on(
     data: Path, text: str, chain: Chain, spread: Tolerances
-) -> tuple[str, Chain, Tolerances, dict[str, Any]]:
+) -> tuple[str, Chain, Tolerances, Calibrated]:
     """A design and its tolerances as recordings calibrate them.
 
     Args:
@@ -52,22 +53,23 @@ def calibrated_on(
 
     Returns:
         The file and the chain with bands, weight and friction as measured; the tolerances with the
-        scatter of the bands; and what is told of it.
+        scatter of the bands; and what the recordings gave.
     """
     from stepwell import files, lab
+    from stepwell.accounts import Calibrated
 
     given = recordings_in([data])
     series = lab.sort_series(given).series
     with progress("fits") as tell:
         prepared = lab.prepare(series, lab.tension_tables(given))
         found = lab.calibrate(prepared, progress=tell)
-    told = {
-        "data": data.name,
-        "data_sha256": lab.hashes(given),
-        "law": found.law,
-        "summary": lab.fit_record(found)["summary"],
-        "scatter_percent": found.scatter * 1e2,
-    }
+    calibrated = Calibrated(
+        data.name,
+        lab.hashes(given),
+        found.law,
+        lab.fit_record(found)["summary"],
+        found.scatter,
+    )
     measured = found.applied(chain)
     text = files.dumps(measured, program=files.loads_program(text))
-    return text, measured, replace(spread, stiffness=found.scatter), told
+    return text, measured, replace(spread, stiffness=found.scatter), calibrated

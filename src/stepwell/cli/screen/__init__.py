@@ -14,6 +14,7 @@ from stepwell.cli.screen.show import (
     at_terminal,
     finish,
     has_display,
+    report,
     show_facts,
     show_json,
     show_lines,

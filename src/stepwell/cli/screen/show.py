@@ -5,11 +5,13 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import Columns, printable, shown
-from stepwell.cli.screen.fold import blocks, folded, prose
+from stepwell import accounts
+from stepwell.accounts import Line, escaped, folded
+from stepwell.base import Columns
 from stepwell.cli.screen.progress import WRITING, progress
 
 
@@ -27,11 +29,6 @@ def has_display() -> bool:
     """Whether windows can open; elsewhere than on Linux one has to try."""
     screens = ("DISPLAY", "WAYLAND_DISPLAY")
     return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
-
-
-def escaped(text: str) -> str:
-    """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
-    return "\n".join(map(printable, text.split("\n")))
 
 
 def write_out(text: str) -> None:
@@ -69,6 +66,36 @@ def show_json(record: dict[str, Any], *files: Path) -> None:
     """Print a record as JSON, with the files that were written."""
     shown = record | {"files": [str(file) for file in files]}
     write_out(json.dumps(shown, indent=2, allow_nan=False) + "\n")
+
+
+def report(
+    account: accounts.Account,
+    as_json: bool,
+    out: Path | None = None,
+    force: bool = False,
+    **options: Any,
+) -> None:
+    """Write a result into a folder, and print it as JSON or as text.
+
+    Args:
+        account: of the result.
+        as_json: what --json says.
+        out: what --out says.
+        force: what --force says.
+        options: of `reports.write`, for the kind of result.
+    """
+    names: Sequence[str] = ()
+    if out is not None:
+        from stepwell import reports
+
+        with progress(WRITING) as tell:
+            names = reports.write(account, out, progress=tell, force=force, **options)
+    if as_json:
+        show_json(account.record, *((out or Path()) / name for name in names))
+        return
+    _lines(accounts.terminal(account))
+    if names:
+        show_lines("", f"Written into {out}: {', '.join(names)}")
 
 
 def finish(
@@ -120,43 +147,19 @@ def show_text(*paragraphs: str) -> None:
 
 def show_title(text: str) -> None:
     """Print a line that others stand under, after an empty one."""
-    show_lines("")
-    (_bold if styled() else _lines)(*folded(escaped(text)))
+    _lines([Line(""), *accounts.heading(text)])
 
 
 def wrapped(text: str) -> list[str]:
     """A long sentence in lines, as a sentence begins."""
-    return prose(text[:1].upper() + text[1:])
+    return [line.text for line in accounts.paragraph(text)]
 
 
 def show_table(
-    title: str,
-    head: Sequence[str],
-    rows: Iterable[Sequence[str]],
-    *,
-    left: Sequence[int] = (0,),
-    hidden: int = 0,
+    title: str, head: Sequence[str], rows: Iterable[Sequence[str]], *, left: Sequence[int] = (0,)
 ) -> None:
-    """Print a table.
-
-    Args:
-        title: a line above it.
-        head: column names, with units.
-        rows: text.
-        left: columns that start at the left; the others hold numbers.
-        hidden: how many rows are left out, for a line below it.
-    """
-    # Escaped here: a column is as wide as what is shown.
-    found = blocks([*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
-    show_lines("")
-    for k, block in enumerate(found):
-        if k:
-            show_lines("")
-        told = folded(escaped(title)) if k == 0 else []
-        (_bold if styled() else _lines)(*told, *block.head)
-        _lines(*block.rows)
-    if hidden > 0:
-        show_lines(f"and {hidden} more; --json shows all")
+    """Print a table, see `accounts.table`."""
+    _lines(accounts.table(title, head, rows, left))
 
 
 def show_records(
@@ -167,24 +170,8 @@ def show_records(
     most: int | None = 40,
     every: int = 1,
 ) -> None:
-    """Print records as a table, none where there are none.
-
-    Args:
-        title: a line above it.
-        columns: what is told of each record; quantities without a head are not.
-        records: of results.
-        most: records of which rows are printed, None for all; --json and --out have them.
-        every: of so many records one is printed.
-    """
-    told = shown(columns)
-    if records:
-        show_table(
-            title,
-            [column.heading for column in told],
-            [[column.cell(one) for column in told] for one in records[:most:every]],
-            left=[k for k, column in enumerate(told) if not column.numeric],
-            hidden=0 if most is None else len(records) - most,
-        )
+    """Print records as a table, see `accounts.records`."""
+    _lines(accounts.records(title, columns, records, most=most, every=every))
 
 
 def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) -> None:
@@ -193,14 +180,17 @@ def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) 
     show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
-def _lines(*lines: str) -> None:
-    write_out("".join(f"{line}\n" for line in lines))
+def _lines(lines: Iterable[Line]) -> None:
+    """Print lines that are folded; headings in bold where boxes and colours are welcome."""
+    plain = not styled()
+    for bold, some in groupby(lines, lambda line: line.bold):
+        texts = [line.text for line in some]
+        if plain or not bold:
+            write_out("".join(f"{text}\n" for text in texts))
+            continue
+        from rich.console import Console
+        from rich.text import Text
 
-
-def _bold(*lines: str) -> None:
-    from rich.console import Console
-    from rich.text import Text
-
-    console = Console(highlight=False, soft_wrap=True)
-    for line in lines:
-        console.print(Text(line, style="bold"))
+        console = Console(highlight=False, soft_wrap=True)
+        for text in texts:
+            console.print(Text(text, style="bold"))

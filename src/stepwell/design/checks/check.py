@@ -10,7 +10,7 @@ from stepwell.design.checks.killer import killer_of_cycle, killer_of_program
 from stepwell.design.checks.measurement import Measurement, measurement
 from stepwell.design.checks.oddities import oddities
 from stepwell.design.checks.verdict import SURE, Verdict, judged
-from stepwell.design.margins import Change
+from stepwell.design.margins import LONGEST_FOLLOWED, Change
 from stepwell.design.orders import checked_cycle, short
 from stepwell.design.tolerances import (
     USUAL,
@@ -153,6 +153,9 @@ def _told(
         reason = f"too few were made to be sure: {low} to {high} of those built do it"
     else:
         reason = f"the drawing does it, but only {low} to {high} of those built do"
+    if killer is not None and len(found.chain) <= LONGEST_FOLLOWED:
+        # Found here, once: reports only read it.
+        _ = killer.becomes
     worth = measurement(found) if does_it and not tied else None
     odd = oddities(found.chain, path)
     return Check(

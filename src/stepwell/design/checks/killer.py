@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -23,6 +24,15 @@ _HALVINGS = 12
 _WAYS = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
 # Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
 _REACH = {"anchor": REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
+
+
+class ProgramChange(Change):
+    """A change after which a program ends in another state: no sequence describes that."""
+
+    @cached_property
+    def becomes(self) -> str:
+        """Nothing."""
+        return ""
 
 
 class _Way(NamedTuple):
@@ -92,10 +102,10 @@ def _ways(chain: Chain) -> Iterator[_Way]:
             yield from (_Way(cell, part, along) for along in (1.0, -1.0))
 
 
-def _change(chain: Chain, way: _Way, size: float) -> Change:
+def _change(chain: Chain, way: _Way, size: float) -> ProgramChange:
     along = way.along
     move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
-    return Change(chain, way.cell, way.part, size, move, move, Method.SEARCH)
+    return ProgramChange(chain, way.cell, way.part, size, move, move, Method.SEARCH)
 
 
 def _size(part: str, tolerances: Tolerances) -> float:

@@ -1,6 +1,6 @@
 """How far a chain is from doing something else, and the nearest place where it does."""
 
-from stepwell.design.margins.change import Change
+from stepwell.design.margins.change import LONGEST_FOLLOWED, Change
 from stepwell.design.margins.margin import Margin, margin, proved_margin
 from stepwell.design.margins.reprogramming import WAY, Reprogramming, reprogram
 from stepwell.design.margins.resistance import Resistance

@@ -15,6 +15,9 @@ from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
 
+# Cells of the longest chain whose sequence past each change is computed unasked: it takes a cycle.
+LONGEST_FOLLOWED = 12
+
 
 @dataclass(frozen=True, eq=False)
 class Change(ByValue):

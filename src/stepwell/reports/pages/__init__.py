@@ -2,7 +2,6 @@
 
 from stepwell.reports.pages.as_built import as_built_page
 from stepwell.reports.pages.atlas import atlas_page
-from stepwell.reports.pages.checks import check_page
 from stepwell.reports.pages.designs import (
     design_page,
     reprogramming_page,

@@ -1,51 +1,59 @@
-"""What results say of themselves: schema, what they were computed from and with, and ties."""
+"""Phrases and sections that several kinds of results share."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from stepwell.base import __version__, told_in, versions
-from stepwell.files import digest
+from stepwell.accounts.account import Level, Notes, Section, Warned
+from stepwell.accounts.assumptions import assumptions
+from stepwell.accounts.head import About
+from stepwell.base import counted, told_in
 from stepwell.mechanism import Chain
-from stepwell.statics import Tie
 
 if TYPE_CHECKING:
-    from stepwell.robot import Robot
+    from stepwell.statics import Tie
 
+# Of longer chains states are not written out in a line, and no change is followed to its end.
+LONGEST_IN_A_LINE = 12
+# The states of a chain are as many as its cells, each as long: past this only orders are given.
+LONGEST_SPELLED_OUT = 64
 _MOST_DRIVES = 6
 
 
-def head(
-    schema: str, design: str | Chain | Robot | None, seed: int | None = None, *packages: str
-) -> dict[str, Any]:
-    """The first names of every record, so that a result can be matched with its design.
+def cells_of(chain: Chain) -> str:
+    """How many cells a chain has."""
+    return f"{counted(len(chain), 'cell')}, innermost first"
 
-    Args:
-        schema: of the record.
-        design: text of the design file, or what such a file is written for.
-        seed: of the draws; None where nothing is drawn.
-        packages: that took part, besides NumPy, SciPy and Numba.
 
-    Returns:
-        `schema`, `stepwell`, `versions`, `design_sha256` (None of a design that no file can
-        hold) and `seed`.
-    """
-    if design is not None and not isinstance(design, str):
-        from stepwell.files import dumps
+def listed(items: Sequence[str], most: int = LONGEST_IN_A_LINE) -> str:
+    """Names in a line, the first of many."""
+    return ", ".join(items[:most]) + f" and {len(items) - most} more" * (len(items) > most)
 
-        try:
-            design = dumps(design)
-        except ValueError:
-            design = None
-    return {
-        "schema": schema,
-        "stepwell": __version__,
-        "versions": versions(*packages),
-        "design_sha256": None if design is None else digest(design),
-        "seed": seed,
-    }
+
+def degenerate(ties: Iterable[Tie], chain: Chain | None) -> Warned:
+    """The warning of ties, see `tie_notes`."""
+    return Warned(
+        "Too close to call",
+        "The model cannot tell which of these happens; a real mechanism will decide.",
+        tie_notes(ties, chain),
+    )
+
+
+def calibration(about: About) -> Section:
+    """What the recordings gave that a design was calibrated on."""
+    given = about.calibrated
+    heading = "Bands, weight and friction as calibrated"
+    if given is None:
+        return Section(heading, [])
+    return Section(f"{heading} on {given.data}", [Notes(given.summary)])
+
+
+def assumed(chain: Chain, *more: str) -> Section:
+    """What the numbers of a chain assume; terminals have `more` alone, which is of the result."""
+    found = [Notes(assumptions(chain), Level.PAGE), Notes([one for one in more if one])]
+    return Section("Assumptions", found)
 
 
 def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:

@@ -1,0 +1,189 @@
+"""An account: what is reported of a result, before any renderer gives it a form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from functools import cached_property
+from typing import Any
+
+from stepwell.accounts.head import About, head
+from stepwell.base import Columns, Schema, record
+
+Row = Mapping[str, Any]
+
+
+class Level(IntEnum):
+    """The shortest form in which a part of an account is shown: a card has the least."""
+
+    CARD = 0
+    TERMINAL = 1
+    PAGE = 2
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number or a phrase by its label; without text it is not shown.
+
+    Args:
+        label: a noun, without the unit.
+        text: the value with its unit.
+        level: the shortest form that has it.
+    """
+
+    label: str
+    text: str
+    level: Level = Level.CARD
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; without text it is not shown."""
+
+    text: str
+    level: Level = Level.TERMINAL
+
+
+@dataclass(frozen=True)
+class Notes:
+    """Sentences as a list; without any it is not shown."""
+
+    lines: Sequence[str]
+    level: Level = Level.TERMINAL
+
+
+@dataclass(frozen=True)
+class Table:
+    """Records as a table.
+
+    Args:
+        columns: what is shown of each record; quantities without a head are not.
+        rows: makes the records, so that a table that is not shown costs nothing.
+        about: how to read the table; pages alone have it.
+        most: how many rows a terminal shows; None for all.
+        more: what the rows are, in the plural.
+        level: the shortest form that has it.
+    """
+
+    columns: Columns
+    rows: Callable[[], Sequence[Row]]
+    about: str = ""
+    most: int | None = 40
+    more: str = "rows"
+    level: Level = Level.TERMINAL
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure by its name: pages show it where it was drawn.
+
+    Args:
+        name: of the figure, and of its files.
+        caption: what it shows.
+    """
+
+    name: str
+    caption: str
+    level: Level = Level.PAGE
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion of the result as a replay; pages show it, or `instead` where there is none."""
+
+    title: str
+    instead: str = ""
+    level: Level = Level.PAGE
+
+
+@dataclass(frozen=True)
+class Verbatim:
+    """Text that is copied as it is, such as TOML.
+
+    Args:
+        text: what is copied.
+        about: what it is.
+        level: the shortest form that has it.
+    """
+
+    text: str
+    about: str
+    level: Level = Level.TERMINAL
+
+
+Part = Text | Notes | Table | Picture | Motion | Verbatim
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parts under a heading; without any that is shown, the heading is not shown either."""
+
+    heading: str
+    parts: Sequence[Part]
+
+    def within(self, level: Level) -> list[Part]:
+        """The parts that a form shows."""
+        return [part for part in self.parts if part.level <= level]
+
+
+@dataclass(frozen=True)
+class Warned:
+    """What a reader has to know before the numbers: every form shows it first.
+
+    Args:
+        heading: in a few words.
+        text: what it means.
+        lines: what it applies to, a sentence each; without any it is not shown.
+    """
+
+    heading: str
+    text: str
+    lines: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """All that is reported of a result.
+
+    Args:
+        kind: of the record, with its version, such as "check/1".
+        value: the result.
+        schema: of its record.
+        title: what the result is of.
+        origin: from what it was computed, in sentences.
+        answer: what the reader came for, in one sentence.
+        about: the design file and the recordings that it was computed from.
+        seed: of the draws; None where nothing is drawn.
+        packages: that took part, besides NumPy, SciPy and Numba.
+        given: quantities by name that the value does not have itself.
+        facts: the numbers that matter.
+        warnings: what has to be known first.
+        sections: the rest, in the order in which it is read.
+        hints: what to do next on the command line; the terminal alone has them.
+    """
+
+    kind: str
+    value: Any
+    schema: Schema
+    title: str
+    origin: str = ""
+    answer: str = ""
+    about: About = field(default_factory=lambda: About())
+    seed: int | None = None
+    packages: tuple[str, ...] = ()
+    given: Mapping[str, Any] = field(default_factory=dict)
+    facts: Sequence[Fact] = ()
+    warnings: Sequence[Warned] = ()
+    sections: Sequence[Section] = ()
+    hints: Sequence[str] = ()
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """What JSON has of it: provenance first, then the schema's quantities."""
+        first = head(self.kind, self.about.design, self.seed, *self.packages)
+        return first | record(self.schema, self.value, **self.given)
+
+    def rows(self, key: str) -> Callable[[], Sequence[Row]]:
+        """What makes the rows of a table that the record has under a key."""
+        return lambda: self.record[key] or ()

@@ -1,0 +1,168 @@
+"""A verdict on a design: whether the real one reproduces its target, and what breaks it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stepwell.accounts.account import Account, Fact, Motion, Picture, Section, Warned
+from stepwell.accounts.changes import change_schema, critical_words
+from stepwell.accounts.head import CALIBRATED, About
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.tolerances import (
+    FORCE_PLANE,
+    OUTCOMES,
+    counted_schema,
+    sample_words,
+    yield_words,
+)
+from stepwell.accounts.words import (
+    assumed,
+    calibration,
+    cells_of,
+    degenerate,
+    tie_notes,
+)
+from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, percent
+
+if TYPE_CHECKING:
+    from stepwell.design import Check, Measurement
+
+KIND = "check/2"
+_STANDARD_GRAVITY = 9.80665  # m/s²
+# What a measurement is of, in words, and the unit of its tolerance.
+_MEASURED = {
+    "d": ("anchors", "mm"),
+    "stiffness": ("stiffness", "percent"),
+    "rest_length": ("rest length", "percent"),
+    "lever": ("lever", "mm"),
+    "friction": ("friction", "N"),
+    "force_scale": ("{force}s", "percent"),
+    "travel_scale": ("{travel}s", "percent"),
+}
+
+
+def schema(shape: Shape) -> Schema:
+    """What is reported of a verdict."""
+    return (
+        Quantity("title", read="chain.title"),
+        Quantity("cells", read="chain.names", holds=[str]),
+        Quantity("verdict", read=lambda found: str(found.verdict)),
+        Quantity("reason"),
+        Quantity("wanted"),
+        Quantity("does"),
+        Quantity("does_it", holds=bool),
+        *counted_schema(shape, "yield_"),
+        Quantity("killer", holds=change_schema(shape), missing=True),
+        *in_measure(_ACTUATOR, shape.measure),
+        Quantity("pull", "g", read=_mass),
+        Quantity("oddities", holds=[str]),
+        Quantity("measure", holds=in_measure(_measurement(shape), shape.measure), missing=True),
+        Quantity("ties", holds=[str], read=_ties),
+        Quantity("calibrated", holds=CALIBRATED, missing=True),
+        Quantity("assumptions", read="yield_.assumptions"),
+    )
+
+
+_ACTUATOR: Schema = (Quantity("peak_force", "N"), Quantity("dissipated", "mJ"))
+
+
+def _mass(found: Check) -> float | None:
+    """The mass [kg] whose weight is the largest force of the actuator."""
+    is_force = found.chain.measure is Measure.TRAVEL
+    return abs(found.peak_force) / _STANDARD_GRAVITY if is_force else None
+
+
+def _ties(found: Check) -> list[str]:
+    return tie_notes(found.path.degenerate, found.chain)
+
+
+def _measurement(shape: Shape) -> Schema:
+    """A measurement whose tolerance is in one of these units; the others have null."""
+    units = ("mm", "percent", "N") if shape.levers else ("percent", "N")
+    return (
+        Quantity("cell", holds=int),
+        Quantity("what"),
+        *(_tolerance(when, unit) for when in ("now", "then") for unit in units),
+        Quantity("share_before", read="before", holds=float),
+        Quantity("share_after", read="after", holds=float),
+    )
+
+
+def _tolerance(when: str, unit: str) -> Quantity:
+    def read(found: Measurement) -> float | None:
+        return getattr(found, when) if _MEASURED[found.what][1] == unit else None
+
+    return Quantity(when, unit, read=read)
+
+
+def account(found: Check, about: About | None = None) -> Account:
+    """What is reported of a verdict."""
+    chain, about = found.chain, about or About(found.chain)
+    return Account(
+        KIND,
+        found,
+        schema(Shape.of(chain)),
+        title=chain.title or "A design",
+        origin=f"{cells_of(chain)}.",
+        answer=f"{found.verdict}: {found.reason}",
+        about=about,
+        seed=found.yield_.seed,
+        given={"calibrated": about.calibrated},
+        facts=(
+            Fact("Target", found.wanted),
+            Fact("Reproduces", "" if found.does_it else found.does),
+            Fact("Yield", yield_words(found.yield_)),
+            Fact("Samples", sample_words(found.yield_)),
+            Fact("Critical change", _critical(found)),
+            Fact("Actuator", _actuator_words(found)),
+            Fact("Measure next", _measurement_words(found)),
+        ),
+        warnings=(
+            Warned("Out of the ordinary", "", found.oddities),
+            degenerate(found.path.degenerate, chain),
+        ),
+        sections=(
+            Section(
+                "Outcomes of the samples",
+                [
+                    Picture("yield", OUTCOMES),
+                    Picture("force-plane", FORCE_PLANE),
+                ],
+            ),
+            Section("Motion", [Motion(found.wanted)]),
+            calibration(about),
+            assumed(chain, found.yield_.assumptions),
+        ),
+    )
+
+
+def _critical(found: Check) -> str:
+    if found.killer is not None:
+        return critical_words(found.killer)
+    return "no single change within reach breaks it" if found.does_it else ""
+
+
+def _actuator_words(found: Check) -> str:
+    """The largest force of the actuator, where it is a force in grams too, and the energy lost."""
+    mass = _mass(found)
+    grams = "" if mass is None else f" ({amount(mass, 'kg', 3)})"
+    return (
+        f"{amount(abs(found.peak_force), found.chain.measure.force_unit, 3)}{grams} at most; "
+        f"{amount(found.dissipated, 'J', 3)} lost on the way"
+    )
+
+
+def _measurement_words(found: Check) -> str:
+    """Which measurement makes a design surest; "" where none does."""
+    one = found.measure
+    if one is None:
+        return ""
+    measure = found.chain.measure
+    what, unit = _MEASURED[one.what]
+    (then,) = in_measure([Quantity("then", unit)], measure)
+    part = what.format(force=measure.force, travel=measure.travel)
+    return (
+        f"the {part} of {found.chain.names[one.cell]} to "
+        f"±{number(one.then * then.factor, 3)} {then.sign}, and make it as drawn: "
+        f"{percent(one.before)} become {percent(one.after)}"
+    )

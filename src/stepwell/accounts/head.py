@@ -1,0 +1,96 @@
+"""Where a result comes from: the first names of every record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stepwell.base import Quantity, Schema, __version__, versions
+from stepwell.files import digest
+
+if TYPE_CHECKING:
+    from stepwell.mechanism import Chain
+    from stepwell.robot import Robot
+
+# The first names of every JSON Schema, see `head`.
+HEAD: Schema = (
+    Quantity("stepwell"),
+    Quantity("versions", holds={str: str}),
+    Quantity("design_sha256", missing=True),
+    Quantity("seed", holds=int, missing=True),
+)
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """The recordings that a design was calibrated on.
+
+    Args:
+        data: the name of their folder.
+        data_sha256: of each file.
+        law: of the bands, as fitted.
+        summary: what was fitted, a sentence each.
+        scatter: standard deviation of the bands' stiffness over its mean [1].
+    """
+
+    data: str
+    data_sha256: Mapping[str, str]
+    law: str
+    summary: Sequence[str]
+    scatter: float
+
+
+CALIBRATED: Schema = (
+    Quantity("data"),
+    Quantity("data_sha256", holds={str: str}),
+    Quantity("law"),
+    Quantity("summary", holds=[str]),
+    Quantity("scatter", "percent"),
+)
+
+
+@dataclass(frozen=True)
+class About:
+    """From what a result was computed.
+
+    Args:
+        design: text of the design file, or the value for which such a file is written.
+        source: the file's name.
+        calibrated: of the recordings that the design was calibrated on; None for none.
+    """
+
+    design: str | Chain | Robot | None = None
+    source: str | None = None
+    calibrated: Calibrated | None = None
+
+
+def head(
+    kind: str, design: str | Chain | Robot | None, seed: int | None = None, *packages: str
+) -> dict[str, Any]:
+    """The first names of a record, so that a result can be matched with its design.
+
+    Args:
+        kind: of the record, with its version, such as "check/1".
+        design: text of the design file, or the value for which such a file is written.
+        seed: of the draws; None where nothing is drawn.
+        packages: that took part, besides NumPy, SciPy and Numba.
+
+    Returns:
+        `schema`, `stepwell`, `versions`, `design_sha256` (None of a design that no file can
+        hold) and `seed`.
+    """
+    if design is not None and not isinstance(design, str):
+        from stepwell.files import dumps
+
+        try:
+            design = dumps(design)
+        except ValueError:
+            design = None
+    return {
+        "schema": f"stepwell.{kind}",
+        "stepwell": __version__,
+        "versions": versions(*packages),
+        "design_sha256": None if design is None else digest(design),
+        "seed": seed,
+    }

@@ -1,0 +1,123 @@
+"""The JSON Schema of every record, generated from the schemas of its kind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+from functools import reduce
+from importlib import import_module
+from typing import Any
+
+from stepwell.accounts.head import HEAD
+from stepwell.accounts.shape import shapes
+from stepwell.base import InputError, Quantity, Schema, nearest_word
+
+JsonSchema = dict[str, Any]
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
+# The kinds of records, and the file that has each.
+KINDS = {
+    "check": "check",
+}
+
+
+def schema_kinds() -> list[str]:
+    """The kinds of records that have a schema, such as "run" or "lab.read"."""
+    return sorted(KINDS)
+
+
+def schema_of(kind: str) -> JsonSchema:
+    """The JSON Schema of a kind of record, over all shapes of chains.
+
+    Raises:
+        ValueError: there is no such kind; the text lists them all.
+    """
+    if kind not in KINDS:
+        near = nearest_word(kind, list(KINDS))
+        meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
+        raise InputError(f"{kind!r}: no result goes by this name. {meant}")
+    module = import_module(f"stepwell.accounts.{KINDS[kind]}")
+    name, of = module.KIND, module.schema
+    body = reduce(_merged, (_object((*HEAD, *of(shape))) for shape in shapes()))
+    properties = {
+        "schema": {"const": f"stepwell.{name}"},
+        **body["properties"],
+        "files": {"type": "array", "items": {"type": "string"}},
+    }
+    version = name.partition("/")[2]
+    return {
+        "$schema": _DIALECT,
+        "$id": f"urn:stepwell:schema:{kind}:{version}",
+        "title": f"stepwell.{name}",
+        "description": f"Names and units: docs/commands.md. A {kind} record of version {version} "
+        "keeps these names; others may be added.",
+        "type": "object",
+        "properties": properties,
+        "required": ["schema", *body["required"]],
+    }
+
+
+def _object(schema: Schema) -> JsonSchema:
+    properties = {q.key: _property(q) for q in schema}
+    return {"type": "object", "properties": properties, "required": list(properties)}
+
+
+def _property(quantity: Quantity) -> JsonSchema:
+    found = _held(quantity.holds if quantity.holds is not None else _usual(quantity))
+    if quantity.doc:
+        found["description"] = quantity.doc
+    return _or_null(found) if quantity.missing else found
+
+
+def _usual(quantity: Quantity) -> Any:
+    return float if quantity.unit else str
+
+
+def _held(holds: Any) -> JsonSchema:
+    if isinstance(holds, tuple):
+        return _object(holds)
+    if isinstance(holds, list):
+        return {"type": "array", "items": _held(holds[0])}
+    if isinstance(holds, dict):
+        return {"type": "object", "additionalProperties": _held(holds[str])}
+    if holds is float:
+        # Not finite is null, whatever the quantity.
+        return {"type": ["number", "null"]}
+    if isinstance(holds, type) and issubclass(holds, Enum):
+        return {"type": "string", "enum": [one.name.lower() for one in holds]}
+    return {"type": _TYPES[holds]}
+
+
+def _or_null(found: JsonSchema) -> JsonSchema:
+    types = [found["type"]] if isinstance(found["type"], str) else found["type"]
+    if "enum" in found:
+        found["enum"] = [*found["enum"], None]
+    return found | {"type": [*dict.fromkeys([*types, "null"])]}
+
+
+def _merged(a: JsonSchema, b: JsonSchema) -> JsonSchema:
+    """What allows all that either of two schemas of the same quantity allows."""
+    if a == b:
+        return a
+    types = [*dict.fromkeys([*_listed(a["type"]), *_listed(b["type"])])]
+    found = a | b | {"type": types if types[1:] else types[0]}
+    for part in {"items", "additionalProperties"} & a.keys() & b.keys():
+        if isinstance(a[part], dict) and isinstance(b[part], dict):
+            found[part] = _merged(a[part], b[part])
+    if "properties" in a and "properties" in b:
+        names = dict.fromkeys([*a["properties"], *b["properties"]])
+        found["properties"] = {
+            name: reduce(_merged, [one["properties"][name] for one in _having(name, a, b)])
+            for name in names
+        }
+        found["required"] = [one for one in a["required"] if one in b["required"]]
+    return found
+
+
+def _having(name: str, *schemas: JsonSchema) -> Iterable[JsonSchema]:
+    return (one for one in schemas if name in one["properties"])
+
+
+def _listed(types: str | list[str]) -> list[str]:
+    return [types] if isinstance(types, str) else types

@@ -1,0 +1,214 @@
+"""An account as a page: one HTML file that is complete in itself."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import NamedTuple
+
+from stepwell.accounts.account import (
+    Account,
+    Level,
+    Motion,
+    Notes,
+    Part,
+    Picture,
+    Section,
+    Table,
+    Text,
+    Verbatim,
+)
+from stepwell.base import Column, Quantity, __version__, headed, shown
+
+# Longer tables help no reader; the files in the same folder have everything.
+MOST_ROWS = 200
+# Tables and lists with more rows than this are shown on demand.
+_FOLDED = 24
+# A fact that is longer than this has a line of its own [letters].
+_SHORT = 36
+# A figure that is wider than this has a line of its own [CSS px].
+_WIDE = 400
+# Below this width of the window a figure is shown as it is drawn for phones.
+_PHONE = "(max-width: 40rem)"
+_STEP = re.compile(r"(?<=\w)>(?=\w)")
+_MINUS = re.compile(r"(?<![^\s(])-(?=\d)")
+
+
+class Image(NamedTuple):
+    """A figure as an address that holds all of it, with its size in CSS px."""
+
+    source: str
+    width: int
+    height: int
+
+
+class Drawn(NamedTuple):
+    """A figure for a wide window and for paper, and one for phones if that differs."""
+
+    wide: Image
+    phone: Image | None = None
+
+
+def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: str = "") -> str:
+    """What a page shows of a result.
+
+    Args:
+        account: of the result.
+        pictures: its figures by name; those that were not drawn are left out.
+        motion: its replay as HTML; "" where there is none.
+
+    Returns:
+        HTML text. It loads nothing, and runs nothing but the replay.
+    """
+    drawn = pictures or {}
+    template = Template((files("stepwell.accounts") / "page.html").read_text("utf-8"))
+    return template.substitute(
+        version=escape(__version__),
+        title=escape(account.title),
+        origin=escape(account.origin),
+        answer=escape(arrows(minus(sentence(account.answer)))),
+        facts=_facts({fact.label: fact.text for fact in account.facts if fact.text}),
+        warnings="\n".join(
+            f'<div class="warning" role="note"><strong>{escape(one.heading)}.</strong> '
+            f"{escape(one.text)}{_list(one.lines)}</div>"
+            for one in account.warnings
+            if one.lines
+        ),
+        body="\n".join(_section(one, drawn, motion) for one in account.sections),
+    )
+
+
+def _section(section: Section, drawn: Mapping[str, Drawn], motion: str) -> str:
+    found: list[str] = []
+    figures: list[str] = []
+    for part in section.within(Level.PAGE):
+        if isinstance(part, Picture):
+            if part.name in drawn:
+                figures.append(_figure(part.caption, drawn[part.name]))
+            continue
+        found += _beside(figures)
+        found.append(_part(part, motion))
+    inside = "\n".join(filter(None, [*found, *_beside(figures)]))
+    return f"<section>\n<h2>{escape(section.heading)}</h2>\n{inside}\n</section>" if inside else ""
+
+
+def _part(part: Part, motion: str) -> str:
+    if isinstance(part, Table):
+        return _table(part)
+    if isinstance(part, Text):
+        return _paragraph(part.text)
+    if isinstance(part, Notes):
+        return _list([sentence(line) for line in part.lines])
+    if isinstance(part, Motion):
+        still = _paragraph("On a screen, this page plays the motion here.", "paper quiet")
+        return f"{motion}\n{still}" if motion else _paragraph(part.instead)
+    assert isinstance(part, Verbatim)
+    label = f'<pre tabindex="0" role="region" aria-label="{escape(part.about)}">'
+    return f"{label}{escape(part.text)}</pre>" if part.text else ""
+
+
+def _paragraph(text: str, kind: str = "") -> str:
+    mark = f' class="{kind}"' if kind else ""
+    return f"<p{mark}>{escape(minus(sentence(text)))}</p>" if text else ""
+
+
+def _list(lines: Iterable[str]) -> str:
+    items = [f"<li>{escape(minus(line))}</li>" for line in lines]
+    return _folded("\n".join(["<ul>", *items, "</ul>"]), len(items), "lines") if items else ""
+
+
+def _facts(found: Mapping[str, str]) -> str:
+    """Short facts as boxes, long ones as rows below."""
+    boxes = {label: text for label, text in found.items() if len(text) <= _SHORT}
+    rows = {label: text for label, text in found.items() if label not in boxes}
+    return "\n".join(
+        f'<dl class="{kind}">{"".join(_fact(*one) for one in part.items())}</dl>'
+        for kind, part in (("boxes", boxes), ("rows", rows))
+        if part
+    )
+
+
+def _fact(label: str, text: str) -> str:
+    return f"<div><dt>{escape(label)}</dt><dd>{escape(arrows(minus(text)))}</dd></div>"
+
+
+def _beside(figures: list[str]) -> list[str]:
+    """Figures side by side where there is room; they are taken from the list."""
+    found = ['<div class="figures">\n' + "\n".join(figures) + "\n</div>"] if figures else []
+    figures.clear()
+    return found
+
+
+def _figure(caption: str, drawn: Drawn) -> str:
+    """A figure above its caption; without a form for phones, a wide one is scrolled there."""
+    (source, width, height), narrow = drawn
+    text = escape(caption)
+    image = f'<img alt="{text}" width="{width}" height="{height}" src="{source}">'
+    wide = ' class="wide"' if width > _WIDE else ""
+    if wide and narrow is not None:
+        other, across, tall = narrow
+        smaller = f'<source media="{_PHONE}" width="{across}" height="{tall}" srcset="{other}">'
+        image = f"<picture>{smaller}{image}</picture>"
+    elif wide:
+        image = _scrolled(image, caption)
+    return f"<figure{wide}>{image}<figcaption>{text}</figcaption></figure>"
+
+
+def _table(table: Table) -> str:
+    rows = table.rows()
+    if not rows:
+        return ""
+    columns, about = shown(table.columns), table.about
+    if len(rows) > MOST_ROWS:
+        about = f"{about} The first {MOST_ROWS} of {len(rows)} are shown.".strip()
+    heads = [escape(headed(one.heading)) for one in columns]
+    kinds = ["" if one.numeric else ' class="left"' for one in columns]
+    head = "".join(f'<th scope="col"{k}>{h}</th>' for h, k in zip(heads, kinds, strict=True))
+    # On a phone a row is a list, and each of its numbers has its heading in front of it.
+    body = "\n".join(
+        "".join(
+            f'<td{kind} data-head="{head}">{escape(_cell(one, row))}</td>'
+            for one, head, kind in zip(columns, heads, kinds, strict=True)
+        ).join(("<tr>", "</tr>"))
+        for row in rows[:MOST_ROWS]
+    )
+    inside = f"<table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table>"
+    whole = _scrolled(inside, about.partition(".")[0] or table.more)
+    return _paragraph(about, "quiet") + _folded(whole, min(len(rows), MOST_ROWS), "rows")
+
+
+def _cell(column: Quantity | Column, row: Mapping[str, object]) -> str:
+    # A name keeps its hyphens.
+    words = not (column.numeric or isinstance(column, Column))
+    return column.cell(row) if words else minus(column.cell(row))
+
+
+def _folded(content: str, count: int, what: str) -> str:
+    """Content that is shown on demand if it is long."""
+    if count <= _FOLDED:
+        return content
+    return f"<details><summary>Show {count} {what}</summary>\n{content}\n</details>"
+
+
+def _scrolled(content: str, about: str) -> str:
+    """Content that may be wider than a phone: it is scrolled by itself, with keys too."""
+    region = f'class="scroll" role="region" tabindex="0" aria-label="{escape(about)}"'
+    return f"<div {region}>{content}</div>"
+
+
+def minus(text: str) -> str:
+    """Text whose negative numbers have a minus sign."""
+    return _MINUS.sub("\N{MINUS SIGN}", text)
+
+
+def arrows(text: str) -> str:
+    """Text in which sequences of states have arrows."""
+    return _STEP.sub(" → ", text)
+
+
+def sentence(text: str) -> str:
+    """Words as a sentence."""
+    return f"{headed(text)}{'' if text[-1:] in '.!?' else '.'}" if text else ""
