@@ -30,7 +30,24 @@ __all__ = ["About", "Account", "account", "card", "page", "schema_kinds", "schem
 
 # Which file has the account of a class.
 ACCOUNTS: dict[str, str] = {
+    "Cell": "chain",
+    "Chain": "chain",
     "Check": "check",
+    "Cycle": "run",
+    "Element": "chain",
+    "Event": "events",
+    "ImplicitGraph": "graph",
+    "Landing": "events",
+    "MapView": "map",
+    "Margin": "changes",
+    "MemoryReading": "graph",
+    "Path": "run",
+    "Program": "program",
+    "Run": "run",
+    "Sequence": "graph",
+    "TransitionGraph": "graph",
+    "Unreachable": "program",
+    "Walked": "walked",
 }
 
 

@@ -60,6 +60,7 @@ class Table:
     Args:
         columns: what is shown of each record; quantities without a head are not.
         rows: makes the records, so that a table that is not shown costs nothing.
+        wide: further columns, which pages alone have room for.
         about: how to read the table; pages alone have it.
         most: how many rows a terminal shows; None for all.
         more: what the rows are, in the plural.
@@ -69,6 +70,7 @@ class Table:
     columns: Columns
     rows: Callable[[], Sequence[Row]]
     about: str = ""
+    wide: Columns = ()
     most: int | None = 40
     more: str = "rows"
     level: Level = Level.TERMINAL
@@ -117,14 +119,24 @@ Part = Text | Notes | Table | Picture | Motion | Verbatim
 
 @dataclass(frozen=True)
 class Section:
-    """Parts under a heading; without any that is shown, the heading is not shown either."""
+    """Parts under a heading; without any that is shown, the heading is not shown either.
+
+    Args:
+        heading: a noun; "" for none.
+        parts: in the order in which they are read; a function makes those that take a while.
+        level: the shortest form that has it.
+    """
 
     heading: str
-    parts: Sequence[Part]
+    parts: Sequence[Part] | Callable[[], Sequence[Part]]
+    level: Level = Level.CARD
 
     def within(self, level: Level) -> list[Part]:
         """The parts that a form shows."""
-        return [part for part in self.parts if part.level <= level]
+        if self.level > level:
+            return []
+        parts = self.parts() if callable(self.parts) else self.parts
+        return [part for part in parts if part.level <= level]
 
 
 @dataclass(frozen=True)
@@ -147,10 +159,10 @@ class Account:
     """All that is reported of a result.
 
     Args:
-        kind: of the record, with its version, such as "check/1".
         value: the result.
-        schema: of its record.
         title: what the result is of.
+        kind: of the record, with its version, such as "check/1"; "" where there is no record.
+        schema: of its record.
         origin: from what it was computed, in sentences.
         answer: what the reader came for, in one sentence.
         about: the design file and the recordings that it was computed from.
@@ -163,10 +175,10 @@ class Account:
         hints: what to do next on the command line; the terminal alone has them.
     """
 
-    kind: str
     value: Any
-    schema: Schema
     title: str
+    kind: str = ""
+    schema: Schema = ()
     origin: str = ""
     answer: str = ""
     about: About = field(default_factory=lambda: About())

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts.account import Account, Level, Part, Section, Table
+from stepwell.accounts.head import About
 from stepwell.accounts.shape import Shape
-from stepwell.base import Measure, Quantity, Schema, number, signed
+from stepwell.base import Column, Columns, Measure, Quantity, Schema, number, record, signed
 from stepwell.design import LONGEST_FOLLOWED
+from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
-    from stepwell.design import Change
+    from stepwell.design import Change, Margin
 
 # A change of this many mm, or of a tenth of it in percent, is no change.
 _NO_CHANGE = 1e-6
+# A longer sequence is not written in a sentence.
+_MOST_LETTERS = 60
 
 
 def change_schema(shape: Shape) -> Schema:
@@ -46,15 +52,6 @@ def _of_anchor(change: Change) -> bool:
 def _becomes(change: Change) -> str | None:
     # It takes a cycle: of longer chains the distances alone are reported.
     return change.becomes or None if len(change.chain) <= LONGEST_FOLLOWED else None
-
-
-def distance_words(change: Change) -> str:
-    """How far a change is, in mm or percent."""
-    if math.isinf(change.distance):
-        return "none within reach" if _of_anchor(change) else "none"
-    if _of_anchor(change):
-        return f"{number(change.distance * 1e3)} mm"
-    return f"{number(change.distance * 1e2)} %"
 
 
 def part_words(parameter: str, measure: Measure) -> str:
@@ -92,3 +89,154 @@ def _sides(x: float, y: float) -> str:
     if len(kept) == 1:
         return kept[0][1]
     return "(" + " and ".join(f"{number(v, 3)} {way}" for v, way in kept) + ")"
+
+
+def margin_schema(shape: Shape) -> Schema:
+    """What is reported of a robustness margin."""
+    return (
+        Quantity("method"),
+        Quantity("reach", "mm"),
+        Quantity("gap", "over_kr"),
+        Quantity("changes", holds=[change_schema(shape)]),
+    )
+
+
+def margin_words(margin: Margin) -> str:
+    """The smallest change of each kind that gives another sequence."""
+    chain, measure = margin.chain, margin.chain.measure
+    kinds = {
+        "anchor": "mm of an anchor",
+        "stiffness": "% of a stiffness",
+        "force_scale": f"% in {measure.force}",
+        "travel_scale": f"% in {measure.travel}",
+        "friction": "% in friction",
+    }
+    found: list[str] = []
+    for kind, text in kinds.items():
+        distances = [one.distance for one in margin.changes if one.parameter == kind]
+        least = min(distances, default=math.inf)
+        if math.isfinite(least):
+            found.append(f"{number(least * (1e3 if kind == 'anchor' else 1e2))} {text}")
+    if found:
+        near = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
+        return f"{near} to another sequence ({margin.method})"
+    if len(chain.elements) == len(chain):
+        return "no other sequence by any change of one thing"
+    return f"no other sequence within {number(margin.reach * 1e3)} mm of any anchor"
+
+
+def margin_section(margin: Margin, *parts: Part) -> Section:
+    """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
+    chain = margin.chain
+    shape = Shape.of(chain)
+    schema = change_schema(shape)
+    near = sorted(margin.changes, key=lambda change: change.distance)
+    how = (
+        "exact: every change is in closed form"
+        if margin.method == "exact"
+        else f"searched with the engine. {margin.resolution}"
+    )
+    reach = f"; anchors were moved by up to {number(margin.reach * 1e3)} mm" * shape.levers
+    gap = (
+        f" The smallest gap between two F0 or two F1 is {number(margin.gap)} times k r of the "
+        f"innermost cell."
+        if math.isfinite(margin.gap)
+        else ""
+    )
+    table = Table(
+        _columns(chain, near),
+        lambda: [record(schema, change) for change in near],
+        f"The smallest change of one thing at a time that gives another sequence ({how})"
+        f"{reach}.{gap}",
+        more="changes",
+        level=Level.CARD,
+    )
+    heading = "Margin: the smallest change of one thing that gives another sequence"
+    return Section(heading, [*parts, table])
+
+
+def _columns(chain: Chain, changes: Sequence[Change]) -> Columns:
+    """The columns of a table of changes; where a change leads is not known of long chains."""
+    names, measure = chain.names, chain.measure
+
+    def far(change: Mapping[str, Any]) -> str:
+        if change.get("distance_mm") is not None:
+            return f"{number(change['distance_mm'])} mm"
+        if change["distance_percent"] is not None:
+            return f"{number(change['distance_percent'])} %"
+        return "none within reach" if change["parameter"] == "anchor" else "none"
+
+    def way(change: Mapping[str, Any]) -> str:
+        if change.get("distance_mm") is not None:
+            x, y = map(signed, change["move_mm"])
+            return f"q by ({x}, {y}) mm"
+        if change["distance_percent"] is None:
+            return ""
+        by, part = f"by {signed(change['move_percent'])} %", change["parameter"]
+        if part == "friction":
+            return f"{by} of the largest {measure.force}"
+        return f"{'k' if part == 'stiffness' else part_words(part, measure)} {by}"
+
+    _, what, *_, past = change_schema(Shape.of(chain))
+    becomes = len(chain) <= LONGEST_FOLLOWED and any(change.becomes for change in changes)
+    return (
+        Quantity("cell", head="cell", form=lambda cell: names[cell]),
+        what,
+        Column("how far", far, True),
+        Column("which way", way),
+        *([past] if becomes else []),
+    )
+
+
+def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
+    """The smallest changes after which a chain does something else, in a sentence.
+
+    Args:
+        margin: of the chain.
+        tied: whether the chain stands on the boundary already.
+    """
+    if tied and all(change.distance * 1e3 < _NO_CHANGE for change in margin.changes):
+        return "It stands between two sequences: any change at all decides which it takes."
+    near = sorted(margin.changes, key=lambda change: change.distance)
+    near = [change for change in near if math.isfinite(change.distance)]
+    # An anchor and a number do not compare: the nearest of both is reported.
+    kinds = {_of_anchor(change): change for change in reversed(near)}
+    nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
+    if not nearest:
+        anchors = any(_of_anchor(change) for change in margin.changes)
+        reach = f" of an anchor within {number(margin.reach * 1e3)} mm, and none" if anchors else ""
+        return f"No change{reach} of one number alone makes it do anything else."
+    return f"It would go {', or '.join(map(_instead, nearest))}."
+
+
+def _instead(change: Change) -> str:
+    becomes = _becomes(change) or ""
+    spelled = 0 < len(becomes) <= _MOST_LETTERS and "no answer" not in becomes
+    return f"{becomes if spelled else 'another way'} if {_changed(change)}"
+
+
+def _changed(change: Change) -> str:
+    name = change.chain.names[change.cell]
+    if isinstance(change.move, tuple):
+        return f"the anchor q of {name} were moved by {number(change.distance * 1e3, 3)} mm"
+    words = change.chain.measure
+    share = f"{number(abs(change.move) * 100, 3)} %"
+    if change.parameter == "friction":
+        return f"{name} had friction of {share} of its largest {words.force} more"
+    more = change.move > 0
+    if change.parameter == "stiffness":
+        return f"the bands of {name} were {share} {'stiffer' if more else 'softer'}"
+    of = words.travel if change.parameter == "travel_scale" else words.force
+    return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
+
+
+def account(margin: Margin, about: About | None = None) -> Account:
+    """What a notebook shows of a margin."""
+    method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
+    return Account(
+        margin,
+        "Robustness margin",
+        answer=margin_words(margin),
+        origin=method,
+        sections=[margin_section(margin)],
+    )

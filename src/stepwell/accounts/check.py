@@ -99,10 +99,10 @@ def account(found: Check, about: About | None = None) -> Account:
     """What is reported of a verdict."""
     chain, about = found.chain, about or About(found.chain)
     return Account(
-        KIND,
         found,
+        chain.title or "A design",
+        KIND,
         schema(Shape.of(chain)),
-        title=chain.title or "A design",
         origin=f"{cells_of(chain)}.",
         answer=f"{found.verdict}: {found.reason}",
         about=about,

@@ -19,6 +19,11 @@ _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
 # The kinds of records, and the file that has each.
 KINDS = {
     "check": "check",
+    "graph": "graph",
+    "implicit_graph": "walked",
+    "map": "map",
+    "program": "program",
+    "run": "run",
 }
 
 

@@ -161,7 +161,7 @@ def _table(table: Table) -> str:
     rows = table.rows()
     if not rows:
         return ""
-    columns, about = shown(table.columns), table.about
+    columns, about = shown((*table.columns, *table.wide)), table.about
     if len(rows) > MOST_ROWS:
         about = f"{about} The first {MOST_ROWS} of {len(rows)} are shown.".strip()
     heads = [escape(headed(one.heading)) for one in columns]

@@ -7,13 +7,12 @@ from typing import Any
 
 from stepwell import accounts
 from stepwell.base import of_kind
-from stepwell.cards.chains import CHAINS
 from stepwell.cards.designs import DESIGNS
 from stepwell.cards.html import Card, html
 from stepwell.cards.measured import MEASURED
 from stepwell.cards.robots import ROBOTS
 
-_CARDS: dict[str, Callable[[Any], Card]] = {**CHAINS, **DESIGNS, **ROBOTS, **MEASURED}
+_CARDS: dict[str, Callable[[Any], Card]] = {**DESIGNS, **ROBOTS, **MEASURED}
 
 
 def card(value: Any) -> str:

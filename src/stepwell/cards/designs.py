@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from stepwell.base import Column, Quantity, number, percent, record
+from stepwell.base import Column, Quantity, percent, record
 from stepwell.cards.html import Card
 from stepwell.results import (
     ATLAS_MACHINES,
@@ -15,10 +13,6 @@ from stepwell.results import (
     atlas_facts,
     atlas_record,
     built_schema,
-    change_columns,
-    map_shares,
-    margin_changes,
-    nearest_changes,
     tolerance_words,
 )
 
@@ -27,28 +21,10 @@ if TYPE_CHECKING:
     from stepwell.design import (
         Design,
         Impossible,
-        Margin,
         Reprogramming,
         Robustness,
         Survival,
         Yield,
-    )
-
-
-def _margin(margin: Margin) -> Card:
-    chain, changes = margin.chain, margin_changes(margin)
-    near = list(nearest_changes(chain, changes).values())
-    told = " or ".join(near) or "no change that was looked at"
-    order = np.argsort([change.distance for change in margin.changes], kind="stable")
-    rows = [changes[k] for k in order]
-    method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
-    return Card(
-        "Margin: the smallest change of one thing that gives another sequence",
-        [f"{told} to another sequence. {method}"],
-        {},
-        change_columns(chain, rows),
-        rows,
-        "changes",
     )
 
 
@@ -111,23 +87,6 @@ def _reprogramming(found: Reprogramming) -> Card:
     return Card(f"Reprogramming by {found.by}", str(found).splitlines())
 
 
-def _map(view: Any) -> Card:
-    """Of the accessor that maps have; see `design.maps`."""
-    data = view.dataset
-    axes = (f"{axis.attrs['long_name']}, {len(axis)} values" for axis in (data["x"], data["y"]))
-    rows = [
-        {"sequence": name, "share": share}
-        for name, share in sorted(map_shares(data).items(), key=lambda one: -one[1])
-        if share
-    ]
-    columns = (
-        Quantity("sequence", head="sequence"),
-        Column("share of the map", lambda row: f"{number(100 * row['share'])} %", True),
-    )
-    title = f"Map of {data.attrs['title']}" if data.attrs["title"] else "Map"
-    return Card(title, [f"{' by '.join(axes)}."], {}, columns, rows, "sequences")
-
-
 def _atlas(found: Atlas) -> Card:
     told = atlas_record(found)
     return Card(
@@ -144,8 +103,6 @@ DESIGNS: dict[str, Callable[[Any], Card]] = {
     "Atlas": _atlas,
     "Design": _design,
     "Impossible": _impossible,
-    "MapView": _map,
-    "Margin": _margin,
     "Reprogramming": _reprogramming,
     "Robustness": _robustness,
     "Survival": _survival,

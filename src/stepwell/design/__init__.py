@@ -28,6 +28,7 @@ from stepwell.design.parameters import Parameter, parameter, parameters
 if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, judged
     from stepwell.design.maps import (
+        MapView,
         boundaries,
         parameter_boundaries,
         parameter_map,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from stepwell.design.orders import Reached, checked_cycle
     from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
     from stepwell.design.plane import Boundary, BoundaryKind, Method
+    from stepwell.design.run import Run
     from stepwell.design.synthesis import Design, Impossible, design
     from stepwell.design.tolerances import (
         USUAL,
@@ -65,6 +67,7 @@ __all__ = [
     "Design",
     "Draws",
     "Impossible",
+    "MapView",
     "Margin",
     "Measurement",
     "Method",
@@ -75,6 +78,7 @@ __all__ = [
     "Robustness",
     "RobustnessLimit",
     "Sensitivities",
+    "Run",
     "Share",
     "Stock",
     "Survival",
@@ -100,7 +104,7 @@ __all__ = [
     "yields",
 ]
 
-_LATE = "orders", "plane", "tolerances", "placement", "maps", "checks", "synthesis"
+_LATE = "orders", "plane", "tolerances", "placement", "maps", "checks", "synthesis", "run"
 
 
 class _Room(ModuleType):

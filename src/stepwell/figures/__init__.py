@@ -41,6 +41,7 @@ from stepwell.figures.motion import (
     overview,
     snap_motion,
     standard,
+    standard_draws,
     stroke_program,
     travel_stroke,
 )
@@ -100,6 +101,7 @@ __all__ = [
     "save",
     "snap_motion",
     "standard",
+    "standard_draws",
     "stroke_program",
     "svg",
     "sweep",

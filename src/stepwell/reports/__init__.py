@@ -13,13 +13,7 @@ wrote, and OSError where the folder cannot be written; nothing has changed then.
 
 from stepwell.reports.as_built import write_as_built
 from stepwell.reports.atlas import write_atlas
-from stepwell.reports.chain import (
-    checked_suffix,
-    write_graph,
-    write_map,
-    write_program,
-    write_run,
-)
+from stepwell.reports.chains import boundary_rows, checked_suffix, write_graph
 from stepwell.reports.design import (
     write_design,
     write_reprogramming,
@@ -33,7 +27,6 @@ from stepwell.reports.measured import (
     write_comparison,
     write_readings,
 )
-from stepwell.reports.pages import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
 from stepwell.reports.study import write_study
@@ -45,9 +38,9 @@ __all__ = [
     "Step",
     "Telling",
     "PANELS",
+    "boundary_rows",
     "checked_suffix",
     "figure",
-    "report",
     "write_as_built",
     "write_atlas",
     "write_band",
@@ -56,13 +49,10 @@ __all__ = [
     "write_comparison",
     "write_design",
     "write_graph",
-    "write_map",
     "write_maze",
-    "write_program",
     "write_readings",
     "write_reprogramming",
     "write_robot",
-    "write_run",
     "write_story",
     "write_study",
     "write_survival",

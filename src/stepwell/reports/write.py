@@ -55,6 +55,9 @@ class Contents:
 # Which file knows the contents of a class.
 _CONTENTS = {
     "Check": "designs",
+    "MapView": "chains",
+    "Program": "chains",
+    "Run": "chains",
 }
 
 

@@ -19,28 +19,8 @@ from stepwell.results.design import (
     tolerance_words,
     yield_record,
 )
-from stepwell.results.graph import graph_record, implicit_graph_record
 from stepwell.results.json_schema import schema_kinds, schema_of
-from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
-from stepwell.results.map import boundary_rows, map_record, map_shares
-from stepwell.results.run import (
-    CELL,
-    LONGEST_SPELLED_OUT,
-    cell_records,
-    cell_schema,
-    change_columns,
-    cycle_schema,
-    drive_schema,
-    elsewhere_of,
-    event_columns,
-    event_records,
-    force_scale,
-    margin_changes,
-    nearest_changes,
-    program_record,
-    run_record,
-    unreachable_record,
-)
+from stepwell.results.run import CELL, cell_schema
 
 if TYPE_CHECKING:
     from stepwell.results.atlas import (
@@ -81,17 +61,11 @@ __all__ = [
     "assumptions",
     "convergence_record",
     "design_record",
-    "force_scale",
-    "graph_record",
     "head",
-    "implicit_graph_record",
     "impossible_record",
-    "map_record",
     "maze_record",
-    "program_record",
     "reprogram_record",
     "robot_record",
-    "run_record",
     "schema_kinds",
     "schema_of",
     "simulation_assumptions",
@@ -99,7 +73,6 @@ __all__ = [
     "study_record",
     "survival_record",
     "sweep_record",
-    "unreachable_record",
     "walk_record",
     "yield_record",
 ]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.sequences.branches import element_of
 from stepwell.sequences.cycles import IMPOSSIBLE, UNSOLVED, Cycle, Cycles, Pathway, cycle, cycles_of
-from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
+from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable, turn_schema
 
 from stepwell.sequences.programs import program  # isort: skip - after the module of that name
 from stepwell.sequences.cycles import Sequence
@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from stepwell.sequences.graphs import (
         ImplicitGraph,
         Node,
+        Step,
         Transition,
         TransitionGraph,
         TransitionKind,
+        Walked,
         from_dot,
         from_graphml,
         from_json,
@@ -58,12 +60,14 @@ __all__ = [
     "ReturnPointMemory",
     "Scrambling",
     "Sequence",
+    "Step",
     "Transition",
     "TransitionGraph",
     "TransitionKind",
     "Turn",
     "UNSOLVED",
     "Unreachable",
+    "Walked",
     "cycle",
     "cycles_of",
     "from_dot",
@@ -78,6 +82,7 @@ __all__ = [
     "to_dot",
     "to_graphml",
     "to_json",
+    "turn_schema",
 ]
 
 

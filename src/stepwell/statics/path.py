@@ -53,6 +53,9 @@ if TYPE_CHECKING:
 # So many samples are drawn beside this thread, for Ctrl-C's sake.
 _MANY = 20_000
 
+# Cells of the longest chain whose landings are checked unasked.
+_MOST_CHECKED = 8
+
 
 @dataclass(frozen=True, eq=False)
 class Path(ByValue, Drawn):
@@ -239,6 +242,15 @@ class Path(ByValue, Drawn):
         start = np.array(self.start), np.array(self.start_sheet)
         args = self.chain, self._problem, self._log, start, snaps
         return tuple(landings(*args, ratio=ratio, bound=bound, seed=seed))
+
+    @cached_property
+    def checked_landings(self) -> tuple[Landing, ...] | None:
+        """What `landings` finds for mobility ratios up to 10.
+
+        None of more than 8 cells if they snap: there it takes long, and has to be asked for.
+        """
+        snaps = any(event.kind is EventKind.SNAP for event in self.events)
+        return self.landings() if len(self.chain) <= _MOST_CHECKED else None if snaps else ()
 
     def inertial_landing(
         self,

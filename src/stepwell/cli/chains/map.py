@@ -17,7 +17,7 @@ from stepwell.cli.options import (
     parameter_range,
     read_chain,
 )
-from stepwell.cli.screen import finish, progress, usable
+from stepwell.cli.screen import progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.base import Floats
@@ -63,9 +63,14 @@ def map_(
     with --across and --up, what it does for all values of two of its parameters. With --out, the
     picture, its data as NetCDF and the boundaries as CSV are written into a folder.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
-    from stepwell.design import boundaries, parameter_boundaries, parameter_map, transition_map
+    from stepwell.accounts import About, account
+    from stepwell.design import (
+        MapView,
+        boundaries,
+        parameter_boundaries,
+        parameter_map,
+        transition_map,
+    )
 
     text, chain = read_chain(design)
     free(out, "map", force)
@@ -89,9 +94,8 @@ def map_(
             dataset = nodes(progress=tell)
         with progress("boundaries") as tell:
             found = curves(progress=tell)
-        record = results.map_record(dataset, found, next(iter(designs.values()), None), text=text)
-        write = partial(reports.write_map, dataset, found, designs=designs, text=text)
-        finish(record, texts.map_, as_json, out, force, write)
+        reported = account(MapView(dataset, found, designs), About(text, design))
+        report(reported, as_json, out, force)
 
 
 def _both(

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,8 +29,8 @@ from stepwell.cli.options import (
 )
 from stepwell.cli.screen import (
     answered,
-    finish,
     progress,
+    report,
     show_json,
     show_lines,
     show_verbatim,
@@ -57,27 +55,20 @@ def run(
     With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
     written into a folder, together with the design.
     """
-    from stepwell import results
-    from stepwell.cli.text import chains as texts
-    from stepwell.design import margin
+    from stepwell.accounts import About, account
+    from stepwell.design import Run, margin
 
     text, chain = read_chain(design)
     free(out, "run", force, design=text)
     with progress("following") as tell:
-        cycle = chain.cycle(progress=tell)
+        path = (cycle := chain.cycle(progress=tell)).path
     with usable("--mobility-ratio"), progress("landings"):
-        landings = results.checked(cycle.path, mobility_ratio)
+        landings = (
+            path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
+        )
     with progress("margin") as tell:
-        limits = margin(cycle.chain, progress=tell)
-    record = results.run_record(cycle, limits, landings, design=text)
-
-    def write(folder: Path, **how: Any) -> Sequence[str]:
-        from stepwell import reports
-
-        about: dict[str, Any] = {"design": text, "source": design, "landings": landings}
-        return reports.write_run(cycle, limits, folder, **about, **how)
-
-    finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
+        found = Run(cycle, margin(chain, progress=tell), landings)
+    report(account(found, About(text, design)), as_json, out, force)
 
 
 def graph(
@@ -111,8 +102,8 @@ def graph(
     With --out, the graph is drawn, or written for other programs. A graph of too many states to
     be listed is counted, and walked from all cells at 0 or from --start.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
+    from stepwell import reports
+    from stepwell.accounts import About, account
 
     text, chain = read_chain(design)
     free_file(out, force)
@@ -123,22 +114,19 @@ def graph(
         implicit = chain.implicit_graph(drive_of(drive, chain))
     if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
         with usable(design), progress("graph") as tell:
-            record = results.implicit_graph_record(
-                implicit, start=start, design=text, progress=tell
-            )
-        finish(record, partial(texts.implicit_graph, graph=implicit), as_json)
+            walked = implicit.walked(start, progress=tell)
+        report(account(walked, About(text, design)), as_json)
         return
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
-        record = results.graph_record(found, design=text)
+        reported = account(found, About(text, design))
     if out is not None:
         with usable("--out"):
             reports.write_graph(found, out)
     if as_json:
-        show_json(record, *([out] if out else []))
+        show_json(reported.record, *([out] if out else []))
         return
-    title = [chain.title, ""] if chain.title else []
-    show_lines(*title, str(found.reading))
+    report(reported, as_json)
     if out:
         show_lines("")
         show_verbatim(f"Wrote {out}")
@@ -161,8 +149,7 @@ def program(
     mobilities. With --out, a figure, the turning points as CSV, the result
     as JSON and the design with the program in it are written into a folder.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
+    from stepwell.accounts import About, account
     from stepwell.sequences import Unreachable
 
     text, chain = read_chain(design)
@@ -173,13 +160,10 @@ def program(
         else:
             found = replace(own(text, design), robust=robust)
     except Unreachable as why:
-        record = results.unreachable_record(chain, start, to, why, robust=robust, design=text)
-        write = None
-    else:
-        record = results.program_record(found, design=text)
-        write = partial(reports.write_program, found, design=text)
-    finish(record, partial(texts.program, chain=chain), as_json, out, force, write)
-    answered(record["does_it"])
+        found, out = why, None
+    reported = account(found, About(text, design))
+    report(reported, as_json, out, force)
+    answered(reported.record["does_it"])
 
 
 def animate(

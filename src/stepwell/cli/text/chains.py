@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number, percent, signed, told_in
+from stepwell.base import Column, Quantity, number, percent, signed
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
@@ -17,56 +16,16 @@ from stepwell.cli.screen import (
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
-    NOT_CHECKED,
     SENSITIVITY,
     built_schema,
-    cell_schema,
-    change_columns,
-    cycle_schema,
-    drive_schema,
-    elsewhere_of,
-    elsewhere_rows,
-    event_columns,
-    landings_told,
-    nearest_changes,
     tolerance_words,
 )
-from stepwell.sequences import Pathway
-from stepwell.sequences.programs import turn_schema
 
 if TYPE_CHECKING:
-    from stepwell.sequences import ImplicitGraph
+    pass
 
 # The states of a longer chain are too long to be read.
 MOST_CELLS = 12
-
-
-def run(record: dict[str, Any], chain: Chain) -> None:
-    """Print what `results.run_record` returns of a chain."""
-    names = list(chain.names)
-    dissipated, peak, _, *driven = cycle_schema(chain)
-    found = {
-        "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
-        "Pathway": (record["pathway"] or "").replace("_", " "),
-        "Loading": _order(record["loading_order"], names),
-        "Unloading": _order(record["unloading_order"], names),
-        f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
-        "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
-        "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
-        "Margin": _nearest(record["margin"], chain),
-        "Landings": _landings(record),
-    }
-    show_facts(record, found, 2 + max(map(len, found)))
-    show_events(record, chain)
-    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
-    changes = record["margin"]["changes"]
-    show_records(
-        "Margin: the smallest change of one thing that gives another sequence",
-        change_columns(chain, changes),
-        changes,
-    )
-    if record["ties"]:
-        show_lines("", "Too close to call", *record["ties"])
 
 
 def _order(cells: Sequence[int], names: Sequence[str], most: int = 12) -> str:
@@ -74,162 +33,8 @@ def _order(cells: Sequence[int], names: Sequence[str], most: int = 12) -> str:
     return shown + f" and {len(cells) - most} more" * (len(cells) > most)
 
 
-def _nearest(margin: dict[str, Any], chain: Chain) -> str:
-    found = list(nearest_changes(chain, margin["changes"]).values())
-    if found:
-        listed = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
-        return f"{listed} to another sequence ({margin['method']})"
-    if len(chain.elements) == len(chain):
-        return "no other sequence by any change of one thing"
-    return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
-
-
-def _landings(record: dict[str, Any]) -> str:
-    told = landings_told(record["landings"])
-    return f"{told}; --mobility-ratio 10 does" if told == NOT_CHECKED else told
-
-
-def show_events(record: dict[str, Any], chain: Chain) -> None:
-    """Print a table of switches and snaps, and one of other places where these land."""
-    show_records("Switches and snaps", event_columns(chain), record["events"])
-    show_records(
-        "Landings that other mobilities of the cells change",
-        elsewhere_of(chain),
-        elsewhere_rows(record["landings"], record["events"]),
-    )
-
-
-def map_(record: dict[str, Any]) -> None:
-    """Print what `results.map_record` returns."""
-    across, up = (
-        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])}"
-        f"{_unit(axis['unit'])}, {axis['count']} values"
-        for axis in (record["across"], record["up"])
-    )
-    show_lines(record["title"], "", f"Across  {across}", f"Up      {up}")
-    labels = {pathway.value: pathway.label for pathway in Pathway}
-    pathway = Column("pathway", lambda one: labels.get(one["sequence"], ""))
-    show_records(
-        "Sequences",
-        [
-            *([pathway] if "pathway_shares" in record else []),
-            Quantity("sequence", head="sequence"),
-            Column("share of the map", lambda one: f"{100 * one['share']:.1f} %", True),
-        ],
-        [{"sequence": name, "share": share} for name, share in record["shares"].items() if share],
-        most=None,
-    )
-    show_lines(
-        "",
-        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
-        f"the map. {record['closed_form_designs']} designs in closed form, "
-        f"{record['engine_designs']} by the engine; {record['degenerate_designs']} sit on a "
-        f"boundary.",
-    )
-    show_records("Boundaries", _BOUNDARY, record["boundaries"], most=None)
-
-
 def _unit(unit: str) -> str:
     return "" if unit == "1" else f" {Quantity('', unit).sign}"
-
-
-def _error(boundary: Any) -> str:
-    exact = boundary["method"] == "exact"
-    return "" if exact else f"{number(boundary['error_of_axes'], 2)} of the axes"
-
-
-_BOUNDARY = (
-    Quantity("changes", head="what changes"),
-    Quantity("points", head="points", left=False),
-    Quantity("method", head="how"),
-    Column("within", _error),
-)
-
-
-_FEW = 4  # cells of a row
-# What is said of a cell that has moved; where it has two phases, its name tells that it did.
-_PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
-
-
-def implicit_graph(record: dict[str, Any], graph: ImplicitGraph) -> None:
-    """Print what `results.implicit_graph_record` returns of a graph."""
-    show_facts(record, {}, 0)
-    show_lines(*str(graph).splitlines())
-    unit, _ = told_in(graph.unit)
-    names, start, walk = graph.names, record["start"], record["walk"]
-    readable = len(names) <= MOST_CELLS
-    number = {node["label"]: k for k, node in enumerate(walk, 1)}
-
-    def state(node: Mapping[str, Any]) -> str:
-        if readable:
-            return node["label"]
-        last = zip(names, node["label"], start, graph.chain.last_state, strict=False)
-        left = [
-            name + _PLACE.get(at + most, f" at {at}") for name, at, was, most in last if at != was
-        ]
-        return _order(range(len(left)), left, _FEW) or "nothing"
-
-    def leads(way: str, node: Mapping[str, Any]) -> str:
-        if node[way] is None:
-            return ""
-        to = number.get(node[way]["to"])
-        return _order(node[way]["cells"], names, _FEW) + (f" → {to}" if to else "")
-
-    begin = start if readable else "all cells at 0" if start == graph.zero else "the start"
-    count = "all" if record["walk_whole"] else "the first"
-    show_records(
-        f"A walk from {begin}: {count} {len(walk)} nodes, those near by first",
-        (
-            Column("node", lambda node: str(number[node["label"]]), True),
-            Column("state" if readable else "unlike the start", state),
-            Quantity("low", unit, "from"),
-            Quantity("high", unit, "to"),
-            Column("up", partial(leads, "up")),
-            Column("down", partial(leads, "down")),
-        ),
-        walk,
-    )
-    if record["ties"]:
-        show_lines("", "Too close to call", *record["ties"])
-
-
-def program(record: dict[str, Any], chain: Chain) -> None:
-    """Print what `results.program_record` or `results.unreachable_record` returns of a chain."""
-    if record["arrives"] is None:
-        show_facts(record, {}, 10)
-        show_lines(*wrapped(record["reason"]))
-        return
-    unit, _ = told_in(chain.drive_unit)
-    points, _, _, off = drive_schema(unit)
-    slack = record[off.key]
-    found = {
-        "Program": f"{record['from']} to {record['to']}: {_verdict(record)}",
-        "Turns at": _points(record[points.key], points.sign),
-        "Slack": slack is not None
-        and f"every turn may be off by {number(slack, 3)} {off.sign} at once",
-        "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
-        "Landings": landings_told(record["landings"]),
-    }
-    show_facts(record, found, 10)
-    # Where a turn can go back to is known of programs that were searched for.
-    columns = turn_schema(unit)[: None if any(turn["branch"] for turn in record["turns"]) else -1]
-    show_records(
-        "Turns: anywhere in its window each does the same",
-        [Quantity("turn", head="turn"), *columns],
-        [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
-    )
-    show_events(record, chain)
-    show_text(f"{record['reason']}.")
-
-
-def _verdict(record: dict[str, Any]) -> str:
-    times = f"{record['strokes']} stroke{'s' * (record['strokes'] != 1)}"
-    return times if record["does_it"] else f"ends in {record['arrives']} after {times}"
-
-
-def _points(points: list[float], unit: str) -> str:
-    more = f" and {len(points) - 12} more" if len(points) > 12 else ""
-    return " → ".join(map(number, points[:12])) + f" {unit}{more}"
 
 
 # Of the places on the way every so manieth is printed; --json and --out have all.

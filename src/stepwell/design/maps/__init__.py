@@ -2,3 +2,4 @@
 
 from stepwell.design.maps.boundaries import boundaries, parameter_boundaries
 from stepwell.design.maps.parameter_map import parameter_map, transition_map
+from stepwell.design.maps.view import MapView

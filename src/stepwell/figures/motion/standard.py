@@ -34,6 +34,14 @@ def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
         By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
         travel_stroke (up to 60 cells); element_curves of up to 12 elements.
     """
+    return {
+        name: draw() if width is None or name not in _WIDE else compose([draw], width=width)
+        for name, draw in standard_draws(cycle).items()
+    }
+
+
+def standard_draws(cycle: Cycle) -> dict[str, Draw]:
+    """What draws each figure of `standard`, by its function's name."""
     chain = cycle.chain
     found: dict[str, Draw] = {}
     if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
@@ -47,7 +55,4 @@ def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
     elements = {name: cell for name, cell in cells if isinstance(cell, Element)}
     if 0 < len(elements) <= MOST_CELLS:
         found["element_curves"] = partial(element_curves, elements)
-    return {
-        name: draw() if width is None or name not in _WIDE else compose([draw], width=width)
-        for name, draw in found.items()
-    }
+    return found

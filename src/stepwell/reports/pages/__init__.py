@@ -8,7 +8,6 @@ from stepwell.reports.pages.designs import (
     survival_page,
     yield_page,
 )
-from stepwell.reports.pages.maps import map_page
 from stepwell.reports.pages.measured import (
     band_page,
     calibration_page,
@@ -16,7 +15,5 @@ from stepwell.reports.pages.measured import (
     readings_page,
 )
 from stepwell.reports.pages.parts import image_of
-from stepwell.reports.pages.programs import program_page
 from stepwell.reports.pages.robots import maze_page, robot_page, sweep_page, walk_page
-from stepwell.reports.pages.run import report
 from stepwell.reports.pages.studies import study_page

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from stepwell.base import Measure, number, percent, told_in
 from stepwell.statics import EventKind
 
 if TYPE_CHECKING:
-    from stepwell.design import Change, Margin, Survival, Yield
+    from stepwell.design import Survival, Yield
     from stepwell.sequences import Cycle
 
 # More names than these are not read, nor longer sequences in a sentence; of longer chains nobody
@@ -52,53 +51,6 @@ def _order(cells: Sequence[int], names: Sequence[str]) -> str:
     first, *others = [names[i] for i in cells[:_MOST_NAMES]] or ["nothing"]
     more = " and so on" * (len(cells) > _MOST_NAMES)
     return f"{first} moves first" + "".join(f", then {name}" for name in others) + more
-
-
-def otherwise(margin: Margin | None, *, tied: bool = False) -> str:
-    """What the smallest changes are after which a chain does something else.
-
-    Args:
-        margin: None where it was not computed.
-        tied: whether the chain stands on the border already.
-    """
-    if margin is None:
-        return ""
-    if tied and all(change.distance * 1e3 < 1e-6 for change in margin.changes):
-        return "It stands between two sequences: any change at all decides which it takes."
-    near = sorted(margin.changes, key=lambda change: change.distance)
-    near = [change for change in near if not math.isinf(change.distance)]
-    # An anchor and a number do not compare: the nearest of both is told.
-    kinds = {isinstance(change.move, tuple): change for change in reversed(near)}
-    nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
-    if not nearest:
-        anchors = any(change.parameter == "anchor" for change in margin.changes)
-        reach = f" of an anchor within {number(margin.reach * 1e3)} mm, and none" if anchors else ""
-        return f"No change{reach} of one number alone makes it do anything else."
-    told = [_instead(change) for change in nearest]
-    return f"It would go {', or '.join(told)}."
-
-
-def _instead(change: Change) -> str:
-    chain = change.chain
-    becomes = change.becomes if len(chain) <= MOST_SPELLED else ""
-    name = chain.names[change.cell]
-    spelled = 0 < len(becomes) <= _MOST_LETTERS and "no answer" not in becomes
-    what = arrows(becomes) if spelled else "another way"
-    return f"{what} if {_changed(change, name)}"
-
-
-def _changed(change: Change, name: str) -> str:
-    if isinstance(change.move, tuple):
-        return f"the anchor q of {name} were moved by {number(change.distance * 1e3, 3)} mm"
-    words = change.chain.measure
-    share = f"{number(abs(change.move) * 100, 3)} %"
-    if change.parameter == "friction":
-        return f"{name} had friction of {share} of its largest {words.force} more"
-    more = change.move > 0
-    if change.parameter == "stiffness":
-        return f"the bands of {name} were {share} {'stiffer' if more else 'softer'}"
-    of = words.travel if change.parameter == "travel_scale" else words.force
-    return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
 
 
 def built(found: Yield | Survival, what: str = "do this") -> str:

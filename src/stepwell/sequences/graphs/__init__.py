@@ -9,7 +9,7 @@ from stepwell.sequences.graphs.exchange import (
     to_json,
 )
 from stepwell.sequences.graphs.fields import from_switching_fields, switching_fields
-from stepwell.sequences.graphs.implicit_graph import ImplicitGraph, implicit_graph
+from stepwell.sequences.graphs.implicit_graph import ImplicitGraph, Step, Walked, implicit_graph
 from stepwell.sequences.graphs.mesostates import (
     Atlas,
     Mesostates,

@@ -24,6 +24,39 @@ from stepwell.sequences.graphs.transition_graph import (
 )
 from stepwell.statics import Tie
 
+Way = tuple[str, Transition] | None
+
+
+@dataclass(frozen=True)
+class Step:
+    """A node of a walk, and where the drive's rise and fall lead from it.
+
+    Attributes:
+        node: where the walk is.
+        up, down: the label of the next node and what happens; None where the way ends.
+    """
+
+    node: Node
+    up: Way
+    down: Way
+
+
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """A walk through a graph that is not listed, see `ImplicitGraph.walk`.
+
+    Attributes:
+        graph: of any chain.
+        start: label of the node with which it begins.
+        steps: the nodes, those after fewest transitions first.
+        whole: whether these are all nodes that can be reached.
+    """
+
+    graph: ImplicitGraph
+    start: str
+    steps: tuple[Step, ...]
+    whole: bool
+
 
 @dataclass(frozen=True, eq=False)
 class ImplicitGraph(ByValue):
@@ -182,6 +215,31 @@ class ImplicitGraph(ByValue):
             label = way[0]
             yield way
 
+    def walked(
+        self,
+        start: str | None = None,
+        *,
+        most: int = 24,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Walked:
+        """The first nodes of `walk`, each with where it leads.
+
+        Args:
+            start: label to begin with; all cells at 0 by default.
+            most: nodes after which it ends.
+            progress: called with (done, most) nodes.
+
+        Raises:
+            ValueError: as for `walk`.
+        """
+        start = self.zero if start is None else start
+        steps: list[Step] = []
+        for node in self.walk(start, most=most):
+            if progress is not None:
+                progress(len(steps), most)
+            steps.append(Step(node, self.up(node.label), self.down(node.label)))
+        return Walked(self, start, tuple(steps), len(steps) < most)
+
     def walk(self, start: str | None = None, *, most: int = 1000) -> Iterator[Node]:
         """Nodes that the actuator can bring the chain to, those after fewest transitions first.
 
@@ -217,7 +275,15 @@ class ImplicitGraph(ByValue):
     def __repr__(self):
         return f"ImplicitGraph({self.cells} cells driven by {self.actuator})"
 
-    def __str__(self):
+    @property
+    def summary(self) -> str:
+        """How large the graph is, in a line."""
+        vertices = shown_count(self.vertex_count)
+        return f"{self.cells} cells driven by {self.actuator}: {vertices} vertices, not listed"
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """What is known of the graph without listing it, in words."""
         counts = {
             "transitions": self.transition_count,
             "from all at 0": self.reached_count,
@@ -233,9 +299,10 @@ class ImplicitGraph(ByValue):
         lost = ", ".join(name for name, count in counts.items() if count is None)
         if lost:
             known["not counted"] = f"{lost}: only following all of it tells"
-        vertices = shown_count(self.vertex_count)
-        head = f"{self.cells} cells driven by {self.actuator}: {vertices} vertices, not listed"
-        return "\n".join([head, *(f"{name:<20} {told}" for name, told in known.items())])
+        return known
+
+    def __str__(self):
+        return "\n".join([self.summary, *(f"{k:<20} {text}" for k, text in self.facts.items())])
 
     def _order(self, label: str, direction: int) -> str:
         """The cells that move first on a stroke from there, by name."""

@@ -77,8 +77,19 @@ class MemoryReading(ByValue, Drawn):
             f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
         )
 
+    @property
+    def summary(self) -> str:
+        """How large the graph is, in a line."""
+        return _summary(self)
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """What the graph has of each thing that the field has a name for, in words."""
+        return _facts(self)
+
     def __str__(self):
-        return _report(self)
+        found = (f"{name:<21}{text}" for name, text in self.facts.items())
+        return "\n".join([self.summary, *found])
 
 
 def read_memory(graph: TransitionGraph) -> MemoryReading:
@@ -121,8 +132,16 @@ def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
     return counting(drawn, routes, by_hand=by_hand)
 
 
-def _report(reading: MemoryReading) -> str:
-    """One line for each thing that was looked for."""
+def _summary(reading: MemoryReading) -> str:
+    graph = reading.graph
+    return (
+        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices on "
+        f"{reading.branches} branches"
+    )
+
+
+def _facts(reading: MemoryReading) -> dict[str, str]:
+    """What was looked for, by its name."""
     graph, names, counted = reading.graph, reading.graph.names, reading.counting
     loops, gardens = reading.sub_loops, reading.garden_of_eden
     sub_loops = f"{reading.sub_loop_count}"
@@ -145,21 +164,19 @@ def _report(reading: MemoryReading) -> str:
     part = "" if counted.exhaustive else " (searched in part)"
     eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
     ways = (f"{a}>{b}" for latch in reading.latches for a, b, _ in latch.ways)
-    lines = [
-        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices on "
-        f"{reading.branches} branches",
-        f"main loop            {reading.main_loop}",
-        f"sub-loops            {sub_loops}",
-        f"Garden of Eden       {eden}",
-        f"not from all at 0    {_listed(reading.unreachable)}",
-        f"return-point memory  {memory}",
-        f"scrambling           {_listed(scrambled)}",
-        f"accumulators         {_listed(counts)}{part}",
-        f"latches              {_listed(ways)}",
-    ]
+    found = {
+        "main loop": str(reading.main_loop),
+        "sub-loops": sub_loops,
+        "Garden of Eden": eden,
+        "not from all at 0": _listed(reading.unreachable),
+        "return-point memory": memory,
+        "scrambling": _listed(scrambled),
+        "accumulators": f"{_listed(counts)}{part}",
+        "latches": _listed(ways),
+    }
     if graph.ties:
-        lines.append(f"ties                 {len(graph.ties)}, so other ways are possible")
-    return "\n".join(lines)
+        found["ties"] = f"{len(graph.ties)}, so other ways are possible"
+    return found
 
 
 def _listed(items: Iterable[str]) -> str:

@@ -47,6 +47,16 @@ def program(
     start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "to", to)
     robust = None if robust is None else a_ratio("robust", robust)
+    try:
+        return _planned(chain, start, to, robust, progress)
+    except Unreachable as why:
+        why.chain, why.start, why.to, why.robust = chain, start, to, robust
+        raise
+
+
+def _planned(
+    chain: Chain, start: str, to: str, robust: float | None, progress: Progress | None
+) -> Program:
     branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:

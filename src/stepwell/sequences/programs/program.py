@@ -52,12 +52,12 @@ class ProgramMethod(StrEnum):
 
 
 def turn_schema(unit: str) -> Schema:
-    """What is told of a turning point; `unit` is that in which drives are told."""
+    """What is reported of a turning point; `unit` is that of the drive."""
     return (
         Quantity("drive", unit, "at"),
         Quantity("low", unit, "from"),
         Quantity("high", unit, "to"),
-        Quantity("branch", head="can go back to"),
+        Quantity("branch", head="can go back to", holds=[str]),
     )
 
 
@@ -263,7 +263,13 @@ class Unreachable(Shown, StepwellError, ValueError):
 
     Attributes:
         proved: whether that is certain, or only that a search found no way.
+        chain, start, to, robust: what was asked of `Chain.program`; None where that is not known.
     """
+
+    chain: Chain | None = None
+    start: str | None = None
+    to: str | None = None
+    robust: float | None = None
 
     def __init__(self, text: str, *, proved: bool):
         super().__init__(text)

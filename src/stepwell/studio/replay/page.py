@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from stepwell.base import ExtraError, InputError
 from stepwell.mechanism import Chain
-from stepwell.sequences import Program
+from stepwell.sequences import Cycle, Program
 from stepwell.studio.panels import motion_of, walked
 from stepwell.studio.wire import View, packed
 
@@ -32,7 +32,7 @@ _MARKS = re.compile(r"<(?=!--|/?script)", re.IGNORECASE)
 
 
 def replay(
-    result: Chain | Program | Walk | Maze,
+    result: Chain | Cycle | Program | Walk | Maze,
     *,
     title: str | None = None,
     margin: Margin | None = None,
@@ -41,8 +41,8 @@ def replay(
     """A motion as one HTML page that plays anywhere: no server, and nothing loaded from elsewhere.
 
     Args:
-        result: a chain, which goes through its full cycle, a program, or what a robot did: a
-            walk, or its way through an arena.
+        result: a chain or its full cycle, a program, or what a robot did: a walk, or its way
+            through an arena.
         title: the chain's or the robot's own by default.
         margin: that of the chain, where it has been found already.
         progress: called with (done, total) while margins of a chain are searched.
@@ -56,7 +56,7 @@ def replay(
         ValueError: none of these, or a run that was over before its first sample.
         StaticsError: the engine could not go on; its text says what to do.
     """
-    if isinstance(result, Chain | Program):
+    if isinstance(result, Chain | Cycle | Program):
         found = motion_of(result, margin, progress)
     else:
         found = _run_of(result)

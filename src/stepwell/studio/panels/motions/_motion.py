@@ -11,7 +11,7 @@ from stepwell.base import Ints, __version__, told_in
 from stepwell.design import Margin, margin
 from stepwell.mechanism import Chain, phase_at
 from stepwell.results import assumptions
-from stepwell.sequences import Program
+from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 from stepwell.studio.panels.motions.evaluate import (
     MJ,
@@ -28,28 +28,28 @@ from stepwell.studio.wire import View
 
 
 def motion_of(
-    result: Chain | Program,
+    result: Chain | Cycle | Program,
     known: Margin | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> View:
     """The full cycle of a chain with its margins, or a program with its windows.
 
     Args:
-        result: what moves.
+        result: what moves; a cycle is not computed again.
         known: the margins of a chain, where they have been found already.
         progress: called with (done, total) while margins are searched.
     """
     if isinstance(result, Program):
         return _view(result.chain, result.path, {**margins_of(None), "program": told(result)})
-    cycle = result.cycle()
+    cycle = result.cycle() if isinstance(result, Chain) else result
     found = {
         "program": None,
         "sequence": str(cycle.sequence),
         "pathway": "" if cycle.pathway is None else cycle.pathway.label,
         "ties": [tie.advice for tie in cycle.degenerate],
-        **margins_of(margin(result, progress=progress) if known is None else known),
+        **margins_of(margin(cycle.chain, progress=progress) if known is None else known),
     }
-    return _view(result, cycle.path, found)
+    return _view(cycle.chain, cycle.path, found)
 
 
 def _view(chain: Chain, path: Path, found: dict[str, Any]) -> View:

@@ -1,0 +1,240 @@
+"""A chain, its cells and its actuator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from stepwell.accounts.account import Account, Fact, Level, Section, Table
+from stepwell.accounts.assumptions import actuator_words
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.words import cells_of
+from stepwell.base import Quantity, Schema, counted, in_measure, record
+from stepwell.mechanism import Cell, Chain, Element
+
+
+class Named(NamedTuple):
+    """A cell and its name in a chain."""
+
+    name: str
+    cell: Cell | Element
+
+
+def named(chain: Chain) -> list[Named]:
+    """The cells of a chain, innermost first."""
+    return [Named(name, cell) for name, cell in zip(chain.names, chain.cells, strict=True)]
+
+
+_ENDS = {
+    (True, True): "both",
+    (True, False): "at the low end",
+    (False, True): "at the high end",
+    (False, False): "none",
+}
+
+
+def force_scale(cell: Cell) -> float:
+    """k r [N] of a cell, with k of its stiffest band: its forces are compared with it."""
+    return max(band.stiffness for band in cell.bands) * cell.lever
+
+
+def actuator_schema(shape: Shape) -> Schema:
+    """What the actuator prescribes, and its stiffness."""
+    schema = (
+        Quantity("control", read=_control),
+        Quantity("stiffness", "N/m", read="actuator_stiffness"),
+    )
+    return in_measure(schema, shape.measure)
+
+
+def _control(chain: Chain) -> str:
+    stiffness = chain.actuator_stiffness
+    return "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
+
+
+def cell_schema(shape: Shape) -> Schema:
+    """What is reported of the cells of a chain; of a mixed one levers have what elements have too.
+
+    It is read from what `named` makes.
+    """
+    if not shape.elements:
+        return tuple(map(_of_cell, (*_LEVER, _MOBILITY)))
+    names = {quantity.key for quantity in _element(shape)}
+    levers = (quantity for quantity in _LEVER if quantity.key not in names)
+    schema = (*_element(shape), *(map(_if_lever, levers) if shape.levers else ()))
+    return in_measure(tuple(map(_of_cell, schema)), shape.measure)
+
+
+_LEVER: Schema = (
+    Quantity("name", head="cell"),
+    Quantity("F0", "N", "F0", "force_0"),
+    Quantity("F1", "N", "F1", "force_1"),
+    Quantity("F0", "over_kr", "F0/(kr)", lambda cell: cell.force_0 / force_scale(cell)),
+    Quantity("F1", "over_kr", "F1/(kr)", lambda cell: cell.force_1 / force_scale(cell)),
+    Quantity("full_travel", "mm", "travel"),
+    Quantity("peak_angle", "deg", "peak"),
+    Quantity("barrier", "mJ"),
+    Quantity(
+        "bistable",
+        head="stable",
+        read="is_bistable",
+        form=lambda both: "both states" if both else "one state",
+        holds=bool,
+        left=True,
+    ),
+)
+_MOBILITY = Quantity("mobility", head="mobility", holds=float, left=False)
+
+
+def _element(shape: Shape) -> Schema:
+    return (
+        Quantity("name", head="cell"),
+        Quantity(
+            "phases", head="phases", read=lambda cell: len(cell.phases), holds=int, left=False
+        ),
+        Quantity(
+            "sheets",
+            head="sheets" if shape.folds else "",
+            read=lambda cell: len(cell.laws) if isinstance(cell, Element) else 1,
+            holds=int,
+            left=False,
+        ),
+        Quantity(
+            "force_up",
+            "N",
+            "up at",
+            lambda cell: [one.force_high for one in cell.phases[:-1]],
+            holds=[float],
+        ),
+        Quantity(
+            "force_down",
+            "N",
+            "down at",
+            lambda cell: [one.force_low for one in cell.phases[1:]],
+            holds=[float],
+        ),
+        Quantity("travel_low", "mm", "from", "low"),
+        Quantity("travel_high", "mm", "to", "high"),
+        Quantity("full_travel", "mm"),
+        Quantity("stopped", head="stops", form=lambda ends: _ENDS[*ends], holds=[bool]),
+        _MOBILITY,
+        Quantity("error_band", "N", "±", lambda cell: getattr(cell, "error_band", 0.0)),
+        Quantity("bistable", read="is_bistable", holds=bool),
+        Quantity("stable", head="stable in", read=_stable, holds=[int], left=True),
+    )
+
+
+def _stable(cell: Cell | Element) -> list[int]:
+    """The phases in which a cell can stand without any force."""
+    return [k for k, one in enumerate(cell.phases) if one.force_low < 0.0 < one.force_high]
+
+
+def _of_cell(quantity: Quantity) -> Quantity:
+    """A quantity of a cell, read from `Named`."""
+    if quantity.name == "name":
+        return quantity
+    return replace(quantity, read=lambda one: quantity.of(one.cell))
+
+
+def _if_lever(quantity: Quantity) -> Quantity:
+    """The same quantity, None of an element; in tables of mixed chains it has no column."""
+    return replace(
+        quantity, head="", read=lambda cell: quantity.of(cell) if isinstance(cell, Cell) else None
+    )
+
+
+def cell_section(chain: Chain) -> Section:
+    """The cells of a chain, and the bands of those that have levers."""
+    schema = cell_schema(Shape.of(chain))
+    useless = set[str]()
+    if len({cell.mobility for cell in chain.cells}) == 1:
+        useless.add("mobility")
+    if not any(element.error_band for element in chain.elements):
+        useless.add("error_band")
+    about = (
+        "F0 and F1 are the forces along travel at state 0 and state 1, k the stiffness of the "
+        "cell's stiffest band, r its lever, the peak θmax, where its energy is largest."
+    )
+    if chain.elements:
+        travel, _, force = chain.measure.words
+        about = (
+            f"A phase is a stretch of {travel} in which a cell is stable under a prescribed "
+            f"{force}; at these {force}s it goes up to the next phase and back down. It is stable "
+            f"in the phases that hold without any {force}."
+        )
+        if "error_band" not in useless:
+            about += " ±: the largest deviation of measured points from the curve."
+    cells = Table(
+        [q for q in schema if q.name not in useless],
+        lambda: [record(schema, one) for one in named(chain)],
+        about,
+        more="cells",
+        level=Level.CARD,
+    )
+    return Section("Cells, innermost first", [cells, band_table(chain)])
+
+
+def band_table(chain: Chain, level: Level = Level.PAGE) -> Table:
+    """The bands of all cells with levers."""
+    bands = [
+        (name, band) for name, cell in named(chain) if isinstance(cell, Cell) for band in cell.bands
+    ]
+    return Table(
+        BAND,
+        lambda: [record(BAND, band, name=name) for name, band in bands],
+        "Bands: p is the anchor on the inner block, q on the outer block.",
+        more="bands",
+        level=level,
+    )
+
+
+def _place(at: list[float]) -> str:
+    return ", ".join(f"{round(v, 3) + 0.0:.6g}" for v in at)
+
+
+BAND: Schema = (
+    Quantity("name", head="cell"),
+    Quantity("p", "mm", "p", form=_place, holds=[float]),
+    Quantity("q", "mm", "q", form=_place, holds=[float]),
+    Quantity("stiffness", "N/m", "k"),
+    Quantity("rest_length", "mm", "l0"),
+)
+
+
+def _fact(quantity: Quantity, found: Mapping[str, Any]) -> Fact:
+    label = quantity.head or quantity.name.replace("_", " ")
+    return Fact(label, with_sign(quantity, found[quantity.key]))
+
+
+def with_sign(quantity: Quantity, value: Any) -> str:
+    """What a record holds of a quantity, with its unit; "" where there is none."""
+    text = quantity.text(value)
+    return f"{text} {quantity.sign}".strip() if text else ""
+
+
+def account(value: Chain | Cell | Element, about: About | None = None) -> Account:
+    """What a notebook shows of a chain or of a cell."""
+    if isinstance(value, Chain):
+        title = value.title or f"Chain of {counted(len(value), 'cell')}"
+        origin = f"{cells_of(value)}. {actuator_words(value)}"
+        return Account(value, title=title, origin=origin, sections=[cell_section(value)])
+    chain = Chain([value])
+    (one,) = named(chain)
+    schema = cell_schema(Shape.of(chain))[1:]
+    found = record(schema, one)
+    facts = [_fact(q, found) for q in schema if q.head]
+    if isinstance(value, Cell):
+        bands = Section("Bands", [band_table(chain, Level.CARD)])
+        return Account(value, title=f"Cell {value.name}".strip(), facts=facts, sections=[bands])
+    phases = counted(len(value.phases), "phase")
+    words = value.measure
+    return Account(
+        value,
+        title=f"Element {value.name}".strip(),
+        origin=f"{phases}: stretches of {words.travel} that are stable under a constant "
+        f"{words.force}.",
+        facts=facts,
+    )

@@ -1,0 +1,246 @@
+"""Switches and snaps of a chain, and whether snaps land there for other mobilities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from stepwell.accounts.account import Account, Level, Section, Table, Text
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    in_measure,
+    number,
+    percent_at_most,
+    record,
+)
+from stepwell.mechanism import Chain
+from stepwell.statics import Cause, Event
+
+if TYPE_CHECKING:
+    from stepwell.statics import Landing
+
+NOT_CHECKED = "not checked for other mobilities"
+
+
+def event_schema(shape: Shape) -> Schema:
+    """What is reported of a switch or a snap."""
+    sheets = Quantity("sheets_before", holds=[int]), Quantity("sheets_after", holds=[int])
+    schema = (
+        Quantity("kind", head="event"),
+        Quantity("cause"),
+        Quantity("direction", head="while", read=way),
+        Quantity("drive", shape.drive),
+        Quantity("stroke", "mm", "stroke"),
+        Quantity("cells", holds=[int]),
+        Quantity("before", "mm", holds=[float]),
+        Quantity("after", "mm", holds=[float]),
+        *(sheets if shape.folds else ()),
+        Quantity("force_before", "N", "force before"),
+        Quantity("force_after", "N", "force after"),
+        Quantity("released", "mJ", "released"),
+        Quantity(
+            "arrivals", holds=[(Quantity("cell", holds=int, read=lambda one: one[0]), _STATE)]
+        ),
+        Quantity("tie", holds=bool),
+        Quantity("distance_force", "N"),
+        Quantity("distance_travel", "mm"),
+        Quantity("error", "mm"),
+        Quantity("decided"),
+    )
+    return in_measure(schema, shape.measure)
+
+
+_STATE = Quantity("state", read=lambda one: one[1])
+
+
+def way(event: Any) -> str:
+    """Whether something happens on the way out or back."""
+    return "loading" if event.direction > 0 else "unloading"
+
+
+class Landed(NamedTuple):
+    """A landing, and the number of its snap among the events."""
+
+    event: int
+    landing: Landing
+
+
+def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[Landed] | None:
+    """Landings with the numbers of their snaps; None where they were not checked."""
+    if landings is None:
+        return None
+    found: list[Landed] = []
+    for landing in landings:
+        found.append(
+            Landed(events.index(landing.event, found[-1].event + 1 if found else 0), landing)
+        )
+    return found
+
+
+def landing_schema(shape: Shape) -> Schema:
+    """What is known of the landing of a snap; it is read from `Landed`."""
+    return (
+        Quantity("event", holds=int),
+        Quantity("holds", read="landing.holds", holds=bool),
+        Quantity("ratio", read="landing.ratio", holds=float),
+        Quantity("proof", read="landing.proof", missing=True),
+        Quantity("corners", read="landing.corners", holds=int),
+        Quantity("samples", read="landing.samples", holds=int),
+        Quantity("bound", read="landing.bound", holds=float),
+        Quantity("elsewhere", read="landing.elsewhere", holds=[_elsewhere(shape)]),
+    )
+
+
+def _elsewhere(shape: Shape) -> Schema:
+    schema = (
+        Quantity("state", head="in state"),
+        Quantity("travel", "mm", holds=[float]),
+        Quantity("mobility", holds=[float]),
+        Quantity("share", holds=float),
+        *((Quantity("sheet", holds=[int]),) if shape.folds else ()),
+    )
+    return in_measure(schema, shape.measure)
+
+
+def event_section(
+    chain: Chain, events: Sequence[Event], landings: Sequence[Landing] | None
+) -> Section:
+    """Switches and snaps as a table, and the other places where snaps may land."""
+    measure, shape = chain.measure, Shape.of(chain)
+    schema = event_schema(shape)
+    arriving = "in another phase" if chain.elements else "at a stop"
+    words = landing_words(landings)
+    table = Table(
+        _columns(chain),
+        lambda: [record(schema, event) for event in events],
+        f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
+        f"{measure.stroke.capitalize()}s are exact, not read off a grid.",
+        wide=[Column("cause", lambda event: Cause[event["cause"].upper()].value)],
+        more="switches and snaps",
+        level=Level.CARD,
+    )
+    return Section(
+        "Switches and snaps",
+        [table, Text(f"Landings: {words}." if words else "", Level.PAGE)],
+    )
+
+
+def elsewhere_section(
+    chain: Chain, events: Sequence[Event], landings: Sequence[Landing] | None
+) -> Section:
+    """Every other place where a snap lands for other mobilities of the cells."""
+    shape = Shape.of(chain)
+    event, place = event_schema(shape), _elsewhere(shape)
+    known = {quantity.attribute: quantity for quantity in event}
+
+    def rows() -> list[dict[str, Any]]:
+        return [
+            record(event, events[at]) | record(place, one)
+            for at, landing in landed(landings, events) or ()
+            for one in landing.elsewhere
+        ]
+
+    columns = (
+        known["direction"],
+        known["stroke"],
+        Column("lands elsewhere if", lambda row: _condition(row["mobility"], chain.names)),
+        place[0],
+        Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
+    )
+    about = (
+        "The same snaps with other mobilities of the cells: the other landings, the mobilities "
+        "nearest to those given that were found to lead there, and the fraction of the samples."
+    )
+    return Section(
+        "Landings that other mobilities of the cells change", [Table(columns, rows, about)]
+    )
+
+
+def _columns(chain: Chain) -> Columns:
+    names = chain.names
+    schema = {q.attribute: q for q in event_schema(Shape.of(chain))}
+    here, there, lost = (schema[key] for key in ("before", "after", "released"))
+    before, after = schema["force_before"], schema["force_after"]
+
+    def moves(event: Mapping[str, Any]) -> str:
+        if event["kind"] == "switch":
+            return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in event["arrivals"])
+        rows = zip(event["cells"], event[here.key], event[there.key], strict=True)
+        # Lever cells show by their travels where they arrive.
+        to = {a["cell"]: f" at {a['state']}" for a in event["arrivals"] if chain.elements}
+        return ", ".join(
+            f"{names[cell]} {number(a)} → {number(b)}{to.get(cell, '')}" for cell, a, b in rows
+        )
+
+    def force(event: Mapping[str, Any]) -> str:
+        first, last = before.cell(event), after.cell(event)
+        return f"{first} → {last}" if event["kind"] == "snap" else first
+
+    def released(event: Mapping[str, Any]) -> str:
+        return lost.cell(event) if event["kind"] == "snap" else ""
+
+    return (
+        schema["direction"],
+        schema["kind"],
+        schema["stroke"],
+        Column(f"cells [{here.sign} of {chain.measure.travel}]", moves),
+        Column(f"{chain.measure.force} [{before.sign}]", force, True),
+        Column(lost.heading, released, True),
+    )
+
+
+def landing_words(landings: Sequence[Landing] | None) -> str:
+    """How many landings hold for other mobilities, in a line; "" where there are no snaps."""
+    if landings is None:
+        return NOT_CHECKED
+    if not landings:
+        return ""
+    holding = [one for one in landings if one.holds]
+    ratios = f"for mobility ratios up to {number(landings[0].ratio)}"
+    if not holding:
+        return f"no landing holds {ratios}"
+    sampled = [one for one in holding if one.proof is None]
+    proved, parts = len(holding) - len(sampled), list[str]()
+    if proved:
+        parts.append(f"{proved} proved" if sampled else "proved")
+    if sampled:
+        most = percent_at_most(max(one.bound for one in sampled))
+        least = min(one.samples for one in sampled)
+        many = f"in {len(sampled)} " if proved or sampled[1:] else ""
+        each = " each" if sampled[1:] else ""
+        parts.append(
+            f"{many}at most {most} of mobilities lead elsewhere (95 % confidence, {least} samples"
+            f"{each})"
+        )
+    all_hold = len(holding) == len(landings)
+    many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
+    return f"{many if landings[1:] else 'holds'} {ratios}: {', '.join(parts)}"
+
+
+def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
+    """Factors on the given mobilities in words, such as "outer is 7 times faster"."""
+    least, most = min(mobility), max(mobility)
+    fast = [name for name, factor in zip(names, mobility, strict=True) if factor > least]
+    slow = [name for name, factor in zip(names, mobility, strict=True) if factor < most]
+    times = f"{number(most / least, 3)} times"
+    # Cells between the fastest and the slowest are on both lists.
+    if len(fast) == 1:
+        return f"{fast[0]} is {times} faster"
+    if len(slow) == 1:
+        return f"{slow[0]} is {times} slower"
+    factors = (f"{name} {number(x / least, 3)}" for name, x in zip(names, mobility, strict=True))
+    return f"as fast as {', '.join(factors)}"
+
+
+def account(value: Event | Landing, about: About | None = None) -> Account:
+    """What a notebook shows of an event or a landing."""
+    if isinstance(value, Event):
+        kind, _, rest = repr(value).partition(" ")
+        return Account(value, kind.capitalize(), origin=rest)
+    title = f"Landing of a {value.event.kind.name.lower()}"
+    return Account(value, title, origin=" ".join(str(value).splitlines()))

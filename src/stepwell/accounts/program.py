@@ -1,0 +1,174 @@
+"""A stroke program: its turning points, how far each may be off, and what the cells do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from stepwell.accounts.account import Account, Fact, Level, Motion, Picture, Section, Table, Text
+from stepwell.accounts.chain import actuator_schema
+from stepwell.accounts.events import (
+    elsewhere_section,
+    event_schema,
+    event_section,
+    landed,
+    landing_schema,
+    landing_words,
+)
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.words import (
+    LONGEST_IN_A_LINE,
+    LONGEST_SPELLED_OUT,
+    assumed,
+    cells_of,
+    degenerate,
+)
+from stepwell.base import Quantity, Schema, amount, counted, number, record
+from stepwell.sequences import Program, Unreachable, turn_schema
+
+KIND = "program/2"
+
+
+def schema(shape: Shape) -> Schema:
+    """What is reported of a program; where there is none, what is known of it has null."""
+    found = (
+        Quantity("arrives"),
+        Quantity("strokes", holds=int),
+        Quantity("turning_points", shape.drive, holds=[float]),
+        Quantity("sequence", read=_spelled),
+        Quantity("events", read="path.events", holds=[event_schema(shape)]),
+        Quantity(
+            "landings",
+            read=lambda one: landed(one.path.checked_landings, one.path.events),
+            holds=[landing_schema(shape)],
+        ),
+        Quantity("dissipated", "mJ", read="path.dissipated"),
+        Quantity("turns", holds=[turn_schema(shape.drive)]),
+        Quantity("end_low", shape.drive, read="low"),
+        Quantity("end_high", shape.drive, read="high"),
+        Quantity("slack", shape.drive),
+    )
+    return (
+        Quantity("title", read="chain.title"),
+        Quantity("actuator", read="chain", holds=actuator_schema(shape)),
+        Quantity("cells", read="chain.names", holds=[str]),
+        Quantity("from", read="start"),
+        Quantity("to"),
+        Quantity("does_it", read=does_it, holds=bool),
+        Quantity(
+            "proved",
+            read=lambda one: one.shortest if isinstance(one, Program) else one.proved,
+            holds=bool,
+        ),
+        Quantity("robust", holds=float),
+        Quantity("reason", read=lambda one: one.reason if isinstance(one, Program) else str(one)),
+        *map(_if_found, found),
+    )
+
+
+def _if_found(quantity: Quantity) -> Quantity:
+    """A quantity of a program, None where there is no program."""
+
+    def read(one: Program | Unreachable) -> object:
+        return quantity.of(one) if isinstance(one, Program) else None
+
+    return replace(quantity, read=read, missing=True)
+
+
+def _spelled(program: Program) -> str | None:
+    return str(program.sequence) if len(program.chain) <= LONGEST_SPELLED_OUT else None
+
+
+def does_it(value: Program | Unreachable) -> bool:
+    """Whether a program ends in the state that it is meant to end in."""
+    if isinstance(value, Unreachable):
+        return False
+    return value.arrives == value.to and value.hangs is None
+
+
+def account(value: Program | Unreachable, about: About | None = None) -> Account:
+    """What is reported of a program, or of the proof that there is none."""
+    if isinstance(value, Unreachable):
+        proved = "This is proved." if value.proved else "A search found no way; that is no proof."
+        if value.chain is None:
+            return Account(value, "Unreachable", answer=str(value), origin=proved)
+        return Account(
+            value,
+            value.chain.title or "Unreachable",
+            KIND,
+            schema(Shape.of(value.chain)),
+            answer=str(value),
+            origin=proved,
+            about=about or About(value.chain),
+        )
+    return _program(value, about or About(value.chain))
+
+
+def _program(program: Program, about: About) -> Account:
+    chain, path = program.chain, program.path
+    shape, works = Shape.of(chain), does_it(program)
+    strokes = counted(program.strokes, "stroke")
+    ends = strokes if works else f"ends in {program.arrives} after {strokes}"
+    landings = path.checked_landings
+    spelled = str(program.sequence) if len(chain) <= LONGEST_IN_A_LINE else ""
+    return Account(
+        program,
+        chain.title or "A stroke program",
+        KIND,
+        schema(shape),
+        origin=f"A program from {program.start} to {program.to} for {cells_of(chain)}.",
+        answer=f"{program.start} to {program.to}: {ends}",
+        about=about,
+        facts=(
+            Fact("Turning points", _points(program)),
+            Fact("Slack", _slack(program) if works else ""),
+            Fact("States", spelled),
+            Fact("Dissipated", amount(path.dissipated, "J", 3)),
+            Fact("Landings", landing_words(landings)),
+        ),
+        warnings=[degenerate(path.degenerate, chain)],
+        sections=(
+            Section("Path", [Picture("program", "The program, and the motion of the cells")]),
+            Section("Motion", [Motion(chain.title)]),
+            _turns(program),
+            event_section(chain, path.events, landings),
+            elsewhere_section(chain, path.events, landings),
+            Section("Method", [Text(program.reason, Level.CARD)]),
+            assumed(chain),
+        ),
+    )
+
+
+def _points(program: Program) -> str:
+    points, shape = program.turning_points, Shape.of(program.chain)
+    quantity = Quantity("", shape.drive)
+    shown = " → ".join(number(p * quantity.factor) for p in points[:LONGEST_IN_A_LINE])
+    left = len(points) - LONGEST_IN_A_LINE
+    return f"{shown} {quantity.sign}" + f" and {left} more" * (left > 0)
+
+
+def _slack(program: Program) -> str:
+    """How far every turn may be off; "" without turns."""
+    if not program.turns:
+        return ""
+    slack = amount(program.slack, program.chain.drive_unit, 3)
+    return f"every turn may be off by {slack} at once"
+
+
+def _turns(program: Program) -> Section:
+    # Where a turn can go back to is known of programs that were searched for.
+    known = any(turn.branch for turn in program.turns)
+    columns = turn_schema(Shape.of(program.chain).drive)
+
+    def rows() -> list[dict[str, Any]]:
+        return [{"turn": k} | record(columns, one) for k, one in enumerate(program.turns, 1)]
+
+    table = Table(
+        [Quantity("turn", head="turn"), *columns[: None if known else -1]],
+        rows,
+        "Anywhere in its tolerance interval each turn gives the same motion.",
+        more="turns",
+        level=Level.CARD,
+    )
+    return Section("Turns: anywhere in its window each does the same", [table])

@@ -1,0 +1,233 @@
+"""A run: what a design does in a full cycle, and how far it is from doing something else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from stepwell.accounts.account import Account, Fact, Level, Motion, Part, Picture, Section, Text
+from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
+from stepwell.accounts.changes import margin_schema, margin_section, margin_words, otherwise_words
+from stepwell.accounts.events import (
+    NOT_CHECKED,
+    elsewhere_section,
+    event_schema,
+    event_section,
+    landed,
+    landing_schema,
+    landing_words,
+)
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.tolerances import OUTCOMES, sample_words, yield_words
+from stepwell.accounts.words import (
+    LONGEST_IN_A_LINE,
+    LONGEST_SPELLED_OUT,
+    assumed,
+    cells_of,
+    degenerate,
+    listed,
+    tie_notes,
+)
+from stepwell.base import Quantity, Schema, in_measure, number, record
+from stepwell.mechanism import Chain
+from stepwell.sequences import Cycle, Pathway
+from stepwell.statics import EventKind, Path
+
+if TYPE_CHECKING:
+    from stepwell.design import Run
+
+KIND = "run/2"
+# A longer sequence is not read in a line.
+_MOST_LETTERS = 100
+
+
+def schema(shape: Shape) -> Schema:
+    """What is reported of a run."""
+    return (
+        Quantity("title", read="chain.title"),
+        Quantity("actuator", read="chain", holds=actuator_schema(shape)),
+        Quantity("cells", read=lambda run: named(run.chain), holds=[cell_schema(shape)]),
+        Quantity("sequence", read=lambda run: _spelled(run.cycle), missing=True),
+        Quantity("pathway", read="cycle.pathway", holds=Pathway, missing=True),
+        Quantity("loading_order", read="cycle.loading_order", holds=[int]),
+        Quantity("unloading_order", read="cycle.unloading_order", holds=[int]),
+        Quantity("events", read="cycle.events", holds=[event_schema(shape)]),
+        Quantity(
+            "landings",
+            read=lambda run: landed(run.landings, run.cycle.events),
+            holds=[landing_schema(shape)],
+            missing=True,
+        ),
+        *cycle_schema(shape, "cycle."),
+        Quantity("margin", holds=margin_schema(shape)),
+        Quantity("ties", read=lambda run: tie_notes(run.cycle.degenerate, run.chain), holds=[str]),
+    )
+
+
+def _spelled(cycle: Cycle) -> str | None:
+    return str(cycle.sequence) if len(cycle.chain) <= LONGEST_SPELLED_OUT else None
+
+
+def cycle_schema(shape: Shape, of: str = "") -> Schema:
+    """The numbers of a cycle; `of` is the attribute that has it, with a dot."""
+    schema = (
+        Quantity("dissipated", "mJ", read=f"{of}dissipated"),
+        Quantity("peak_force", "N", read=f"{of}peak_force"),
+        Quantity("full_stroke", "mm", read=f"{of}chain.full_stroke"),
+        # Ends of curves say little of how far a chain of elements is driven.
+        *([_points(shape, of)] if shape.elements else ()),
+    )
+    return in_measure(schema, shape.measure)
+
+
+def _points(shape: Shape, of: str) -> Quantity:
+    return Quantity(
+        "turning_points",
+        shape.drive,
+        read=f"{of}path.turning_points",
+        form=lambda points: " → ".join(map(number, points)),
+        holds=[float],
+    )
+
+
+def account(value: Run | Cycle | Path, about: About | None = None) -> Account:
+    """What is reported of a run; of a cycle or a path alone, what a notebook shows."""
+    if isinstance(value, Path):
+        return _path(value)
+    if isinstance(value, Cycle):
+        cycle = value
+        title = f"Cycle of {value.chain.title}" if value.chain.title else "Cycle"
+        return Account(
+            value,
+            title,
+            answer=_answer(cycle),
+            facts=_facts(cycle),
+            warnings=[degenerate(cycle.degenerate, cycle.chain)],
+            sections=[event_section(cycle.chain, cycle.events, None)],
+        )
+    return _run(value, about or About(value.chain))
+
+
+def _run(run: Run, about: About) -> Account:
+    cycle, margin, chain = run.cycle, run.margin, run.chain
+    origin = f"Design file {about.source}" if about.source else "A design made in Python"
+    landings = landing_words(run.landings)
+    tied = bool(cycle.degenerate)
+    return Account(
+        run,
+        chain.title or about.source or "Untitled chain",
+        KIND,
+        schema(Shape.of(chain)),
+        origin=f"{origin}. {cells_of(chain)}.",
+        answer=_answer(cycle),
+        about=about,
+        facts=(
+            *_facts(cycle),
+            Fact("Margin", margin_words(margin)),
+            Fact("Landings", landings),
+        ),
+        warnings=[degenerate(cycle.degenerate, chain)],
+        sections=(
+            event_section(chain, cycle.events, run.landings),
+            elsewhere_section(chain, cycle.events, run.landings),
+            cell_section(chain),
+            margin_section(
+                margin,
+                Text(otherwise_words(margin, tied=tied), Level.PAGE),
+                Picture("margins", "Distance of each parameter to another sequence"),
+                Picture("around", "Sequences around the most sensitive anchor"),
+            ),
+            _samples(run, tied),
+            Section("Motion", [Motion(chain.title, _NOT_PLAYED)]),
+            Section("Figures", _pictures(chain)),
+            assumed(chain),
+        ),
+        hints=[_CHECK] if landings == NOT_CHECKED else [],
+    )
+
+
+_NOT_PLAYED = "Not shown here: the command stepwell replay writes the motion as a page of its own."
+_CHECK = "--mobility-ratio 10 checks the landings for other mobilities."
+
+
+def _answer(cycle: Cycle) -> str:
+    sequence = cycle.sequence
+    if len(sequence) * len(cycle.chain) <= _MOST_LETTERS:
+        return str(sequence)
+    return f"{len(sequence)} states of {len(cycle.chain)} cells"
+
+
+def _facts(cycle: Cycle) -> list[Fact]:
+    chain = cycle.chain
+    schema = cycle_schema(Shape.of(chain))
+    found = record(schema, cycle)
+    lost, peak, full, *driven = (with_sign(q, found[q.key]) for q in schema)
+    snaps = sum(event.kind is EventKind.SNAP for event in cycle.events)
+    return [
+        Fact("Pathway", cycle.pathway.label if cycle.pathway is not None else ""),
+        Fact("Loading", _order(chain, cycle.loading_order)),
+        Fact("Unloading", _order(chain, cycle.unloading_order)),
+        Fact("Snaps", str(snaps)),
+        Fact(f"Peak {chain.measure.force}", peak),
+        Fact("Driven", "".join(driven)),
+        Fact(f"Full {chain.measure.stroke}", "" if driven else full, Level.CARD),
+        Fact("Dissipated", f"{lost} in a cycle"),
+    ]
+
+
+def _order(chain: Chain, cells: Sequence[int]) -> str:
+    return listed([chain.names[cell] for cell in cells])
+
+
+def _samples(run: Run, tied: bool) -> Section:
+    """How many samples reproduce the sequence: pages alone have it, for it takes a while."""
+
+    def parts() -> list[Part]:
+        from stepwell.design import judged
+
+        found = run.built
+        if found is None:
+            return [
+                Text("Not computed here: the command stepwell yield counts samples.", Level.PAGE)
+            ]
+        verdict = judged(does_it=True, tied=tied, interval=found.interval)
+        return [
+            Text(f"{verdict}: {yield_words(found)}, of {sample_words(found)}", Level.PAGE),
+            Picture("yield", OUTCOMES),
+            Text(found.assumptions, Level.PAGE),
+        ]
+
+    return Section("Yield within the usual tolerances", parts, Level.PAGE)
+
+
+def _pictures(chain: Chain) -> list[Part]:
+    measure = chain.measure
+    captions = {
+        "mechanism": "The mechanism in the states of its cycle",
+        "landscape": "The energy landscape and the path through it",
+        "force-stroke": f"Actuator {measure.force} against {measure.stroke}",
+        "travel-stroke": f"{measure.travel.capitalize()} of each cell against {measure.stroke}",
+        "element-curves": f"{measure.force.capitalize()} of each element and its phases",
+    }
+    return [Picture(name, caption) for name, caption in captions.items()]
+
+
+def _path(path: Path) -> Account:
+    chain = path.chain
+    points = _points(Shape.of(chain), "")
+    turns = [number(point * points.factor) for point in path.turning_points]
+    lost, peak, *_ = cycle_schema(Shape.of(chain))
+    found = record((lost, peak), path)
+    return Account(
+        path,
+        f"Path of {chain.title}" if chain.title else "Path",
+        answer=f"{' → '.join(turns[:LONGEST_IN_A_LINE])}"
+        f"{' → …' * (len(turns) > LONGEST_IN_A_LINE)} {points.sign}",
+        facts=[
+            Fact("Dissipated", with_sign(lost, found[lost.key])),
+            Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
+        ],
+        warnings=[degenerate(path.degenerate, chain)],
+        sections=[event_section(chain, path.events, None)],
+    )
