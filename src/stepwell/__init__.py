@@ -9,7 +9,6 @@ if TYPE_CHECKING:
         base,
         cards,
         concave,
-        elements,
         figures,
         files,
         lab,
@@ -51,7 +50,18 @@ if TYPE_CHECKING:
         presets,
         save,
     )
-    from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Linear, Load, Phase, Table
+    from stepwell.mechanism import (
+        Band,
+        Cell,
+        Chain,
+        Cubic,
+        Element,
+        Linear,
+        Load,
+        Phase,
+        Table,
+        elements,
+    )
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
@@ -102,6 +112,7 @@ _DOORS = {
     "bar": "base",
     "boundaries": "design",
     "check": "design",
+    "elements": "mechanism",
     "load": "files",
     "load_arena": "files",
     "load_chain": "files",
@@ -123,7 +134,7 @@ _DOORS = {
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
 # and commands are nobody's to call.
 _ROOMS = (
-    *("atlas", "base", "cards", "concave", "design", "elements", "figures", "files", "lab"),
+    *("atlas", "base", "cards", "concave", "design", "figures", "files", "lab"),
     *("mechanism", "paper", "reports", "results", "robot", "sequences", "simulation", "statics"),
     *("studies", "studio"),
 )

@@ -17,7 +17,7 @@ END = "<!-- end of rooms -->"
 # What a visitor comes for, and the rooms that answer: storeys of one colour (Okabe and Ito 2008).
 STOREYS = {
     "the ground": ("#999999", ("crash", "base", "kernels")),
-    "what will it do?": ("#0072b2", ("mechanism", "elements", "concave", "statics", "sequences")),
+    "what will it do?": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
     "where do the bands go?": ("#009e73", ("design",)),
     "will the real one?": ("#cc79a7", ("lab",)),
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),

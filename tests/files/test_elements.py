@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stepwell.base import InputError, Measure
-from stepwell.elements import LIBRARY
 from stepwell.files import DesignError, dumps, load, loads, loads_program, preset, save
 from stepwell.files.schema import field_of, written
 from stepwell.files.schema.chain import TABLES
-from stepwell.mechanism import Band, Cell, Chain, Element
+from stepwell.mechanism import LIBRARY, Band, Cell, Chain, Element
 from stepwell.robot import Leg
 
 TRAVEL, FORCE = [0, 1e-3, 3e-3, 5e-3], [0, 1, -1, 1.5]

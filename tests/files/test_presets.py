@@ -4,9 +4,8 @@ import re
 
 import pytest
 
-from stepwell.elements import LIBRARY
 from stepwell.files import DesignError, dumps, loads, preset, preset_text, presets
-from stepwell.mechanism import Cell
+from stepwell.mechanism import LIBRARY, Cell
 from stepwell.sequences import Pathway
 
 NAMES = tuple(presets())

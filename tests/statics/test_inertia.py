@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
-from stepwell.elements import balloon, trilinear
-from stepwell.mechanism import mobilities_of
+from stepwell.mechanism import balloon, mobilities_of, trilinear
 from stepwell.statics import InertialLanding, StaticsError
 
 STOPPED = sw.Element.from_points(

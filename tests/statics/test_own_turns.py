@@ -8,7 +8,7 @@ import pytest
 import stepwell as sw
 from sizes import examples
 from statics.open_cells import any_open, happened
-from stepwell.elements import trilinear
+from stepwell.mechanism import trilinear
 
 
 @pytest.mark.parametrize("stiffness", [math.inf, 0.0, 1e-3, 100.0, 1e6])

@@ -9,7 +9,7 @@ import pytest
 import stepwell as sw
 from sizes import examples
 from statics.open_cells import any_open, happened
-from stepwell.elements import trilinear
+from stepwell.mechanism import trilinear
 
 NEUTRAL = ((0.0, 0.004, 0.014, 0.018), (0.0, 0.6, -0.4, 0.8))  # falls with 100 N/m
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.elements import LIBRARY
 from stepwell.files import DesignError, loads_tables, preset_text, presets, tables_in
 from stepwell.files.tables import known_keys, new_cells
-from stepwell.mechanism import Element
+from stepwell.mechanism import LIBRARY, Element
 from stepwell.studio.answering import answered
 from stepwell.studio.wire import Message
 from stepwell.studio.wire.message import unpacked

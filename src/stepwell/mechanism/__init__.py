@@ -3,26 +3,20 @@
 # pyright: reportUnusedImport=false
 
 from stepwell.mechanism import sizes
-from stepwell.mechanism.band import Band
+from stepwell.mechanism.band import Band, Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.cubics import cubic, through, value
-from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
+from stepwell.mechanism.element import Element
 from stepwell.mechanism.elements import (
-    ABOVE,
-    BELOW,
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    LOW,
-    MOBILITIES,
-    Element,
-    Phase,
-    Sheet,
-    Stretch,
-    mobilities_of,
-    phase_at,
+    LIBRARY,
+    LibraryEntry,
+    balloon,
+    curved_beam,
+    dome,
+    kresling,
+    trilinear,
+    von_mises_truss,
 )
 from stepwell.mechanism.geometry import (
     band_direction,
@@ -59,9 +53,25 @@ from stepwell.mechanism.law import (
     stored,
     summed,
 )
+from stepwell.mechanism.phase import (
+    ABOVE,
+    BELOW,
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    LOW,
+    MOBILITIES,
+    Phase,
+    Sheet,
+    Stretch,
+    mobilities_of,
+    phase_at,
+)
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [
+    "LIBRARY",
     "LIMITS_DEG",
     "SOFTEST",
     "STIFFEST",
@@ -71,6 +81,7 @@ __all__ = [
     "Cubic",
     "Element",
     "Law",
+    "LibraryEntry",
     "Linear",
     "Load",
     "Phase",
@@ -78,5 +89,11 @@ __all__ = [
     "Slip",
     "SlipError",
     "Table",
+    "balloon",
+    "curved_beam",
+    "dome",
+    "kresling",
     "slips",
+    "trilinear",
+    "von_mises_truss",
 ]

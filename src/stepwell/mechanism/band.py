@@ -1,15 +1,159 @@
-"""A rubber band between the two blocks of a unit cell."""
+"""Rubber bands between the blocks of a unit cell, their laws, and loads along a cell's travel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Floats, InputError, Vec2, check
-from stepwell.mechanism.cubics import integral, value
-from stepwell.mechanism.curves import Law, Linear, Table
+from stepwell.kernels import kernel
+from stepwell.mechanism.cubics import COLUMNS, integral, value, with_integrals
 from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slope
+
+_HOOKE = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+_HOOKE.setflags(write=False)
+
+
+@kernel
+def hooke(stiffness: Any, extension: Any) -> tuple[Any, Any, Any]:
+    """Tension k e of a linear band that is taut, its slope k, and the energy k e²/2 it stores."""
+    energy = band_energy(0.5 * stiffness * extension, extension)
+    return stiffness * extension, stiffness, energy
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linear(ByValue):
+    """Hooke's law: tension is stiffness times extension (Kamp et al. 2024, Eq. 1)."""
+
+    def pieces(self) -> Floats:
+        """The shape φ(e) = e as one cubic piece, (1, 6) float."""
+        return _HOOKE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cubic(ByValue):
+    """Rubber that softens and stiffens: tension k (e + a2 e² + a3 e³).
+
+    Args:
+        a2: quadratic coefficient [1/m].
+        a3: cubic coefficient [1/m²].
+
+    Raises:
+        ValueError: a coefficient is not finite.
+    """
+
+    a2: float
+    a3: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "a2", check.finite("a2", self.a2, "1/m"))
+        object.__setattr__(self, "a3", check.finite("a3", self.a3, "1/m²"))
+
+    def pieces(self) -> Floats:
+        """The shape φ(e) = e + a2 e² + a3 e³ as one cubic piece, (1, 6) float."""
+        return np.array([[0.0, 0.0, 1.0, self.a2, self.a3, 0.0]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table(ByValue):
+    """A measured law: tension k φ(e), with φ through the given points, smooth between.
+
+    The interpolation is PCHIP (Fritsch & Butland 1984): no overshoot, continuous slope. Past
+    the last point the curve goes on straight.
+
+    Args:
+        extension: (n,) rising [m], the first one 0, n >= 2.
+        shape: (n,) φ at those extensions [m], the first one 0; tension divided by stiffness.
+
+    Raises:
+        ValueError: extensions that do not rise, other than 0 first, a band that pushes, or
+            unequal lengths.
+    """
+
+    extension: tuple[float, ...]
+    shape: tuple[float, ...]
+
+    def __post_init__(self):
+        extension = check.rising("extension", self.extension, "m", 2)
+        shape = check.as_many("shape", self.shape, "m", "extension", len(extension))
+        if extension[0] != 0 or shape[0] != 0:
+            raise InputError(
+                f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
+                f"carries nothing at its rest length."
+            )
+        check.pulls("shape", shape, "m")
+        object.__setattr__(self, "extension", extension)
+        object.__setattr__(self, "shape", shape)
+
+    def pieces(self) -> Floats:
+        """The shape φ(e) as cubic pieces, (n, 6) float."""
+        return _smooth(self.extension, self.shape)
+
+
+Law = Linear | Cubic | Table
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Load(ByValue):
+    """A force on one cell that depends on its travel only, such as the weight of a foot.
+
+    Positive resists travel. Between the points the force is straight, outside constant.
+
+    Args:
+        travel: (n,) rising [m], n >= 1.
+        force: (n,) [N].
+
+    Raises:
+        ValueError: travels that do not rise, or unequal lengths.
+    """
+
+    travel: tuple[float, ...]
+    force: tuple[float, ...]
+
+    def __post_init__(self):
+        travel = check.rising("travel", self.travel, "m", 1)
+        force = check.as_many("force", self.force, "N", "travel", len(travel))
+        object.__setattr__(self, "travel", travel)
+        object.__setattr__(self, "force", force)
+
+    @classmethod
+    def constant(cls, force: float) -> "Load":
+        """The same force [N] at every travel."""
+        return cls((0.0,), (force,))
+
+    def pieces(self) -> Floats:
+        """Force against travel as (n + 1, 6) pieces, the integral counted from travel 0."""
+        return _straight(self.travel, self.force)
+
+
+@lru_cache(maxsize=256)
+def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
+    from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
+
+    cubic = PchipInterpolator(np.array(x), np.array(y)).c[::-1].T
+    end = cubic[-1] @ (np.array([0.0, 1.0, 2.0, 3.0]) * (x[-1] - x[-2]) ** np.array([0, 0, 1, 2]))
+    rows = np.zeros((len(x), COLUMNS))
+    rows[:, 0] = x
+    rows[:-1, 1:5] = cubic
+    rows[-1, 1:3] = y[-1], end
+    return with_integrals(rows)
+
+
+@lru_cache(maxsize=256)
+def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
+    rows = np.zeros((len(x) + 1, COLUMNS))
+    rows[0, 0] = min(x[0], 0.0) - 1.0
+    rows[0, 1] = y[0]
+    rows[1:, 0] = x
+    rows[1:, 1] = y
+    rows[1:-1, 2] = np.diff(y) / np.diff(x)
+    rows = with_integrals(rows)
+    rows[:, 5] -= integral(rows, np.zeros(1))[0]
+    rows.setflags(write=False)
+    return rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, Vec2, check, require
 from stepwell.mechanism import sizes
-from stepwell.mechanism.band import Band
+from stepwell.mechanism.band import Band, Load
 from stepwell.mechanism.cubics import integral, value
-from stepwell.mechanism.curves import Load
-from stepwell.mechanism.elements import Phase, Stretch, a_mobility
 from stepwell.mechanism.geometry import sine_at, travel_of
+from stepwell.mechanism.phase import Phase, Stretch, a_mobility
 from stepwell.mechanism.sizes import SlipError
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from stepwell.base import REACH, ByValue, Drawn, InputError, Measure, finite, require, short
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell
-from stepwell.mechanism.elements import Element, Phase, Stretch
+from stepwell.mechanism.element import Element
 from stepwell.mechanism.law import ends_of, packed
+from stepwell.mechanism.phase import Phase, Stretch
 from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:

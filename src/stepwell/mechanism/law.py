@@ -9,11 +9,20 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, leaf, record
-from stepwell.mechanism.band import Band
+from stepwell.mechanism.band import Band, Load
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
-from stepwell.mechanism.curves import Load
-from stepwell.mechanism.elements import (
+from stepwell.mechanism.element import Element
+from stepwell.mechanism.geometry import (
+    band_energy,
+    band_length,
+    force_slopes,
+    reach_slopes,
+    sine_at,
+    steepening,
+    travel_of,
+)
+from stepwell.mechanism.phase import (
     ABOVE,
     BELOW,
     CURVE_HIGH,
@@ -24,17 +33,7 @@ from stepwell.mechanism.elements import (
     ROWS,
     ROWS_END,
     SHEET_COLUMNS,
-    Element,
     before,
-)
-from stepwell.mechanism.geometry import (
-    band_energy,
-    band_length,
-    force_slopes,
-    reach_slopes,
-    sine_at,
-    steepening,
-    travel_of,
 )
 
 
@@ -65,7 +64,7 @@ class Sheets(NamedTuple):
 
     ends: Floats  # (N, 4) travels between which cell i stands, and between which it can go
     now: Ints  # (N,) which of all sheets cell i stands on
-    table: Floats  # (T, 9) see elements/sheet, in order of the cells
+    table: Floats  # (T, 9) see `Sheet`, in order of the cells
 
 
 # Columns of `ends`, after LOW and HIGH: where a cell can go no further, which an end that leads on

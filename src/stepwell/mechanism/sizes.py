@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell.base import InputError, Measure
-from stepwell.mechanism.curves import Cubic, Table
-from stepwell.mechanism.elements import Element
+from stepwell.mechanism.band import Cubic, Table
+from stepwell.mechanism.element import Element
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

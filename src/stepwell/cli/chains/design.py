@@ -422,7 +422,7 @@ def wish(text: str) -> dict[str, Any]:
 
 def elements_of(text: str) -> "tuple[Element, ...]":
     """An element of the library by its name, or the elements of a design file."""
-    from stepwell.elements import LIBRARY
+    from stepwell.mechanism import LIBRARY
 
     if text in LIBRARY:
         return (LIBRARY[text].make(name=text),)

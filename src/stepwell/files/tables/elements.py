@@ -11,10 +11,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from stepwell.base import Floats, InputError, Measure, told_in
-from stepwell.elements import LIBRARY
 from stepwell.files.schema import elements as schema, fields, si, written
 from stepwell.files.text import Written, array, inline, lines, parsed
-from stepwell.mechanism import Element, Sheet, value
+from stepwell.mechanism import LIBRARY, Element, Sheet, value
 
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
 _NEAR = 1e-9

@@ -9,7 +9,6 @@ from functools import cache
 from typing import Any, get_args
 
 from stepwell.base import Measure
-from stepwell.elements import LIBRARY
 from stepwell.files.schema import (
     UNITS,
     Within,
@@ -20,7 +19,7 @@ from stepwell.files.schema import (
     written,
 )
 from stepwell.files.tables.cells import merged
-from stepwell.mechanism import Band, Cell, Element
+from stepwell.mechanism import LIBRARY, Band, Cell, Element
 
 Table = Mapping[str, Any]
 Path = tuple[str | int, ...]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stepwell.elements import balloon
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, balloon
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.others.pairs import next_state
 from stepwell.sequences import TransitionGraph

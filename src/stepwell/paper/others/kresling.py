@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.elements import kresling
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, kresling
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.statics import drive_range
 

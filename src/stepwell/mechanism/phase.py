@@ -1,11 +1,85 @@
-"""A sheet: a stable stretch of an element's curve, on which force is one function of travel."""
+"""Where a cell can stand, its phases and sheets of its curve, and how fast it moves."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Floats, InputError, brief, check
 from stepwell.mechanism.cubics import COLUMNS, end_of, monotone
+
+# Least and largest mobility of a cell. Further apart than these a chain is two mechanisms, a fast
+# one and a slow one, and its flow behind a stiff spring comes to rest too slowly to be followed.
+MOBILITIES = 1e-2, 1e2
+
+
+class Mobile(Protocol):
+    """A cell of any kind."""
+
+    @property
+    def mobility(self) -> float:
+        """How fast it moves for a given force."""
+        ...
+
+
+def a_mobility(value: float) -> float:
+    """`value` as a float; raises ValueError unless it lies within MOBILITIES."""
+    number, (least, most) = check.finite("mobility", value, "1"), MOBILITIES
+    if not least <= number <= most:
+        raise InputError(
+            f"mobility = {number:g}: must be between {check.short(least)} and {check.short(most)}; "
+            f"only its ratio to that of the other cells counts."
+        )
+    return number
+
+
+def mobilities_of(cells: Iterable[Mobile]) -> Floats:
+    """(N,) mobilities of cells, the largest of them 1 [1]."""
+    own = np.array([cell.mobility for cell in cells])
+    return own / np.max(own)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Phase(ByValue):
+    """A connected stretch of a cell's travel that is stable under a prescribed force.
+
+    That is a stretch on which the force does not fall, stops included: the lever cells of Kamp et
+    al. 2024 have two, their stops. A digit of a state is the number of a phase.
+
+    Attributes:
+        sheet: which sheet of the cell's curve it lies on; 0 but for curves that fold back.
+        low, high: travels between which it lies [m]; infinite where the curve goes on for ever.
+        force_low, force_high: the cell leaves it downwards at a force below the one and upwards at
+            a force above the other [N]; infinite where it never does.
+    """
+
+    sheet: int
+    low: float
+    high: float
+    force_low: float
+    force_high: float
+
+    def __repr__(self):
+        return brief(self)
+
+
+# Where a phase lies: its sheet, and the travels between which [m].
+Stretch = tuple[int, float, float]
+
+
+def phase_at(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> str:
+    """The digit of the phase that holds a place [m], or - in transit between two.
+
+    Args:
+        stretches: where the phases of the cell lie, in their order.
+        sheet, travel: the place.
+    """
+    for digit, (own, low, high) in enumerate(stretches):
+        if own == sheet and low <= travel <= high:
+            return str(digit)
+    return "-"
+
 
 # Columns of a table of sheets: its ends; the same without what an open end goes on beyond the
 # curve; its rows; the sheets to which it leads from below and above, or -1; and the first sheet of

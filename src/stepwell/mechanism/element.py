@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
+from stepwell.mechanism import element_curves as build
 from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
-from stepwell.mechanism.elements import build
-from stepwell.mechanism.elements.beside import beside
-from stepwell.mechanism.elements.fold import folded
-from stepwell.mechanism.elements.mobility import a_mobility
-from stepwell.mechanism.elements.phase import Phase, Stretch
-from stepwell.mechanism.elements.sheet import Sheet
+from stepwell.mechanism.element_curves import beside, folded
+from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
 
 if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
+    from stepwell.mechanism.chain import Chain
+
 
 Stops = bool | tuple[bool, bool]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepwell.base import InputError
-from stepwell.elements import von_mises_truss
+from stepwell.mechanism import von_mises_truss
 
 WIDTH, HEIGHT, STIFFNESS = 0.030, 0.012, 2000.0
 

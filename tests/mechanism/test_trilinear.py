@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stepwell.base import InputError
-from stepwell.elements import trilinear
+from stepwell.mechanism import trilinear
 
 
 def test_its_branches_pass_its_corners_with_their_stiffness():

@@ -6,8 +6,7 @@ import re
 import pytest
 
 from stepwell import elements as library, files
-from stepwell.elements import LIBRARY
-from stepwell.mechanism import Chain, Element
+from stepwell.mechanism import LIBRARY, Chain, Element
 
 
 def test_every_element_of_the_library_is_in_its_table():

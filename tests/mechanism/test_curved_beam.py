@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from stepwell.base import InputError
-from stepwell.elements import curved_beam
-from stepwell.elements.curved_beam import beam_force, beam_kinks
+from stepwell.mechanism import curved_beam
+from stepwell.mechanism.elements import beam_force, beam_kinks
 
 
 def brute_force(depth: float, q: float, modes: int = 15) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 import pytest
 
 from stepwell.base import InputError
-from stepwell.elements import dome
+from stepwell.mechanism import dome
 
 
 def test_it_collapses_at_the_force_that_was_measured():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepwell.base import InputError, Measure
-from stepwell.elements import balloon
+from stepwell.mechanism import balloon
 
 RADIUS, THICKNESS, C1, C2 = 0.020, 0.0002, 150e3, 20e3
 UNSTRETCHED = 4 / 3 * math.pi * RADIUS**3

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stepwell.base import InputError
-from stepwell.elements import kresling
-from stepwell.elements.kresling import crease_lengths
+from stepwell.mechanism import kresling
+from stepwell.mechanism.elements import crease_lengths
 
 FOLDS = [(6, 0.030, 0.015, 0.040), (4, 0.025, 0.020, 0.030), (8, 0.040, 0.0, 0.050)]
 

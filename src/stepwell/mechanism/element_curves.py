@@ -1,0 +1,357 @@
+"""Curves of elements: from tables, points and laws, folded back in travel, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, Measure, check, require, told_in
+from stepwell.mechanism.cubics import (
+    Force,
+    along,
+    cubic,
+    cubic_area,
+    end_of,
+    integral,
+    monotone,
+    signs,
+    straight,
+    through,
+    value,
+    with_integrals,
+)
+from stepwell.mechanism.phase import Sheet
+
+if TYPE_CHECKING:
+    from stepwell.mechanism.element import Element
+
+
+_LEAST_POINTS = 3
+
+
+def points(
+    travel: Iterable[float], force: Iterable[float], measure: Measure
+) -> tuple[Floats, float]:
+    """Rows and end of straight lines between points."""
+    x, y = checked(travel, force, measure, 2)
+    return straight(x, y), float(x[-1])
+
+
+def table(
+    travel: Iterable[float], force: Iterable[float], noise: float | None, measure: Measure
+) -> tuple[Floats, float, float]:
+    """Rows and end of a smooth curve through points, and how far they lie from it at most."""
+    x, y = checked(travel, force, measure, _LEAST_POINTS)
+    if noise is None:
+        return through(x, y), float(x[-1]), 0.0
+    deviation = check.positive("noise", noise, measure.force_unit)
+    rows = _smoothed(x, y, deviation)
+    band = float(np.max(np.abs(y - value(rows, x))))
+    _refuse_noise(rows, float(x[-1]), deviation, measure)
+    return rows, float(x[-1]), band
+
+
+def law(
+    force: Force, low: float, high: float, kinks: Sequence[float], accuracy: float, measure: Measure
+) -> tuple[Floats, float]:
+    """Rows and end of a law between two travels."""
+    unit = measure.travel_unit
+    low, high = check.finite("low", low, unit), check.finite("high", high, unit)
+    if high <= low:
+        raise InputError(f"high = {high!r} {unit}: must be above low = {low!r} {unit}.")
+    if not 1e-13 <= accuracy <= 1e-2:
+        raise InputError(f"accuracy = {accuracy!r}: must be from 1e-13 to 0.01.")
+    return along(force, low, high, accuracy, kinks), high
+
+
+def checked(
+    travel: Iterable[float], force: Iterable[float], measure: Measure, least: int
+) -> tuple[Floats, Floats]:
+    """Points of a function, as arrays; raises ValueError where they are none."""
+    x, y = pairs(travel, force, measure, least)
+    steps = np.diff(x)
+    if np.any(steps <= 0.0):
+        unit, factor = told_in(measure.travel_unit)
+        at = int(np.argmax(steps <= 0.0))
+        back = "falls back" if steps[at] < 0 else "stays"
+        raise InputError(
+            f"travel[{at + 1}] = {x[at + 1] * factor:.6g} {unit} after {x[at] * factor:.6g} "
+            f"{unit}: {back}, so that force is no function of {measure.travel}. Sort the table "
+            f"and drop repeated rows; give loading or unloading alone, not both; or, if the curve "
+            f"truly folds back, use Element.from_curve."
+        )
+    return x, y
+
+
+def pairs(
+    travel: Iterable[float], force: Iterable[float], measure: Measure, least: int
+) -> tuple[Floats, Floats]:
+    """Points in any order, as arrays; raises ValueError where they are none or too few."""
+    x = np.array(
+        [check.finite(f"travel[{i}]", v, measure.travel_unit) for i, v in enumerate(travel)]
+    )
+    y = np.array(check.as_many("force", force, measure.force_unit, "travel", len(x)), float)
+    if len(x) < least:
+        raise InputError(
+            f"the table has {len(x)} points: must have {least} or more; a snap needs some on every "
+            f"side of it."
+        )
+    require("rows", len(x), "the table has")
+    if not np.any(y):
+        raise InputError("force is 0 everywhere: an element has a force that resists travel.")
+    return x, y
+
+
+def _smoothed(x: Floats, y: Floats, noise: float) -> Floats:
+    """The smoothest cubic spline that leaves as much scatter as the noise explains."""
+    from scipy.interpolate import PPoly, UnivariateSpline  # pyright: ignore[reportMissingTypeStubs]
+
+    if len(x) < 5:
+        raise InputError(
+            f"noise: the table has {len(x)} points: must have 5 or more to be smoothed; leave "
+            f"noise out to go through every point."
+        )
+    spline = UnivariateSpline(x, y, w=np.full(len(x), 1.0 / noise), k=3, s=len(x))
+    pieces = PPoly.from_spline(spline._eval_args)  # pyright: ignore[reportPrivateUsage, reportUnknownMemberType]
+    keep = np.diff(pieces.x) > 0.0
+    rows = np.zeros((int(np.sum(keep)), 6))
+    rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]
+    return with_integrals(rows)
+
+
+def _refuse_noise(rows: Floats, end: float, noise: float, measure: Measure) -> None:
+    """Raise ValueError where a snap of the curve is no larger than its noise."""
+    forces, rises = signs(monotone(rows, end), end)
+    # Forces where it turns, ends included; a fall between two of them is a snap.
+    turns = [0, *(k for k in range(1, len(rises)) if rises[k] != rises[k - 1]), len(rises)]
+    drops = [forces[a] - forces[b] for a, b in pairwise(turns)]
+    falls = [drop for drop in drops if drop > 0.0]
+    if falls and min(falls) < 2.0 * noise:
+        unit, factor = told_in(measure.force_unit)
+        raise InputError(
+            f"noise = {noise * factor:.4g} {unit}: a snap of the smoothed curve drops by "
+            f"{min(falls) * factor:.4g} {unit} only, less than twice that, so nothing tells it "
+            f"from noise. Average several recordings, or measure with less noise."
+        )
+
+
+def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) -> tuple[Sheet, ...]:
+    """The stable sheets of a curve that is given by points along its arc."""
+    x, y = pairs(travel, force, measure, 3)
+    _refuse_standing(x, measure)
+    heading = np.sign(np.diff(x)).astype(int)
+    folds = [0, *(np.flatnonzero(np.diff(heading)) + 1).tolist(), len(x) - 1]
+    stretches = list(pairwise(folds))
+    unstable, energy = 0, 0.0
+    found: list[tuple[bool, bool, Floats, float]] = []
+    for number, (a, b) in enumerate(stretches):
+        if number:
+            unstable += _turn(x, y, a)
+            if unstable < 0:
+                unit, factor = told_in(measure.travel_unit)
+                raise InputError(
+                    f"at travel {x[a] * factor:.6g} {unit} the curve folds counterclockwise (force "
+                    f"over {measure.travel}), which ends an instability that it never had: it "
+                    f"must begin at a stable end. Give the points from there on, along the arc."
+                )
+        way = slice(a, b + 1)
+        up = heading[a] > 0
+        s, f = (x[way], y[way]) if up else (x[way][::-1], y[way][::-1])
+        rows = through(s, f)
+        work = end_of(rows, float(s[-1]))[2]
+        # The energy goes on continuously along the arc, unstable stretches included.
+        begin = energy if up else energy - work
+        energy += work if up else -work
+        found.append((unstable == 0, up, with_integrals(rows, begin), float(s[-1])))
+    return _linked(found, measure)
+
+
+def _turn(x: Floats, y: Floats, at: int) -> int:
+    """+1 where the curve turns clockwise at a point, -1 where counterclockwise."""
+    (dx1, dy1), (dx2, dy2) = (
+        (x[at] - x[at - 1], y[at] - y[at - 1]),
+        (
+            x[at + 1] - x[at],
+            y[at + 1] - y[at],
+        ),
+    )
+    return 1 if dx1 * dy2 - dy1 * dx2 < 0.0 else -1
+
+
+def _linked(
+    stretches: list[tuple[bool, bool, Floats, float]], measure: Measure
+) -> tuple[Sheet, ...]:
+    numbers = np.cumsum([stable for stable, *_ in stretches]) - 1
+    sheets: list[Sheet] = []
+    for k, (stable, up, rows, end) in enumerate(stretches):
+        if not stable:
+            continue
+        begin = float(rows[0, 0])
+        after = _landing(stretches, k, +1, end if up else begin, measure)
+        before = _landing(stretches, k, -1, begin if up else end, measure)
+        above, below = (after, before) if up else (before, after)
+        sheets.append(
+            Sheet.of(
+                rows,
+                end,
+                None if below is None else int(numbers[below]),
+                None if above is None else int(numbers[above]),
+            )
+        )
+    return tuple(sheets)
+
+
+def _landing(
+    stretches: list[tuple[bool, bool, Floats, float]],
+    k: int,
+    step: int,
+    at: float,
+    measure: Measure,
+) -> int | None:
+    """The next stable stretch along the arc that holds this travel; None at the curve's end."""
+    if not 0 <= k + step < len(stretches):
+        return None
+    here = float(integral(stretches[k][2], np.array(at)))
+    j = k + step
+    while 0 <= j < len(stretches):
+        stable, _, rows, end = stretches[j]
+        if stable and rows[0, 0] <= at <= end and float(integral(rows, np.array(at))) < here:
+            return j
+        j += step
+    unit, factor = told_in(measure.travel_unit)
+    raise InputError(
+        f"at travel {at * factor:.6g} {unit} a stable stretch of the curve ends, and no stable one "
+        f"of less energy that follows along the arc holds that travel: there is nowhere to land. "
+        f"Give the curve further, and its unstable stretches too."
+    )
+
+
+def _refuse_standing(x: Floats, measure: Measure) -> None:
+    still = np.flatnonzero(np.diff(x) == 0.0)
+    if len(still):
+        unit, factor = told_in(measure.travel_unit)
+        at = int(still[0])
+        raise InputError(
+            f"travel[{at + 1}] = {x[at + 1] * factor:.6g} {unit}, as the point before: "
+            f"neighbouring points of a curve must differ in travel; where it is upright "
+            f"leave one out."
+        )
+
+
+Place = tuple[int, ...]
+
+
+def beside(elements: Sequence[Element]) -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
+    """Sheets, stops and friction of elements that share one travel."""
+    _refuse_unlike(elements)
+    reach = 2.0 * max(element.largest_force for element in elements)
+    curves = [_curves(element, reach) for element in elements]
+    start: Place = (0,) * len(elements)
+    found: dict[Place, tuple[Floats, float, Place | None, Place | None]] = {}
+    waiting, stops = [start], [False, False]
+    while waiting:
+        place = waiting.pop()
+        if place in found:
+            continue
+        require("branches", len(found), "side by side the elements have")
+        parts = [curve[sheet] for curve, sheet in zip(curves, place, strict=True)]
+        low, below = _end(place, parts, 0, stops)
+        high, above = _end(place, parts, 1, stops)
+        if not low < high:
+            unit, factor = told_in(elements[0].measure.travel_unit)
+            raise InputError(
+                f"elements share no travel where they should stand side by side: one begins at "
+                f"{low * factor:.6g} {unit}, where another has ended at {high * factor:.6g} {unit}."
+            )
+        found[place] = _sum([part[0] for part in parts], low, high), high, below, above
+        waiting += [other for other in (below, above) if other is not None]
+    number = {place: k for k, place in enumerate(sorted(found))}
+    sheets = [
+        Sheet.of(
+            rows,
+            end,
+            None if below is None else number[below],
+            None if above is None else number[above],
+        )
+        for _, (rows, end, below, above) in sorted(found.items())
+    ]
+    return tuple(sheets), (stops[0], stops[1]), sum(element.friction for element in elements)
+
+
+# Rows, the ends, whether the curve goes on there, whether it is stopped, and where it leads.
+_Part = tuple[Floats, tuple[float, float], tuple[bool, bool], tuple[int | None, int | None]]
+
+
+def _curves(element: Element, reach: float) -> list[_Part]:
+    stopped = element.stopped
+    parts: list[_Part] = []
+    for sheet in element.laws:
+        rows = sheet.extended(element.goes_on(sheet), -reach)
+        goes_on = (
+            sheet.below is None and not stopped[0],
+            sheet.above is None and not stopped[1],
+        )
+        parts.append((rows, (sheet.begin, sheet.end), goes_on, (sheet.below, sheet.above)))
+    return parts
+
+
+def _end(
+    place: Place, parts: list[_Part], side: int, stops: list[bool]
+) -> tuple[float, Place | None]:
+    """Where a common stretch ends on one side, and where it leads from there."""
+    inwards = max if side == 0 else min
+    bound = [k for k, part in enumerate(parts) if not part[2][side]]
+    if not bound:
+        outwards = min if side == 0 else max
+        return outwards(part[1][side] for part in parts), None
+    at = inwards(parts[k][1][side] for k in bound)
+    ends = [k for k in bound if parts[k][1][side] == at]
+    folds = [k for k in ends if parts[k][3][side] is not None]
+    if len(folds) < len(ends):
+        stops[side] = True
+        return at, None
+    if len(folds) > 1:
+        raise InputError(
+            f"elements {folds[0] + 1} and {folds[1] + 1} fold back at the same travel, so nothing "
+            f"tells which jumps first: move one of them a little."
+        )
+    leads = parts[folds[0]][3][side]
+    assert leads is not None
+    return at, (*place[: folds[0]], leads, *place[folds[0] + 1 :])
+
+
+def _sum(curves: list[Floats], low: float, high: float) -> Floats:
+    """Rows of the sum of curves between two travels."""
+    joints = np.unique(np.concatenate([curve[:, 0] for curve in curves]))
+    near = 1e-9 * (high - low)
+    inside = joints[(joints > low + near) & (joints < high - near)]
+    kept = [low]
+    for joint in inside.tolist():
+        if joint - kept[-1] > near:
+            kept.append(joint)
+    rows = np.zeros((len(kept), 6))
+    rows[:, 0] = kept
+    middles = 0.5 * (rows[:, 0] + np.append(rows[1:, 0], high))
+    for curve in curves:
+        at = np.clip(np.searchsorted(curve[:, 0], middles, side="right") - 1, 0, len(curve) - 1)
+        x = rows[:, 0] - curve[at, 0]
+        c0, c1, c2, c3 = (curve[at, j] for j in range(1, 5))
+        value, slope, bend = cubic(x, c0, c1, c2, c3)
+        area = cubic_area(x, c0, c1, c2, c3, curve[at, 5])
+        rows[:, 1:] += np.column_stack([value, slope, bend / 2.0, c3, area])
+    return rows
+
+
+def _refuse_unlike(elements: Sequence[Element]) -> None:
+    if len(elements) < 2:
+        raise InputError(f"elements: {len(elements)} given: side by side there are two or more.")
+    first = elements[0].measure
+    for k, element in enumerate(elements):
+        if element.measure is not first:
+            raise InputError(
+                f"elements[{k}] has {element.measure.travel} and {element.measure.force}, the "
+                f"first has {first.travel} and {first.force}: side by side all share one travel."
+            )
