@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.statics import StaticsError
-from stepwell.statics.following import GAVE_UP, NOT_SETTLED, STALLED
+from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, STALLED
 from stepwell.statics.outcome import refuse_failure
 
 LEVER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))

@@ -10,12 +10,10 @@ import pytest
 import stepwell as sw
 from chains import any_cell, concave_cell
 from stepwell import elements
-from stepwell.statics.landings import corners_of, factors_of, snaps_of
-from stepwell.statics.landings.enclosure import enclosed
-from stepwell.statics.landings.energy import energy_holds
-from stepwell.statics.landings.sampling import land_all
-from stepwell.statics.landings.start import Snap
-from stepwell.statics.problem import problem_of
+from stepwell.statics.landings.proofs import enclosed, energy_holds
+from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
+from stepwell.statics.landings.start import Snap, snaps_of
+from stepwell.statics.places import problem_of
 
 KINDS = ["concave", "any", "elements"]
 

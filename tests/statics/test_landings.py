@@ -10,8 +10,10 @@ from scipy.stats import binom
 import stepwell as sw
 from chains import any_cell, any_chain, contest
 from sizes import examples
-from stepwell.statics.following import COARSE
-from stepwell.statics.landings import corners_of, factors_of, goes_one_way, land_all, snaps_of
+from stepwell.statics.following.snap import COARSE
+from stepwell.statics.landings.proofs import goes_one_way
+from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
+from stepwell.statics.landings.start import snaps_of
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 # Its last snap leaves the inner cell or the outer one in transit: whichever is quicker to go.

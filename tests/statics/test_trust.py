@@ -19,7 +19,7 @@ from stepwell.statics import run
 from stepwell.statics.following import certificate as _certificate, log as logged
 from stepwell.statics.following.pieces import find_piece, invert_near
 from stepwell.statics.following.smooth import BLUNT
-from stepwell.statics.problem import problem_of
+from stepwell.statics.places import problem_of
 from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))

@@ -39,13 +39,20 @@ from stepwell.statics.batch import (
     stacked,
 )
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
-from stepwell.statics.following import Problem
+from stepwell.statics.following.state import Problem
 from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
-from stepwell.statics.problem import drive_weights, problem_of
+from stepwell.statics.places import (
+    Configuration,
+    drive_range,
+    drive_weights,
+    problem_of,
+    read_state,
+    standing,
+    travel_in,
+)
 from stepwell.statics.run import full_cycle, path
 
 __all__ = [

@@ -30,38 +30,36 @@ from stepwell.mechanism import (
     packed,
     summed,
 )
-from stepwell.statics.following import (
-    DONE,
-    FREE,
-    KEPT,
+from stepwell.statics.following import log as logged
+from stepwell.statics.following.branch import inverse_slope
+from stepwell.statics.following.certificate import KEPT, audit
+from stepwell.statics.following.follow import follow
+from stepwell.statics.following.pieces import (
     Pieces,
-    Problem,
-    Rising,
     Room,
-    Segment,
-    Spare,
-    State,
-    audit,
-    blank_state,
     cut_into,
-    follow,
     force_scale,
-    held_range,
-    hold,
-    inverse_slope,
-    log as logged,
-    no_rising,
-    no_segment,
     resting_piece,
     room_for,
     room_of_pieces,
-    spare_room,
     stand_all_on,
     travel_between,
 )
-from stepwell.statics.problem import drive_weights
+from stepwell.statics.following.rising import Rising, no_rising
+from stepwell.statics.following.series import Segment, no_segment
+from stepwell.statics.following.state import (
+    DONE,
+    FREE,
+    Problem,
+    Spare,
+    State,
+    blank_state,
+    held_range,
+    hold,
+    spare_room,
+)
+from stepwell.statics.places import EPSILON, drive_weights
 from stepwell.statics.sorted_cycle import WORTH_SORTING
-from stepwell.statics.start import EPSILON
 
 # Columns of what is known of a cell of a design.
 LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY = range(5)

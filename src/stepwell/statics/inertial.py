@@ -11,8 +11,12 @@ import numpy as np
 from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, check
 from stepwell.mechanism import Chain
 from stepwell.statics.events import Event
-from stepwell.statics.following import Problem, sheets_of, stand_all_on
-from stepwell.statics.inertia import (
+from stepwell.statics.following.pieces import sheets_of, stand_all_on
+from stepwell.statics.following.state import Problem
+from stepwell.statics.landed import Place, same_place, state_of
+from stepwell.statics.landings.start import Snap
+from stepwell.statics.outcome import StaticsError
+from stepwell.statics.ride import (
     DAMPED,
     GOES_ON,
     JUMPED,
@@ -26,9 +30,6 @@ from stepwell.statics.inertia import (
     Motion,
     ride,
 )
-from stepwell.statics.landed import Place, same_place, state_of
-from stepwell.statics.landings import Snap
-from stepwell.statics.outcome import StaticsError
 
 # The push on the leader that sets it off, as a share of the largest force.
 _PUSH = 1e-7

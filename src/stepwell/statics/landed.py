@@ -13,23 +13,13 @@ from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, perce
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
-from stepwell.statics.following import (
-    COARSE,
-    Problem,
-    find_piece,
-    log as logged,
-    stand_all_on,
-)
-from stepwell.statics.landings import (
-    Snap,
-    corners_of,
-    enclosed,
-    energy_holds,
-    factors_of,
-    goes_one_way,
-    land_all,
-    snaps_of,
-)
+from stepwell.statics.following import log as logged
+from stepwell.statics.following.pieces import find_piece, stand_all_on
+from stepwell.statics.following.snap import COARSE
+from stepwell.statics.following.state import Problem
+from stepwell.statics.landings.proofs import enclosed, energy_holds, goes_one_way
+from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
+from stepwell.statics.landings.start import Snap, snaps_of
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6

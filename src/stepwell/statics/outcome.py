@@ -8,16 +8,8 @@ import numpy as np
 
 from stepwell.base import Floats, StepwellError, told_in
 from stepwell.mechanism import Cell, Chain, Element
-from stepwell.statics.following import (
-    ENERGY,
-    EQUILIBRIUM,
-    GAVE_UP,
-    NOT_SETTLED,
-    RUNS_AWAY,
-    STABILITY,
-    STALLED,
-    STROKE,
-)
+from stepwell.statics.following.certificate import ENERGY, EQUILIBRIUM, STABILITY, STROKE
+from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, RUNS_AWAY, STALLED
 
 
 class StaticsError(StepwellError, RuntimeError):

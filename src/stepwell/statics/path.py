@@ -29,23 +29,29 @@ from stepwell.base import (
 )
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain
-from stepwell.statics.events import Event, EventKind, Segment, Tie
-from stepwell.statics.following import (
+from stepwell.statics.events import (
+    Event,
+    EventKind,
+    Segment,
+    Tie,
+    events_of,
+    phase_changes,
+    segments_of,
+)
+from stepwell.statics.following import log as logged
+from stepwell.statics.following.certificate import (
     EQUILIBRIUM,
     FORCE_SLACK,
-    Problem,
     Samples,
     count_samples,
-    log as logged,
     sample,
 )
+from stepwell.statics.following.state import Problem
 from stepwell.statics.inertial import InertialLanding, inertial_landing
 from stepwell.statics.landed import Landing, landings
-from stepwell.statics.landings import snaps_of
+from stepwell.statics.landings.start import snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
-from stepwell.statics.places import Configuration
-from stepwell.statics.problem import drive_weights, problem_of
-from stepwell.statics.reading import events_of, phase_changes, segments_of
+from stepwell.statics.places import Configuration, drive_weights, problem_of
 
 if TYPE_CHECKING:
     import xarray

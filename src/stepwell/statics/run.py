@@ -9,31 +9,32 @@ import numpy as np
 from stepwell.base import Floats, InputError, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
-from stepwell.statics.following import (
+from stepwell.statics.following import log as logged
+from stepwell.statics.following.certificate import KEPT, audit
+from stepwell.statics.following.follow import follow
+from stepwell.statics.following.pieces import stand_all_on
+from stepwell.statics.following.rising import Rising, no_rising
+from stepwell.statics.following.series import Segment, no_segment
+from stepwell.statics.following.state import (
     DONE,
     GAVE_UP,
-    KEPT,
     LOG_FULL,
     STALLED,
     TRIGGER,
     Problem,
-    Rising,
-    Segment,
     State,
-    audit,
     drive_of,
-    follow,
-    log as logged,
-    no_rising,
-    no_segment,
-    stand_all_on,
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
 from stepwell.statics.path import Path
-from stepwell.statics.places import Configuration, full_range
-from stepwell.statics.problem import problem_of
+from stepwell.statics.places import (
+    Configuration,
+    full_range,
+    problem_of,
+    starting_configuration,
+    starting_state,
+)
 from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
-from stepwell.statics.start import starting_configuration, starting_state
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000

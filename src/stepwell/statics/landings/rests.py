@@ -12,7 +12,8 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import law
-from stepwell.statics.following import Problem, find_piece, invert
+from stepwell.statics.following.pieces import find_piece, invert
+from stepwell.statics.following.state import Problem
 from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
 from stepwell.statics.landings.start import Start
 

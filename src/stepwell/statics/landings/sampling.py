@@ -6,19 +6,10 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel, watched
-from stepwell.statics.following import (
-    FINE,
-    GOES,
-    GOES_ON,
-    LOST,
-    SENSE,
-    TRIGGER,
-    Problem,
-    State,
-    choose,
-    sheets_of,
-    snap,
-)
+from stepwell.statics.following.pieces import sheets_of
+from stepwell.statics.following.smooth import LOST, choose
+from stepwell.statics.following.snap import FINE, snap
+from stepwell.statics.following.state import GOES, GOES_ON, SENSE, TRIGGER, Problem, State
 from stepwell.statics.landings.start import Start, room_for, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.

@@ -8,20 +8,18 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import BEFORE, BEYOND
-from stepwell.statics.following import (
+from stepwell.statics.following import log as logged
+from stepwell.statics.following.pieces import find_piece, resting_piece, stand_all_on
+from stepwell.statics.following.state import (
     DUE,
     FREE,
     SLIDES,
     Problem,
     State,
     blank_state,
-    find_piece,
     hold,
-    log as logged,
     moved,
-    resting_piece,
     set_snap,
-    stand_all_on,
 )
 
 

@@ -11,13 +11,15 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.statics.following import Problem
-from stepwell.statics.landings.purse import energy_at, energy_slack, least_energy
+from stepwell.statics.following.state import Problem
 from stepwell.statics.landings.room import (
     CLOSE_FORCE,
     Room,
+    energy_at,
+    energy_slack,
     force_at,
     forces_within,
+    least_energy,
 )
 from stepwell.statics.landings.start import Start
 

@@ -20,9 +20,20 @@ from stepwell.mechanism import (
     stored,
     summed,
 )
-from stepwell.statics.following import Problem, stand_on
-from stepwell.statics.inertia.contact import blow, kinetic, rates, taut
-from stepwell.statics.inertia.step import COLUMNS, Leg, look, solve, stride, tensions
+from stepwell.statics.following.pieces import stand_on
+from stepwell.statics.following.state import Problem
+from stepwell.statics.inertia import (
+    COLUMNS,
+    Leg,
+    blow,
+    kinetic,
+    look,
+    rates,
+    solve,
+    stride,
+    taut,
+    tensions,
+)
 
 # How a ride ended, or that there is more of it.
 GOES_ON, RESTS, STUCK = 0, 1, 2

@@ -1,0 +1,167 @@
+"""Proofs that a snap lands in one place: by freedom, by energy, by enclosing all its ways."""
+
+import numpy as np
+
+from stepwell.base import Floats
+from stepwell.kernels import UNLIMITED, entry, kernel
+from stepwell.statics.following.landing import LANDED, STOPPED
+from stepwell.statics.following.pieces import stand_all_on
+from stepwell.statics.following.snap import along_line
+from stepwell.statics.following.state import Problem, State
+from stepwell.statics.landings.rests import places_of_rest
+from stepwell.statics.landings.room import Room, energy_of, leads_on, narrow, room_of, whole_room
+from stepwell.statics.landings.start import Start, room_for, stand_before
+from stepwell.statics.landings.ways import boxes_of, grid_of, keeps_off
+
+# Landings this share of the travel apart are one.
+_ALIKE = 1e-9
+
+
+def goes_one_way(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
+    """Whether a snap runs along one line to its landing for all mobilities within a ratio.
+
+    Args:
+        problem: the chain.
+        start: where the snap begins.
+        landing: (N,) travels where it lands [m].
+        ratio: of the fastest to the slowest beside the given ones, >= 1.
+    """
+    own = problem._replace(mobility=problem.mobility.copy(), effort=np.array([0, UNLIMITED]))
+    return _goes_one_way(own, start, room_for(len(landing)), landing, ratio)
+
+
+@entry()
+def _goes_one_way(
+    problem: Problem, start: Start, state: State, landing: Floats, ratio: float
+) -> bool:
+    """The same, with room for a state and with mobilities to be written to.
+
+    Under a force no cell feels another one, so nothing hangs on mobilities. A cell behind a spring
+    and a pair at a fixed stroke go one way, and λ decides whether another cell joins: behind a
+    spring it is what the spring says; at a fixed stroke it lies between what one of the pair pulls
+    and what the other resists, the nearer to the one the more mobile that one is. So it is enough
+    to look at the leader `ratio` times faster and `ratio` times slower: in between λ is in between.
+    """
+    if problem.alpha == 0.0:
+        return True
+    given, full = problem.mobility[start.leader], problem.laws.full
+    rubbed = np.zeros(len(landing))
+    for times in (ratio, 1.0 / ratio):
+        problem.mobility[start.leader] = given * times
+        stand_before(problem, start, state)
+        outcome, close = along_line(problem, state, start.direction, rubbed)
+        if close or (outcome != LANDED and outcome != STOPPED):
+            return False
+        for i in range(len(landing)):
+            if abs(state.travel[i] - landing[i]) > _ALIKE * full[i]:
+                return False
+    return True
+
+
+# A landing is the same within this share of the travels.
+SAME = 1e-6
+# A place known no better than this may store more than its middle does.
+_KNOWN = 1e-7
+_MOST_PLACES = 64
+# So many cells may move: of more, a grid would be too coarse to tell anything.
+MOST_MOVING = 10
+# Boxes of the grids, one after the other.
+_COARSE, _FINE = 1500, 6000
+
+
+@kernel
+def lands_only_at(
+    problem: Problem, start: Start, room: Room, landing: Floats, ratio: float
+) -> bool:
+    """Whether of all places of rest in a room the landing alone is reached.
+
+    For all mobilities within `ratio`; inf asks for energy alone.
+    """
+    laws, n = problem.laws, len(landing)
+    places = np.empty((_MOST_PLACES, 2, n))
+    found = places_of_rest(problem, room, start, places)
+    here, others = False, 0
+    for c in range(found):
+        low, high = places[c, 0], places[c, 1]
+        same, known = True, True
+        for i in range(n):
+            near = SAME * laws.full[i]
+            same = same and low[i] >= landing[i] - near and high[i] <= landing[i] + near
+            known = known and high[i] - low[i] <= _KNOWN * laws.full[i]
+        if same:
+            here = True
+            continue
+        if known:
+            # Where there is more energy than at the start the chain does not come.
+            more = 10.0 * _KNOWN * problem.scale * np.max(laws.full)
+            if energy_of(problem, start, 0.5 * (low + high)) > more:
+                continue
+        places[others] = places[c]
+        others += 1
+    if found < 0 or not here:
+        return False
+    if others == 0:
+        return True
+    for most in (_COARSE, _FINE):
+        grid = grid_of(problem, room, start, most)
+        if boxes_of(grid) > 4 * most:
+            continue
+        if keeps_off(problem, room, start, grid, places[:others], ratio):
+            return True
+    return False
+
+
+@entry(0.3, "problem.mobility")
+def energy_holds(problem: Problem, start: Start, landing: Floats) -> bool:
+    """Whether the energy at the start suffices for no other place of rest than `landing`.
+
+    Then the snap lands there for all mobilities, and with any masses and dampers.
+
+    Args:
+        problem: the chain and its actuator.
+        start: where the snap begins, at rest.
+        landing: (N,) travels where it landed [m], on the sheets of the start.
+
+    Returns:
+        True where it is proved; False where it is not, which says nothing.
+    """
+    if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
+        return False
+    stand_all_on(problem.laws, problem.sheets, problem.pieces, start.sheet)
+    room = whole_room(problem, start)
+    # Each time with shorter steps, as the room is smaller.
+    for _ in range(3):
+        narrow(problem, start, room)
+    if leads_on(problem, room):
+        return False
+    return lands_only_at(problem, start, room, landing, np.inf)
+
+
+@entry(0.3, "problem.mobility")
+def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
+    """Whether the snap lands at `landing` for all mobilities m_i x_i with max x / min x <= ratio.
+
+    Args:
+        problem: the chain and its actuator, with the given mobilities m.
+        start: where the snap begins.
+        landing: (N,) travels where it landed [m], on the sheets of the start.
+        ratio: of the fastest to the slowest factor, >= 1.
+
+    Returns:
+        True where it is proved; False where it is not, which says nothing.
+    """
+    laws = problem.laws
+    if problem.alpha == 0.0:
+        # Under a force no cell feels another one: nothing is to be enclosed.
+        return False
+    stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
+    room = room_of(problem, start, whole_room(problem, start))
+    for _ in range(2):
+        moving = np.flatnonzero(room.high > room.low)
+        if not 0 < len(moving) <= MOST_MOVING or np.max(laws.friction[moving]) > 0.0:
+            return False
+        narrow(problem, start, room)
+        room = room_of(problem, start, room)
+    if leads_on(problem, room):
+        return False
+    return lands_only_at(problem, start, room, landing, ratio)
