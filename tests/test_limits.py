@@ -24,7 +24,7 @@ from stepwell.figures.graphs.transition_graph import MOST_STATES
 from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
 from stepwell.robot import Arena, Body, Cylinder, Wall
-from stepwell.sequences.programs.plan import _MOST_BRANCHES
+from stepwell.sequences.planning import _MOST_BRANCHES
 from stepwell.simulation.runs.video import VideoError
 
 CHAIN = preset_text("paper-forward")

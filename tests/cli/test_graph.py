@@ -6,7 +6,7 @@ import networkx as nx
 import pytest
 
 import stepwell as sw
-from stepwell.sequences.graphs.exchange import from_json
+from stepwell.sequences.exchange import from_json
 
 
 def test_it_prints_the_reading_of_the_graph(stepwell):

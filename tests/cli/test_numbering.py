@@ -7,7 +7,7 @@ import pytest
 import stepwell as sw
 from stepwell.design import parameter, parameters
 from stepwell.files import DesignError, dumps, loads, preset_text
-from stepwell.sequences.memory.scrambling import Scrambling
+from stepwell.sequences.memory import Scrambling
 
 
 @pytest.mark.parametrize(("number", "name"), [("1", "inner"), ("2", "outer")])

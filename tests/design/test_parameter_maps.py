@@ -18,7 +18,7 @@ from stepwell.design import (
     parameter_map,
 )
 from stepwell.design.parameters.parameter import parameter, parameters
-from stepwell.sequences.cycles.batch import snapping_steps
+from stepwell.sequences.cycles import snapping_steps
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:

@@ -12,7 +12,7 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
 from stepwell.mechanism import SOFTEST, STIFFEST
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
+from stepwell.sequences.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

@@ -10,7 +10,7 @@ from chains import any_chain
 from stepwell import elements
 from stepwell.design.parameters import parameters
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, cycles_of
-from stepwell.sequences.cycles.batch import snapping_steps
+from stepwell.sequences.cycles import snapping_steps
 from stepwell.statics import LOST, PEAK, SNAPS, STROKE_DOWN, STROKE_UP, nominal, stacked
 from stepwell.statics.batch import STEPS_DOWN, STEPS_UP
 

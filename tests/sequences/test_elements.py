@@ -14,10 +14,10 @@ from equilibria import Curve, landed, places
 from sizes import examples
 from stepwell.base import Measure
 from stepwell.concave import relays
-from stepwell.sequences import ProgramMethod, Unreachable
-from stepwell.sequences.branches.branches import Branches
+from stepwell.sequences import ProgramMethod, Unreachable, planning as plan
+from stepwell.sequences.branches import Branches
 from stepwell.sequences.cycles import sequence_of
-from stepwell.sequences.graphs.exchange import (
+from stepwell.sequences.exchange import (
     from_dot,
     from_graphml,
     from_json,
@@ -25,12 +25,11 @@ from stepwell.sequences.graphs.exchange import (
     to_graphml,
     to_json,
 )
-from stepwell.sequences.graphs.fields import from_switching_fields, preisach, switching_fields
-from stepwell.sequences.graphs.mesostates import Routes, atlas
-from stepwell.sequences.graphs.node import TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, _assembled, graph
-from stepwell.sequences.programs import plan
-from stepwell.sequences.programs.plan import _by_fields
+from stepwell.sequences.fields import from_switching_fields, preisach, switching_fields
+from stepwell.sequences.mesostates import Routes, atlas
+from stepwell.sequences.nodes import TransitionKind
+from stepwell.sequences.planning import _by_fields
+from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
 
 WAYS = [(to_json, from_json), (to_graphml, from_graphml), (to_dot, from_dot)]
 

@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings, strategies as st
 import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
-from stepwell.sequences.graphs.exchange import (
+from stepwell.sequences.exchange import (
     from_dot,
     from_graphml,
     from_json,
@@ -21,8 +21,8 @@ from stepwell.sequences.graphs.exchange import (
     to_graphml,
     to_json,
 )
-from stepwell.sequences.graphs.fields import from_switching_fields, switching_fields
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
+from stepwell.sequences.fields import from_switching_fields, switching_fields
+from stepwell.sequences.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

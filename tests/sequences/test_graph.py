@@ -14,11 +14,11 @@ from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import relays
-from stepwell.sequences.branches.branches import Branches
-from stepwell.sequences.branches.relays import order_kept
-from stepwell.sequences.graphs.fields import from_switching_fields, preisach
-from stepwell.sequences.graphs.node import Node, TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, _assembled, graph
+from stepwell.sequences.branches import Branches
+from stepwell.sequences.fields import from_switching_fields, preisach
+from stepwell.sequences.nodes import Node, TransitionKind
+from stepwell.sequences.passages import order_kept
+from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

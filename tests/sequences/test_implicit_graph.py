@@ -13,7 +13,7 @@ from chains import any_chain, concave_cell, concave_chain
 from sizes import examples
 from stepwell.concave import relays
 from stepwell.sequences import ImplicitGraph, TransitionGraph
-from stepwell.sequences.graphs.implicit_graph import shown_count
+from stepwell.sequences.implicit import shown_count
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -343,7 +343,7 @@ def test_what_it_says_names_what_it_cannot_count():
 
 
 def test_it_follows_no_branch_that_is_not_asked_for(monkeypatch):
-    from stepwell.sequences.branches import branches
+    from stepwell.sequences import branches
 
     runs = []
     kept = branches.path

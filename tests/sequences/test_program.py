@@ -14,10 +14,10 @@ from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.sequences import Unreachable, graph
-from stepwell.sequences.branches.branches import Branches, reach
-from stepwell.sequences.branches.relays import order_kept
-from stepwell.sequences.cycles.cycle import sequence_of
-from stepwell.sequences.programs.plan import _by_fields
+from stepwell.sequences.branches import Branches, reach
+from stepwell.sequences.cycles import sequence_of
+from stepwell.sequences.passages import order_kept
+from stepwell.sequences.planning import _by_fields
 from stepwell.statics import StaticsError
 
 

@@ -12,12 +12,12 @@ from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import relays
-from stepwell.sequences.cycles.cycle import sequence_of
-from stepwell.sequences.graphs.fields import from_switching_fields
-from stepwell.sequences.graphs.mesostates import Routes, atlas
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
-from stepwell.sequences.memory import counting as counting_module, reading as reading_module
-from stepwell.sequences.memory.reading import read_memory
+from stepwell.sequences import counting as counting_module, reading as reading_module
+from stepwell.sequences.cycles import sequence_of
+from stepwell.sequences.fields import from_switching_fields
+from stepwell.sequences.mesostates import Routes, atlas
+from stepwell.sequences.reading import read_memory
+from stepwell.sequences.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

@@ -54,7 +54,7 @@ def test_cells_that_share_the_motion_take_no_named_pathway():
 
 
 def test_a_path_that_starts_between_the_stops_begins_with_its_first_vertex():
-    from stepwell.sequences.cycles.cycle import sequence_of
+    from stepwell.sequences.cycles import sequence_of
 
     chain = pair(20, 0)
     assert str(sequence_of(chain.path([0.005, 0.040], start=[0.005, 0.0]))) == "10>11"

@@ -3,44 +3,36 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.sequences.branches import element_of
-from stepwell.sequences.cycles import IMPOSSIBLE, UNSOLVED, Cycle, Cycles, Pathway, cycle, cycles_of
+from stepwell.sequences.branches import Branches, checked_state, element_of
+from stepwell.sequences.cycles import (
+    IMPOSSIBLE,
+    UNSOLVED,
+    Cycle,
+    Cycles,
+    Pathway,
+    Sequence,
+    cycle,
+    cycles_of,
+)
+from stepwell.sequences.planning import program
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable, turn_schema
 
-from stepwell.sequences.programs import program  # isort: skip - after the module of that name
-from stepwell.sequences.cycles import Sequence
-
 if TYPE_CHECKING:
-    from stepwell.sequences.graphs import (
-        ImplicitGraph,
-        Node,
-        Step,
-        Transition,
-        TransitionGraph,
-        TransitionKind,
-        Walked,
+    from stepwell.sequences.counting import Accumulator, Counting
+    from stepwell.sequences.exchange import (
         from_dot,
         from_graphml,
         from_json,
-        from_switching_fields,
-        graph,
-        implicit_graph,
-        switching_fields,
         to_dot,
         to_graphml,
         to_json,
     )
-    from stepwell.sequences.memory import (
-        Accumulator,
-        Counting,
-        Forgetting,
-        Latch,
-        Loop,
-        MemoryReading,
-        ReturnPointMemory,
-        Scrambling,
-        read_memory,
-    )
+    from stepwell.sequences.fields import from_switching_fields, switching_fields
+    from stepwell.sequences.implicit import ImplicitGraph, Step, Walked, implicit_graph
+    from stepwell.sequences.memory import Forgetting, Latch, Loop, ReturnPointMemory, Scrambling
+    from stepwell.sequences.nodes import Node, Transition, TransitionKind
+    from stepwell.sequences.reading import MemoryReading, read_memory
+    from stepwell.sequences.transition_graph import TransitionGraph, graph
 
 __all__ = [
     "Accumulator",
@@ -85,11 +77,38 @@ __all__ = [
     "turn_schema",
 ]
 
+# networkx opens with the first graph, not with the first cycle.
+_LATE = {
+    "Accumulator": "counting",
+    "Counting": "counting",
+    "Forgetting": "memory",
+    "ImplicitGraph": "implicit",
+    "Latch": "memory",
+    "Loop": "memory",
+    "MemoryReading": "reading",
+    "Node": "nodes",
+    "ReturnPointMemory": "memory",
+    "Scrambling": "memory",
+    "Step": "implicit",
+    "Transition": "nodes",
+    "TransitionGraph": "transition_graph",
+    "TransitionKind": "nodes",
+    "Walked": "implicit",
+    "from_dot": "exchange",
+    "from_graphml": "exchange",
+    "from_json": "exchange",
+    "from_switching_fields": "fields",
+    "graph": "transition_graph",
+    "implicit_graph": "implicit",
+    "read_memory": "reading",
+    "switching_fields": "fields",
+    "to_dot": "exchange",
+    "to_graphml": "exchange",
+    "to_json": "exchange",
+}
+
 
 def __getattr__(name: str) -> Any:
-    # networkx opens with the first graph, not with the first cycle.
-    for folder in ("graphs", "memory") if name in __all__ else ():
-        offered = vars(import_module(f"stepwell.sequences.{folder}"))
-        if name in offered:
-            return offered[name]
+    if name in _LATE:
+        return getattr(import_module(f"stepwell.sequences.{_LATE[name]}"), name)
     raise AttributeError(f"module 'stepwell.sequences' has no attribute {name!r}")

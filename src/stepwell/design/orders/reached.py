@@ -9,8 +9,7 @@ from stepwell.base import ByValue
 from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders.orders import Orders, by_cells_at_1
 from stepwell.mechanism import Chain
-from stepwell.sequences import cycle
-from stepwell.sequences.branches import Branches
+from stepwell.sequences import Branches, cycle
 from stepwell.statics import Landing, StaticsError, Tie
 
 # The longest chain whose branches are all followed.

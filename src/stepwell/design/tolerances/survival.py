@@ -12,7 +12,7 @@ from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
-from stepwell.sequences.branches import checked_state
+from stepwell.sequences import checked_state
 from stepwell.statics import StaticsError, drive_range
 
 

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import InputError
-from stepwell.sequences.graphs import TransitionKind
+from stepwell.sequences import TransitionKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from stepwell.sequences.graphs import TransitionGraph
-    from stepwell.sequences.programs import Program
+    from stepwell.sequences import Program, TransitionGraph
 
 # Of the range of drives: closer ones are the same.
 _SLIP = 1e-9

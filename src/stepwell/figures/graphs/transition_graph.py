@@ -35,8 +35,7 @@ from stepwell.figures.graphs.graph_layout import DOT, Layout, head
 from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition, folded, followed
 
 if TYPE_CHECKING:
-    from stepwell.sequences.graphs import TransitionGraph
-    from stepwell.sequences.programs import Program
+    from stepwell.sequences import Program, TransitionGraph
 
 MOST_STATES = 64
 _DASHES = (3.0, 1.4)

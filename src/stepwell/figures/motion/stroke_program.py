@@ -42,7 +42,7 @@ from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, 
 from stepwell.figures.motion.travel_stroke import lanes, name_lane
 
 if TYPE_CHECKING:
-    from stepwell.sequences.programs import Program
+    from stepwell.sequences import Program
     from stepwell.statics import Path
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.sequences.branches import drive_slip
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.transition_graph import TransitionGraph
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import ByValue, Drawn
-from stepwell.sequences.graphs import Atlas, Routes, TransitionGraph, atlas, drives_text
-from stepwell.sequences.memory.counting import Counting, counting
-from stepwell.sequences.memory.latches import Latch, gardens, groups_of, latches
-from stepwell.sequences.memory.loops import Loop, loop_of, loop_pairs, main_loop
-from stepwell.sequences.memory.return_point import ReturnPointMemory, return_point_memory
-from stepwell.sequences.memory.scrambling import Scrambling, scrambling
+from stepwell.sequences.counting import Counting, counting
+from stepwell.sequences.exchange import drives_text
+from stepwell.sequences.memory import (
+    Latch,
+    Loop,
+    ReturnPointMemory,
+    Scrambling,
+    gardens,
+    groups_of,
+    latches,
+    loop_of,
+    loop_pairs,
+    main_loop,
+    return_point_memory,
+    scrambling,
+)
+from stepwell.sequences.mesostates import Atlas, Routes, atlas
+from stepwell.sequences.transition_graph import TransitionGraph
 
 # More loops than these are counted and not listed.
 MOST_LOOPS = 2000

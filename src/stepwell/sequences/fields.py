@@ -14,9 +14,8 @@ from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences.branches import Branches, checked_state
-from stepwell.sequences.graphs.node import Transition, TransitionKind
-from stepwell.sequences.graphs.nodes import Digits, StateNodes, States
-from stepwell.sequences.graphs.transition_graph import (
+from stepwell.sequences.nodes import Digits, StateNodes, States, Transition, TransitionKind
+from stepwell.sequences.transition_graph import (
     TransitionGraph,
     about,
     measure_of,

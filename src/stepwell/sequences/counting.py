@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import ByValue, Floats, Ints, number
-from stepwell.sequences.graphs import Atlas, Mesostates, Routes
+from stepwell.sequences.mesostates import Atlas, Mesostates, Routes
 
 # Numbers looked up in a search (extremes squared times branches): some seconds' worth.
 _BUDGET = 2e8

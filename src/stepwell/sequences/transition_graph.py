@@ -25,23 +25,15 @@ from stepwell.base import (
 )
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches import (
-    Branches,
-    Drive,
-    Section,
-    checked_state,
-    driven,
-    refuse_friction,
-    state_of,
-)
-from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
-from stepwell.sequences.graphs.nodes import HeldNodes, Nodes
+from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
+from stepwell.sequences.nodes import HeldNodes, Node, Nodes, Transition, TransitionKind
+from stepwell.sequences.passages import Section, state_of
 from stepwell.statics import Segment, Tie
 
 if TYPE_CHECKING:
     import networkx as nx
 
-    from stepwell.sequences.memory import MemoryReading
+    from stepwell.sequences.reading import MemoryReading
 
 Numbers = NDArray[np.signedinteger[Any]]
 
@@ -137,7 +129,7 @@ class TransitionGraph(ByValue, Drawn):
     @cached_property
     def reading(self) -> MemoryReading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
-        from stepwell.sequences.memory import read_memory
+        from stepwell.sequences.reading import read_memory
 
         return read_memory(self)
 
@@ -274,7 +266,7 @@ def graph(
         alike = _as_cells(count) == len(chain)
         require_as_many(count, limit, f"the chain has{'' if alike else ' as many states as'}")
     if fields is not None and (start is None or is_counted(chain)):
-        from stepwell.sequences.graphs.fields import preisach
+        from stepwell.sequences.fields import preisach
 
         return preisach(chain, fields, start)
     states = [range(int(last) + 1) for last in chain.last_state]

@@ -1,32 +1,69 @@
-"""The branches that a chain without friction can stand on, found by driving it up and down.
-
-A *branch* is a stretch of stable equilibria along which the chain goes to and fro with the
-drive; at either end it snaps, or the drive ends. Turning back within a branch does nothing
-new. So whatever an actuator can do to the chain is known once the two ends of every branch
-are, and each costs one run of the engine.
-"""
+"""The branches that a chain can stand on, found by driving it; a chain as one element."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
-from stepwell.base import InputError, most, problem
-from stepwell.mechanism import Chain
-from stepwell.sequences.branches.passages import Passage, Section, passages_of, state_of
+import numpy as np
+
+from stepwell.base import Floats, InputError, amount, most, problem
+from stepwell.mechanism import Chain, Element, Sheet, through
+from stepwell.sequences.passages import Passage, Section, passages_of, state_of
 from stepwell.statics import (
     Configuration,
+    EventKind,
     Landing,
     Path,
     Problem,
     Segment,
+    SegmentKind,
     Tie,
     drive_range,
     path,
     problem_of,
+    read_state,
     standing,
 )
+
+Drive = str | float | None
+
+
+def driven(chain: Chain, drive: Drive) -> Chain:
+    """The chain with the actuator named by `drive`."""
+    if drive is None:
+        return chain
+    if isinstance(drive, str):
+        measure = chain.measure
+        known = {"stroke": math.inf, "force": 0.0, measure.stroke: math.inf, measure.force: 0.0}
+        if drive not in known:
+            raise InputError(
+                f"drive = {drive!r}: must be {measure.stroke!r}, {measure.force!r}, or the "
+                f"stiffness of the actuator [{measure.stiffness_unit}]."
+            )
+        return replace(chain, actuator_stiffness=known[drive])
+    return replace(chain, actuator_stiffness=drive)
+
+
+def refuse_friction(chain: Chain) -> None:
+    """Raise ValueError where a cell has friction."""
+    for name, cell in zip(chain.names, chain.cells, strict=True):
+        if cell.friction > 0:
+            friction = amount(cell.friction, chain.measure.force_unit)
+            raise InputError(
+                f"{name} has friction {friction}: a chain with friction stops wherever "
+                f"it is turned back, so it has no finite graph. Leave friction out to see the "
+                f"graph, and ask chain.program() for a program, which searches with friction."
+            )
+
+
+def checked_state(chain: Chain, name: str, state: str) -> str:
+    """The state, if the chain can have it; raises ValueError otherwise."""
+    read_state(chain, name, state)
+    return state
+
 
 # Two places are one when they differ by less than this share of what there is to travel.
 _SAME = 1e-7
@@ -288,3 +325,110 @@ class Branches:
                 begin = following.sections[0]
                 after = passage.snap, begin.place[0], begin.drive[0]
             self._passages.setdefault(key, (passage, after))
+
+
+def windows(
+    chain: Chain, start: str, turning_points: tuple[float, ...]
+) -> list[tuple[float, float]]:
+    """For every turning point but the first and the last, drives that do the same.
+
+    Turning anywhere after the snap before and ahead of the snap to come leads back along the
+    same branch. With friction it does not, and a turning point has no window.
+
+    Args:
+        chain: what is driven.
+        start: the state at the beginning.
+        turning_points: from the beginning to the end [m], or [N] under force control.
+    """
+    inner = turning_points[1:-1]
+    if any(cell.friction > 0 for cell in chain.cells):
+        return [(point, point) for point in inner]
+    begin: str | Configuration = start
+    limits = reach(chain)
+    found: list[tuple[float, float]] = []
+    for before, point in pairwise(turning_points[:-1]):
+        rises = point > before
+        end = max(point, limits[1]) if rises else min(point, limits[0])
+        whole = path(chain, [before, end], start=begin)
+        snaps = [event.drive for event in whole.events if event.kind is EventKind.SNAP]
+        done = [drive for drive in snaps if (drive <= point) == rises or drive == point]
+        ahead = [drive for drive in snaps if drive not in done]
+        last = done[-1] if done else before
+        next_ = ahead[0] if ahead else whole.turning_points[-1]
+        found.append((min(last, next_), max(last, next_)))
+        begin = path(chain, [before, point], start=begin).end_configuration
+    return found
+
+
+# Points on every section of a branch, closer towards its ends, where the force may turn sharply.
+_POINTS = 129
+# A force that rises at one travel, as where all cells stand at stops, gets so much of the whole
+# travel to rise in.
+_RAMP = 1e-6
+
+
+def element_of(chain: Chain, name: str = "") -> Element:
+    """A chain as one element. All else as for `Element.from_chain`."""
+    refuse_friction(chain)
+    branches = Branches(replace(chain, actuator_stiffness=math.inf))
+    place = branches.vertex(chain.first_state)
+    # In their first phases all cells can hold a force low enough.
+    assert place is not None
+    numbers = sorted(branches.all_from([branches.at(*place)]))
+    own = {number: k for k, number in enumerate(numbers)}
+    width = _RAMP * (branches.range[1] - branches.range[0])
+    sheets: list[Sheet] = []
+    for number in numbers:
+        leads = (branches.exit(number, direction) for direction in (-1, +1))
+        below, above = (None if one is None else own[one.branch] for one in leads)
+        u, force, energy = _curve(branches, number)
+        u = _ramped(u, width)
+        rows = through(u, force)
+        rows[:, 5] += energy
+        sheets.append(Sheet.of(rows, float(u[-1]), below, above))
+    stopped = all(all(cell.stopped) for cell in chain.cells)
+    return Element(tuple(sheets), stopped, name=name, measure=chain.measure)
+
+
+def _curve(branches: Branches, number: int) -> tuple[Floats, Floats, float]:
+    """Strokes and forces along a branch from its lower end up, and the energy where it begins."""
+    branch, chain = branches[number], branches.chain
+    dense = (1.0 - np.cos(np.linspace(0.0, np.pi, _POINTS))) / 2.0
+    grid = np.unique(
+        np.concatenate([a + (b - a) * dense for a, b in (s.drive for s in branch.sections)])
+    )
+    down = _points(chain, branch, [branch.drive, *grid[grid < branch.drive][::-1].tolist()])
+    up = _points(chain, branch, [branch.drive, *grid[grid > branch.drive].tolist()])
+    u, force = np.array([*reversed(down[0]), *up[0][1:]]).T
+    lowest = down[1]
+    energy = math.fsum(
+        float(cell.energy_at(s, sheet))
+        for cell, s, sheet in zip(chain.cells, lowest.travel, lowest.sheet, strict=True)
+    )
+    return u, force, energy
+
+
+def _points(
+    chain: Chain, branch: Branch, turns: list[float]
+) -> tuple[list[tuple[float, float]], Configuration]:
+    """(stroke, force) on the way through these strokes, up to a snap, and where it ends."""
+    found = path(chain, turns, start=branch.begin)
+    points, travels, sheets = [(turns[0], found.start_force)], [*found.start], [*found.start_sheet]
+    for segment in found.segments():
+        if segment.kind is SegmentKind.SNAP:
+            break
+        for cell, travel in zip(segment.cells, segment.after, strict=True):
+            travels[cell] = travel
+        point = segment.drive[1], segment.force[1]
+        if point != points[-1]:
+            points.append(point)
+    return points, Configuration(tuple(travels), tuple(sheets))
+
+
+def _ramped(u: Floats, width: float) -> Floats:
+    """The same strokes, each at least `width` from the one before."""
+    out = u.copy()
+    for k in range(1, len(out)):
+        out[k] = max(out[k], out[k - 1] + width)
+    # What that took is given back all along, so that the curve ends where it did.
+    return u[0] + (out - u[0]) * ((u[-1] - u[0]) / (out[-1] - u[0]))

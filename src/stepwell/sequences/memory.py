@@ -1,0 +1,465 @@
+"""What a graph remembers: hysteresis loops, ways of no return, return points, scrambling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import takewhile
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Bools, ByValue, Ints, number
+from stepwell.sequences.mesostates import Atlas, Mesostates, Routes
+from stepwell.sequences.nodes import Transition
+from stepwell.sequences.transition_graph import TransitionGraph
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop(ByValue):
+    """A pair of branches (μ, ν) such that the drive's rise leads from μ to ν and its fall back.
+
+    Going to and fro between `low` and `high` the chain goes round it for ever.
+
+    Attributes:
+        low, high: the least range of the drive that goes round it [m, or the graph's unit]: the
+            drives at which ν falls back to μ, and μ's rise arrives at ν.
+        up: labels of the nodes that the rise passes, from where the chain lands on μ to where it
+            lands on ν.
+        down: the same for the fall, from ν to μ.
+
+    Source: Mungan and Terzi 2019, "The structure of state transition graphs in systems with
+    return point memory: I. General theory", with branches for states.
+    """
+
+    low: float
+    high: float
+    up: tuple[str, ...]
+    down: tuple[str, ...]
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """Labels of those with every cell in a phase, each once, in the order of the visit."""
+        return tuple(dict.fromkeys(label for label in self.up + self.down if "-" not in label))
+
+    def __str__(self):
+        passed = [*self.up, *self.down[1:]]
+        ends = (0, len(self.up) - 1, len(passed) - 1)
+        return ">".join(v for k, v in enumerate(passed) if "-" not in v or k in ends)
+
+    def __repr__(self):
+        return f"Loop({self}, drive {number(self.low)} to {number(self.high)})"
+
+
+def main_loop(atlas: Atlas) -> Loop:
+    """From all cells at 0 up to where the drive ends, and back."""
+    nodes = atlas.graph.nodes
+    zero = nodes.find(atlas.graph.zero)
+    assert zero is not None
+    up = atlas.following(zero, +1)
+    down = atlas.following(up[-1], -1)
+    return _loop(atlas, up[0], up[-1], up, down)
+
+
+def loop_pairs(atlas: Atlas, among: Ints) -> Ints:
+    """(M, 2) all pairs (μ, ν) of these branches that make a loop, the main one left out."""
+    branches = atlas.mesostates
+    found = [np.empty((0, 2), int)]
+    low = np.array(among)
+    high = branches.rise[low]
+    while np.any(high >= 0):
+        low, high = low[high >= 0], high[high >= 0]
+        closed = branches.falls_to(high, low)
+        found.append(np.column_stack([low[closed], high[closed]]))
+        high = branches.rise[high]
+    pairs = np.concatenate(found)
+    main = (pairs[:, 0] == atlas.bottom) & (branches.rise[pairs[:, 1]] < 0)
+    pairs = pairs[~main]
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def loop_of(atlas: Atlas, low: int, high: int) -> Loop:
+    """The loop of a pair of branches."""
+    onto_high = _landing(atlas, low, high, +1)
+    onto_low = _landing(atlas, high, low, -1)
+    up = [*takewhile(lambda node: node != onto_high, atlas.following(onto_low, +1)), onto_high]
+    down = [*takewhile(lambda node: node != onto_low, atlas.following(onto_high, -1)), onto_low]
+    branch_of = atlas.branch_of
+    last_up = next(node for node in reversed(up) if branch_of[node] != high)
+    last_down = next(node for node in reversed(down) if branch_of[node] != low)
+    return _loop(atlas, last_down, last_up, up, down)
+
+
+def _loop(atlas: Atlas, low: int, high: int, up: list[int], down: list[int]) -> Loop:
+    """The loop between the drives at which two nodes end, through nodes on the way up and down."""
+    nodes = atlas.graph.nodes
+    ends = float(nodes.low[low]), float(nodes.high[high])
+    return Loop(*ends, tuple(map(nodes.label, up)), tuple(map(nodes.label, down)))
+
+
+def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> int:
+    """The node of a branch on which the chain lands, coming from another one."""
+    first = int(atlas.nodes_of(start)[-1 if direction > 0 else 0])
+    return next(v for v in atlas.following(first, direction) if atlas.branch_of[v] == goal)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Latch(ByValue):
+    """Nodes that lead to each other, and the ways out of them, from which none leads back.
+
+    Whatever can be reached from all cells at 0 can be brought back to it by letting the drive
+    down, so it holds no latch; one leaves a state that was set by hand. (An actuator that never
+    goes all the way down may latch more. That is read off the drives of the transitions.)
+
+    Attributes:
+        nodes: labels of those left for ever.
+        ways: (from, to, transition) for each way out.
+
+    Source: transitions between strongly connected components, Mungan et al. 2019, Phys. Rev. Lett.
+    123, 178002.
+    """
+
+    nodes: tuple[str, ...]
+    ways: tuple[tuple[str, str, Transition], ...]
+
+    def __repr__(self):
+        ways = ", ".join(f"{a}>{b}" for a, b, _ in self.ways)
+        return f"Latch({ways} for good)"
+
+
+def latches(graph: TransitionGraph, groups: Ints) -> tuple[Latch, ...]:
+    """All latches, one for each set of nodes that is left.
+
+    Args:
+        graph: what is read.
+        groups: of its nodes, by `groups_of`.
+    """
+    leaves = (graph.target >= 0) & (groups[graph.target] != groups)
+    ways: dict[int, list[tuple[str, str, Transition]]] = {}
+    # Of each node first where the rise leads, then the fall.
+    for node, row in np.argwhere(leaves.T[:, ::-1]).tolist():
+        at = 1 - row, node
+        a, b = graph.nodes.label(node), graph.nodes.label(int(graph.target[at]))
+        ways.setdefault(int(groups[node]), []).append((a, b, graph.ways[graph.number[at]]))
+    found = [
+        Latch(tuple(sorted(graph.nodes.labels(np.flatnonzero(groups == group)))), tuple(out))
+        for group, out in ways.items()
+    ]
+    return tuple(sorted(found, key=lambda latch: latch.nodes))
+
+
+def groups_of(graph: TransitionGraph) -> Ints:
+    """(R,) number of each node's strongly connected component: nodes that lead to each other."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    row, begin = np.nonzero(graph.target >= 0)
+    ends = begin, graph.target[row, begin]
+    size = len(graph)
+    leads = csr_array((np.ones(len(begin), np.int8), ends), (size, size))
+    return connected_components(leads, connection="strong")[1].astype(int)
+
+
+def gardens(graph: TransitionGraph, groups: Ints) -> tuple[str, ...]:
+    """Vertices to which no other vertex leads: alone in a component that nothing enters.
+
+    Behind a spring such a vertex may be returned to, from places that only it leads to.
+    """
+    into = (graph.target >= 0) & (groups[graph.target] != groups)
+    vertices = graph.nodes.vertices
+    alone = np.bincount(groups[vertices], minlength=len(graph)) == 1
+    alone[groups[graph.target[into]]] = False
+    return tuple(graph.nodes.labels(vertices[alone[groups[vertices]]]))
+
+
+# Of all failures this many are compared for the one that is reached most simply.
+_COMPARED = 200
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forgetting(ByValue):
+    """A turning point that the chain does not remember.
+
+    It stood at `first` when it got to `at`. The drive turned, went to `excursion` and came back,
+    and never passed `before`, where it had turned earlier; yet it stood at `later` then.
+
+    Attributes:
+        turns: all turning points from the drive's lower end, with all cells at 0; the last four
+            are before, at, excursion, at [m, or the graph's unit].
+        first, later: labels of the nodes.
+    """
+
+    turns: tuple[float, ...]
+    first: str
+    later: str
+
+    @property
+    def before(self) -> float:
+        """The earlier turning point: a minimum below `at`, or a maximum above it."""
+        return self.turns[-4]
+
+    @property
+    def at(self) -> float:
+        """The turning point that is forgotten."""
+        return self.turns[-1]
+
+    @property
+    def excursion(self) -> float:
+        """How far the drive went in between."""
+        return self.turns[-2]
+
+    def __repr__(self):
+        points = ", ".join(number(drive) for drive in self.turns)
+        return f"Forgetting({self.first}, later {self.later}, drive {points})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReturnPointMemory(ByValue):
+    """Whether the chain has return-point memory, as far as one actuator can bring it.
+
+    It has if for any drives u0 ≤ u' ≤ u: a chain that rises from u0 to u, falls to u' and
+    rises to u again is as it was when it first came to u, from wherever it stood at u0; and the
+    same for falling drives. Excursions within excursions then do nothing either, since the
+    innermost can be left out first.
+
+    Attributes:
+        witness: how it fails; None where it holds.
+
+    Source: Barker et al. 1983; Sethna et al. 1993, Phys. Rev. Lett. 70, 3347; Mungan and Terzi
+    2019 for graphs.
+    """
+
+    witness: Forgetting | None
+
+    @property
+    def holds(self) -> bool:
+        """Whether every turning point is remembered."""
+        return self.witness is None
+
+    def __repr__(self):
+        return "ReturnPointMemory(holds)" if self.holds else f"ReturnPointMemory({self.witness!r})"
+
+
+class _Lapse(NamedTuple):
+    """Branches of a failure, for a drive that may be mirrored.
+
+    The chain rises out of `left` into `first`, falls out of it as far as `turned`, which it
+    entered at the drive `entered`, and rises from there to `later`.
+    """
+
+    left: int
+    first: int
+    turned: int
+    entered: float
+    later: int
+
+
+def return_point_memory(atlas: Atlas, routes: Routes) -> ReturnPointMemory:
+    """Check every turn that can be made, on the branches and so exactly."""
+    for direction in (+1, -1):
+        branches = atlas.mesostates.toward(direction)
+        lapses = [x for x in _lapses(branches, routes) if not _alike(atlas, branches, x, direction)]
+        if lapses:
+            return ReturnPointMemory(_simplest(atlas, routes, branches, lapses, direction))
+    return ReturnPointMemory(None)
+
+
+def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
+    """Failures at a maximum.
+
+    The chain enters `first` where the branch before it ends, at e, and holds it for u from e on.
+    If it is back there at a u just above e, it is at any larger one. The excursion may go as far
+    down as the least end of all branches from which the rise leads there.
+    """
+    left = np.flatnonzero(routes.reached & (branches.rise >= 0))
+    first = branches.rise[left]
+    room = branches.high[first] - branches.high[left]
+    # A branch entered at its very end is left again at once.
+    left, first, room = left[room > 0], first[room > 0], room[room > 0]
+    just_above = branches.high[left] + np.minimum(branches.slip, room / 2)
+    least = _least_end(branches, routes)[left] + branches.slip
+    found: list[_Lapse] = []
+    rows, at = np.arange(len(left)), first
+    while True:
+        go = (branches.low[at] > least[rows]) & (branches.fall[at] >= 0)
+        if not np.any(go):
+            return found
+        rows, entered = rows[go], branches.low[at[go]]
+        at = branches.fall[at[go]]
+        later = branches.risen(at, just_above[rows])
+        for k in np.flatnonzero(later != first[rows]).tolist():
+            turned, drive, end = int(at[k]), float(entered[k]), int(later[k])
+            found.append(_Lapse(int(left[rows[k]]), int(first[rows[k]]), turned, drive, end))
+
+
+def _alike(atlas: Atlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
+    """Whether two branches meet in one vertex there: a tie sends what follows different ways."""
+    at = direction * _turning(branches, lapse)
+    first, later = (
+        atlas.graph.node(atlas.label_at(number, at)).state for number in (lapse.first, lapse.later)
+    )
+    return first == later and "-" not in first
+
+
+def _turning(branches: Mesostates, lapse: _Lapse) -> float:
+    """The middle of the drives at which the chain may stand on either branch."""
+    high = branches.high
+    return (float(high[lapse.left]) + float(min(high[lapse.first], high[lapse.later]))) / 2
+
+
+def _least_end(branches: Mesostates, routes: Routes) -> np.ndarray:
+    """(R,) the lowest lower end of the reached branches from which the rise leads to each."""
+    least = np.where(routes.reached, branches.low, np.inf)
+    rises = np.flatnonzero(routes.reached & (branches.rise >= 0))
+    for _ in range(len(branches)):
+        before = least.copy()
+        np.minimum.at(least, branches.rise[rises], least[rises])
+        if np.array_equal(least, before):
+            break
+    return least
+
+
+def _simplest(
+    atlas: Atlas, routes: Routes, branches: Mesostates, lapses: list[_Lapse], direction: int
+) -> Forgetting:
+    """The failure whose first turning point is reached with the fewest snaps."""
+    sources: dict[int, list[int]] = {}
+    for branch in np.flatnonzero(routes.reached).tolist():
+        sources.setdefault(int(branches.rise[branch]), []).append(branch)
+    begins: list[tuple[int, int, _Lapse]] = []
+    for lapse in lapses[:_COMPARED]:
+        waiting = [lapse.left]
+        while waiting:
+            number = waiting.pop()
+            waiting += sources.get(number, [])
+            if branches.low[number] < lapse.entered - branches.slip:
+                begins.append((int(routes.depth[number]), number, lapse))
+    _, start, lapse = min(begins)
+    low, high = branches.low, branches.high
+    before = float(low[start])
+    if branches.fall[start] >= 0:
+        # Well inside, so that no turning point is at an end.
+        before += (min(lapse.entered, float(high[start])) - before) / 4
+    excursion = (max(float(low[lapse.turned]), before) + lapse.entered) / 2
+    at = _turning(branches, lapse)
+    before, excursion, at = (direction * drive for drive in (before, excursion, at))
+    return Forgetting(
+        (*routes.turns(start, before), at, excursion, at),
+        atlas.label_at(lapse.first, at),
+        atlas.label_at(lapse.later, at),
+    )
+
+
+_BLOCK = 1 << 16  # vertices that are looked at together
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scrambling(ByValue):
+    """Two cells whose order depends on the state of the others.
+
+    Attributes:
+        cells: (i, j), indices in chain.cells; the text counts cells from 1.
+        direction: +1 where both have a phase to rise to and the drive rises, -1 where both have one
+            to fall to and it falls; with two phases each, both are at 0 or both at 1.
+        i_first, j_first: vertices from which i flips before j, and j before i.
+        reachable: whether both vertices can be reached from all cells at 0; if not, at least one
+            has to be set by hand.
+
+    Source: Bense and van Hecke 2021, PNAS 118, e2111436118; van Hecke 2021, Phys. Rev. E 104,
+    054608.
+    """
+
+    cells: tuple[int, int]
+    direction: int
+    i_first: str
+    j_first: str
+    reachable: bool
+
+    def __repr__(self):
+        way = "up" if self.direction > 0 else "down"
+        i, j = (cell + 1 for cell in self.cells)
+        return f"Scrambling({way}: cell {i} before {j} from {self.i_first}, not {self.j_first})"
+
+
+def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scrambling, ...]:
+    """Every scrambled pair of flips once, with states that can be reached if any are.
+
+    A vertex tells the order of what flips on the way to the next one, against everything that
+    could have and did not.
+
+    Args:
+        graph: what is read.
+        reached: numbers of the vertices that can be reached from all cells at 0.
+        others: of those that cannot.
+    """
+    vertices = np.concatenate([reached, others])
+    last = np.max(graph.nodes.phases(vertices), axis=0).astype(int)
+    # Flip m is that of cell[m] out of phase step[m], and of a falling drive back to it.
+    cell = np.repeat(np.arange(len(last)), last)
+    step = np.arange(len(cell)) - np.searchsorted(cell, cell)
+    found: list[Scrambling] = []
+    for direction in (+1, -1):
+        order = _Order(graph, cell, step, direction)
+        # before[i, j]: whether flip i is before flip j somewhere.
+        known = before = np.zeros((len(cell),) * 2, bool)
+        for part, more, reachable in ((reached, reached, True), (vertices, others, False)):
+            before = before | order.before(more)
+            scrambled = before & before.T & ~known
+            known = known | scrambled
+            for i, j in np.argwhere(np.triu(scrambled)).tolist():
+                i_first, j_first = (
+                    graph.nodes.label(order.example(part, *pair)) for pair in ((i, j), (j, i))
+                )
+                cells = int(cell[i]), int(cell[j])
+                found.append(Scrambling(cells, direction, i_first, j_first, reachable))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Order:
+    """Which flips are on the way from a vertex to the next, and which could be but wait.
+
+    Attributes:
+        graph: what is read.
+        cell, step: (M,) the flips.
+        direction: of the drive.
+    """
+
+    graph: TransitionGraph
+    cell: Ints
+    step: Ints
+    direction: int
+
+    def before(self, vertices: Ints) -> Bools:
+        """(M, M) whether flip i is on the way from one of these vertices while flip j waits."""
+        found = np.zeros((len(self.cell),) * 2, bool)
+        for begin in range(0, len(vertices), _BLOCK):
+            flips, waits = self._of(vertices[begin : begin + _BLOCK])
+            found |= flips.T.astype(np.float32) @ waits.astype(np.float32) > 0
+        return found
+
+    def example(self, vertices: Ints, i: int, j: int) -> int:
+        """The first of these vertices from which flip i is on the way while flip j waits."""
+        for begin in range(0, len(vertices), _BLOCK):
+            part = vertices[begin : begin + _BLOCK]
+            flips, waits = self._of(part)
+            if np.any(does := flips[:, i] & waits[:, j]):
+                return int(part[np.argmax(does)])
+        raise AssertionError("before() said that there is one")
+
+    def _of(self, vertices: Ints) -> tuple[Bools, Bools]:
+        """(V, M) for each flip, whether it is on the way, and whether it waits."""
+        leads, nodes = self.graph.target[int(self.direction > 0)], self.graph.nodes
+        is_vertex = np.zeros(len(nodes) + 1, bool)
+        is_vertex[nodes.vertices] = is_vertex[-1] = True
+        after = leads[vertices]
+        for _ in range(len(nodes)):
+            between = ~is_vertex[after]
+            if not np.any(between):
+                break
+            after = np.where(between, leads[after], after)
+        # With no vertex to come nothing flips.
+        after = np.where(after < 0, vertices, after)
+        here, there = (nodes.phases(one)[:, self.cell] for one in (vertices, after))
+        ready = here == (self.step if self.direction > 0 else self.step + 1)
+        flips = ready & ((there > self.step) if self.direction > 0 else (there <= self.step))
+        return flips, ready & ~flips
