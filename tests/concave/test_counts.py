@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from sizes import examples
-from stepwell.concave.counts import (
+from stepwell.concave.relays import (
     garden_states,
     ideals,
     levels,

@@ -7,7 +7,7 @@ import pytest
 
 from sizes import examples
 from stepwell.concave import Simple, end_force, end_forces, most_bend, slopes_by_sizes
-from stepwell.concave.ends import steepest
+from stepwell.concave.certificate import steepest
 
 
 def any_taut(rng: np.random.Generator) -> Simple:

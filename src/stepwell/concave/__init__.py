@@ -20,17 +20,6 @@ from stepwell.concave.certificate import (
     concave_box,
     concave_disc,
     concave_line,
-)
-from stepwell.concave.counts import (
-    garden_states,
-    ideals,
-    landings,
-    levels,
-    standing_states,
-    sub_loops,
-    switches,
-)
-from stepwell.concave.ends import (
     end_force,
     end_force_field,
     end_forces,
@@ -38,7 +27,18 @@ from stepwell.concave.ends import (
     slopes_by_sizes,
     steepest,
 )
-from stepwell.concave.relays import Relays, fewest_strokes, relays
+from stepwell.concave.relays import (
+    Relays,
+    fewest_strokes,
+    garden_states,
+    ideals,
+    landings,
+    levels,
+    relays,
+    standing_states,
+    sub_loops,
+    switches,
+)
 from stepwell.concave.samples import (
     ASK,
     DOES,

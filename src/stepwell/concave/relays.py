@@ -1,16 +1,282 @@
-"""Chains under a prescribed force seen as relays, each of which switches up at A and down at B."""
+"""Chains under a force seen as relays, each switching at A and B: their states, counted."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby, pairwise
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.concave.cell import Simple, simple
-from stepwell.concave.ends import proved_ends
+from stepwell.concave.certificate import proved_ends
 from stepwell.concave.sorting import TIED, one_travel
 from stepwell.mechanism import Chain, Element
+
+# By cell and phase: the lower and the upper end of the forces at which the phase holds [N].
+Windows = Sequence[Sequence[tuple[float, float]]]
+# The same ends as numbers in the order of all fields; what never ends has -1 or their count.
+Levels = list[list[tuple[int, int]]]
+
+
+def levels(windows: Windows, slip: float) -> Levels:
+    """The ends of windows as numbers in the order of all fields.
+
+    Upper ends that tie have one number, and so have lower ends. Whether a state stands hangs on an
+    upper and a lower end, and those are compared as they are.
+
+    Args:
+        windows: of every phase of every cell [N].
+        slip: ends no further apart than this tie [N].
+    """
+    low, high = (
+        _firsts({window[end] for cell in windows for window in cell}, slip) for end in (0, 1)
+    )
+    order = sorted(filter(math.isfinite, {*low.values(), *high.values()}))
+    number = {end: k for k, end in enumerate(order)} | {-math.inf: -1, math.inf: len(order)}
+    return [[(number[low[a]], number[high[b]]) for a, b in cell] for cell in windows]
+
+
+def _firsts(ends: set[float], slip: float) -> dict[float, float]:
+    """By end the first of those that it ties with."""
+    found: dict[float, float] = {}
+    first = -math.inf
+    for before, end in pairwise([-math.inf, *sorted(ends)]):
+        if not end - before <= slip:
+            first = end
+        found[end] = first
+    return found
+
+
+def standing_states(known: Levels) -> int:
+    """How many states stand: those in which one force keeps every cell in its phase.
+
+    Every state that stands does so from the largest lower end of its phases on, and is counted
+    there: of all states that stand at a field, those that stood before are none of them. What
+    stands at one field is a product over the cells.
+
+    Source: ours (theory page, "Transition graphs").
+    """
+    begins, ends = _by_level(known)
+    holding = _Product([sum(low < 0 for low, _ in cell) for cell in known])
+    found = holding.value
+    for begun, ended in zip(begins, ends, strict=True):
+        before = holding.value
+        for cell, _ in begun:
+            holding.change(cell, +1)
+        found += holding.value - before
+        for cell, _ in ended:
+            holding.change(cell, -1)
+    return found
+
+
+class _Product:
+    """A product of whole numbers, one a cell, that change one by one."""
+
+    def __init__(self, factors: list[int]):
+        self.factors = factors
+        self._nonzero = math.prod(filter(None, factors))
+        self._zeros = factors.count(0)
+
+    @property
+    def value(self) -> int:
+        """The product."""
+        return 0 if self._zeros else self._nonzero
+
+    def change(self, cell: int, by: int) -> None:
+        """Let the factor of a cell grow."""
+        old, new = self.factors[cell], self.factors[cell] + by
+        self._zeros += (new == 0) - (old == 0)
+        self._nonzero = self._nonzero // (old or 1) * (new or 1)
+        self.factors[cell] = new
+
+
+# Phases as (cell, phase), in a list for every level.
+_Phases = list[list[tuple[int, int]]]
+
+
+def _by_level(known: Levels) -> tuple[_Phases, _Phases]:
+    """The phases that begin at each level, and those that end there."""
+    count = 1 + max((end for cell in known for window in cell for end in window), default=-1)
+    begins: _Phases = [[] for _ in range(count)]
+    ends: _Phases = [[] for _ in range(count)]
+    for i, cell in enumerate(known):
+        for k, (low, high) in enumerate(cell):
+            if low >= 0:
+                begins[low].append((i, k))
+            if high < count:
+                ends[high].append((i, k))
+    return begins, ends
+
+
+def landings(cell: Sequence[tuple[int, int]], direction: int) -> dict[int, int]:
+    """Where a cell alone goes from each of its phases when the force passes the end of it.
+
+    Args:
+        cell: its windows, as levels.
+        direction: +1 where the force rises, -1 where it falls.
+
+    Returns:
+        By phase the next one that holds at this force; without those that never end.
+    """
+    found: dict[int, int] = {}
+    for phase, (low, high) in enumerate(cell):
+        rest = cell[phase + 1 :] if direction > 0 else cell[:phase][::-1]
+        for step, (least, most) in enumerate(rest, 1):
+            if most > high if direction > 0 else least < low:
+                found[phase] = phase + direction * step
+                break
+    return found
+
+
+def garden_states(known: Levels) -> int:
+    """How many states that stand no force brings relays to: the Garden of Eden.
+
+    They are those that no phase of theirs is entered in while they stand. From the force at which
+    a state begins to stand one goes up to where one of its phases is entered, or ends: each field
+    on the way leaves fewer states to look for.
+
+    Source: theory page, "Relays" (Garden of Eden).
+    """
+    begins, ends = _by_level(known)
+    count = len(begins)
+    risen: _Phases = [[] for _ in range(count)]
+    fallen: _Phases = [[] for _ in range(count)]
+    for i, cell in enumerate(known):
+        for phase, target in landings(cell, +1).items():
+            risen[cell[phase][1]].append((i, target))
+        for phase, target in landings(cell, -1).items():
+            fallen[cell[phase][0]].append((i, target))
+
+    def without_entry(start: int, first: int) -> int:
+        """States of phases that begin at `start` or before and hold at `first`, from there on."""
+        gone: set[tuple[int, int]] = set()
+        left: dict[int, int] = {}
+        all_left = holding.value
+
+        def lose(phases: Iterable[tuple[int, int]]) -> None:
+            nonlocal all_left
+            for i, k in phases:
+                low, high = known[i][k]
+                if low <= start and high >= first and (i, k) not in gone:
+                    gone.add((i, k))
+                    number = left.get(i, holding.factors[i])
+                    left[i] = number - 1
+                    all_left = all_left // number * (number - 1) if number else 0
+
+        found = 0
+        for level in range(max(first, 0), count):
+            if level > first:
+                lose(fallen[level])
+            before = all_left
+            lose(ends[level])
+            found += before - all_left
+            lose(risen[level])
+            if not all_left:
+                return found
+        return found + all_left
+
+    holding = _Product([sum(low < 0 for low, _ in cell) for cell in known])
+    total = without_entry(-1, -1)
+    for level, (begun, ended) in enumerate(zip(begins, ends, strict=True)):
+        if begun:
+            total -= without_entry(level - 1, level)
+            for cell, _ in begun:
+                holding.change(cell, +1)
+            total += without_entry(level, level)
+        for cell, _ in ended:
+            holding.change(cell, -1)
+    return total
+
+
+def switches(known: Levels) -> list[tuple[int, int]] | None:
+    """The levels (A, B) of relays that are as independent as the cells; None where some are not.
+
+    They are not where a cell can pass a phase of its own by.
+    """
+    found: set[tuple[int, int]] = set()
+    for cell in known:
+        own = [(a[1], b[0]) for a, b in pairwise(cell)]
+        if any(p[0] > q[0] or p[1] > q[1] for p, q in pairwise(own)):
+            return None
+        found.update(own)
+    return sorted(found)
+
+
+def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
+    """How many subsequences of rising A and falling B begin with each of these pairs (A, B)."""
+    order = sorted(range(len(relays)), key=lambda i: -relays[i][0])
+    rank = {b: k for k, b in enumerate(sorted({b for _, b in relays}), 1)}
+    # Sums of what was found, by B, in the tree of Fenwick 1994.
+    tree = [0] * (len(rank) + 1)
+    found = [1] * len(relays)
+    for _, together in groupby(order, key=lambda i: relays[i][0]):
+        same = list(together)
+        for i in same:
+            k = rank[relays[i][1]] - 1
+            while k:
+                found[i] += tree[k]
+                k &= k - 1
+        for i in same:
+            k = rank[relays[i][1]]
+            while k < len(tree):
+                tree[k] += found[i]
+                k += k & -k
+    return found
+
+
+def ideals(relays: Iterable[tuple[int, int]]) -> int:
+    """How many sets of relays hold with each all that precede it: what is reached from all-0.
+
+    Args:
+        relays: (A, B) of each, in any numbers of their order.
+
+    Source: the falling subsequences of B listed by rising A, the empty one included (theory page,
+    "Relays"; Terzi and Mungan 2020).
+    """
+    return 1 + sum(_falling(sorted(set(relays))))
+
+
+def sub_loops(relays: Iterable[tuple[int, int]]) -> int:
+    """How many pairs of states reached from all-0 lead to each other, the drive going one way.
+
+    The main loop is left out. A state I leads round by a rise to a and back where all that the
+    rise sets comes back before anything of I does: where each relay outside I with A ≤ a has its
+    B above b, the largest of I. So I holds all relays with A ≤ a and B ≤ b, and what else it may
+    hold is an ideal of those with larger A and smaller B: falling subsequences again.
+
+    Args:
+        relays: (A, B) of each, in any numbers of their order.
+
+    Source: pairs as in Mungan and Terzi 2019; the count is ours (theory page, "Relays").
+    """
+    points = sorted(set(relays))
+    if not points:
+        return 0
+    falling = _falling(points)
+    fields = sorted({a for a, _ in points})
+    number = {a: k for k, a in enumerate(fields)}
+    up = np.array([number[a] for a, _ in points])
+    down = np.array([b for _, b in points])
+    # By A: the largest B of a relay that goes up there.
+    above = np.full(len(fields), np.iinfo(np.int64).min)
+    np.maximum.at(above, up, down)
+    # From all-0 every rise is a loop, one of them the main one.
+    total = len(fields) - 1
+    weights = np.zeros(len(points), np.int64)
+    for i, (a, b) in enumerate(zip(up.tolist(), down.tolist(), strict=True)):
+        rises = above > b
+        beyond = up[(down == b) & (up > a)]
+        cap = int(np.min(beyond, initial=len(fields)))
+        total += int(np.count_nonzero(rises[: a + 1])) * falling[i]
+        passed = np.zeros(len(fields) + 1, np.int64)
+        passed[a + 2 : cap + 1] = np.cumsum(rises[a + 1 : cap])
+        passed[cap + 1 :] = passed[cap]
+        total += int(passed[cap])
+        weights += np.where(down < b, passed[up], 0)
+    return total + sum(w * h for w, h in zip(weights.tolist(), falling, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

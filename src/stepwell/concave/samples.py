@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
-from stepwell.concave.certificate import certify
-from stepwell.concave.ends import end_forces
+from stepwell.concave.certificate import certify, end_forces
 from stepwell.concave.sorting import TIED, same_travel
 from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain

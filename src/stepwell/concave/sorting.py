@@ -12,7 +12,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, simple
-from stepwell.concave.ends import proved_ends
+from stepwell.concave.certificate import proved_ends
 from stepwell.kernels import kernel
 from stepwell.mechanism import Chain
 

@@ -13,8 +13,7 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, Ints
 from stepwell.concave.cell import force_at, full_travel, of_row, travel_at
-from stepwell.concave.certificate import certify
-from stepwell.concave.ends import end_forces, proved_ends
+from stepwell.concave.certificate import certify, end_forces, proved_ends
 from stepwell.concave.sorting import TIED, same_travel
 from stepwell.kernels import entry, kernel
 
