@@ -5,8 +5,17 @@ program calls: it is interpreted while the work is small, compiled by a process 
 it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
 """
 
-from stepwell.kernels.effort import MOST, SPENT, UNLIMITED, end_early, overspent, watched
 from stepwell.kernels.entry import WORTH_LOADING, entry, stay
 from stepwell.kernels.fingerprint import kernel, leaf, record
 from stepwell.kernels.store import kept
-from stepwell.kernels.threads import beside, cores, in_blocks
+from stepwell.kernels.threads import (
+    MOST,
+    SPENT,
+    UNLIMITED,
+    beside,
+    cores,
+    end_early,
+    in_blocks,
+    overspent,
+    watched,
+)

@@ -1,4 +1,4 @@
-"""The process that compiles: beside the one that asks, so that this one never waits in vain."""
+"""The process that compiles, beside the one that asks, which never waits in vain."""
 
 import atexit
 import json
@@ -7,10 +7,14 @@ import pickle
 import signal
 import subprocess
 import sys
+import threading
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 from types import FunctionType
+from typing import Any
 
 from stepwell.kernels import store
 
@@ -18,7 +22,7 @@ from stepwell.kernels import store
 _SILENT_AFTER = 60.0  # s
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from stepwell.kernels.child import main; main()"
+    "from stepwell.kernels.compiler import main; main()"
 )
 _working: "list[subprocess.Popen[bytes]]" = []
 # The compiler itself, and a program without one, compile where they are.
@@ -123,3 +127,59 @@ def _started(
 def sign_in(place: Path) -> Path:
     """The file that a background compiler keeps fresh while it works."""
     return place / "compiling"
+
+
+def main() -> None:
+    """Compile what standard input asks for."""
+    global here
+    place, background, module, name, kinds = pickle.load(sys.stdin.buffer)
+    here = True
+    store.keep_in(Path(place))
+    if not background:
+        # Ctrl-C ends it at once; there is nothing to tidy up.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        _compile(module, name, kinds)
+        return
+    with _signed(Path(place)) as alone:
+        if alone:
+            _compile(module, name, kinds)
+
+
+def _compile(module: str, name: str, kinds: bytes) -> None:
+    import numba
+
+    from stepwell.kernels.fingerprint import kernel_of
+    from stepwell.kernels.machine import machine
+
+    function = kernel_of(getattr(import_module(module), name))
+    assert function is not None, name
+    machine(function).compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
+
+
+def _type(numba: Any, kind: Any) -> Any:
+    return kind if isinstance(kind, numba.types.Type) else numba.typeof(kind)
+
+
+@contextmanager
+def _signed(place: Path) -> Iterator[bool]:
+    """Show that a background compiler is at work; whether there was none before."""
+    sign = sign_in(place)
+    if busy():
+        yield False
+        return
+    with suppress(OSError):
+        sign.write_text(str(os.getpid()))
+    done = threading.Event()
+
+    def show() -> None:
+        while not done.wait(5.0):
+            with suppress(OSError):
+                os.utime(sign)
+
+    threading.Thread(target=show, daemon=True).start()
+    try:
+        yield True
+    finally:
+        done.set()
+        with suppress(OSError):
+            sign.unlink()
