@@ -6,8 +6,7 @@ import numpy as np
 
 import stepwell as sw
 from cycles import mixed
-from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.sequences import cycles_of
 
 SHAPES = 20  # chains, each with tolerances

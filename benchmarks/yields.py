@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 import stepwell as sw
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
 from stepwell.kernels import cores
 

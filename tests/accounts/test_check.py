@@ -89,6 +89,6 @@ def test_the_account_of_a_verdict_computes_nothing(works, monkeypatch):
 
     for name in ("path", "cycle", "margin", "program", "graph"):
         monkeypatch.setattr(sw.Chain, name, refuse)
-    monkeypatch.setattr("stepwell.design.margins.change.cycle", refuse)
+    monkeypatch.setattr("stepwell.design.margins.margin.cycle", refuse)
     found = account(works)
     assert found.record and terminal(found) and card(found) and page(found)

@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.design import Boundary, BoundaryKind, boundaries
-from stepwell.design.plane.trace import trace
+from stepwell.design.plane import trace
 
 X, Y = (0.0, 0.020), (-0.015, 0.015)
 

@@ -11,9 +11,8 @@ from sizes import examples
 from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
-from stepwell.design.checks.measurement import _left
-from stepwell.design.checks.verdict import judged
-from stepwell.design.tolerances import parts_of, with_known
+from stepwell.design.checks import _left, judged
+from stepwell.design.tolerances.yields import parts_of, with_known
 from stepwell.files import presets
 from stepwell.mechanism import Band, Cell, Chain
 

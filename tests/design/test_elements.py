@@ -10,8 +10,8 @@ import pytest
 
 import stepwell as sw
 from stepwell.design import Impossible, parameter, parameter_boundaries, parameters
-from stepwell.design.margins import Change
-from stepwell.design.orders import relay_cycle, switching_forces
+from stepwell.design.margins.margin import Change
+from stepwell.design.switches import relay_cycle, switching_forces
 from stepwell.design.tolerances.draws import Draws
 from stepwell.statics import FOUND, StaticsError
 from stepwell.statics.batch import Followed

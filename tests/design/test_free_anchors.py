@@ -8,8 +8,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.design import AnchorBox, Impossible, Stock
-from stepwell.design.placement import Kind
-from stepwell.design.placement.bent import Bent
+from stepwell.design.synthesis.candidates import Bent, Kind
 
 CYCLE = "00>10>11>01>00"
 THREE = "000>100>110>111>011>001>000"

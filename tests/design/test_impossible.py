@@ -9,14 +9,20 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.design.placement import outline
-from stepwell.design.placement.candidates import Kind, Rule
-from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice, usual_box
-from stepwell.design.placement.stock import PAPER_BAND, Stock
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis import placement as outline
+from stepwell.design.synthesis.candidates import Kind, Rule
+from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import PAPER_LEVER, design
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.synthesis.region import (
+    PAPER_BAND,
+    PAPER_BOX,
+    AnchorBox,
+    AnchorPolygon,
+    Stock,
+    lattice,
+    usual_box,
+)
+from stepwell.design.tolerances.draws import Tolerances
 from stepwell.statics import StaticsError
 
 ISSUE = "000>001>011>111>011>010>000"
@@ -138,7 +144,7 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
 
 
 def test_what_is_left_out_is_not_called_proved(monkeypatch):
-    from stepwell.design.synthesis import remaining
+    from stepwell.design.synthesis import tries as remaining
 
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     monkeypatch.setattr(remaining, "_THROUGH_A_CYCLE", 6)

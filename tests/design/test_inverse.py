@@ -13,15 +13,19 @@ import stepwell as sw
 from sizes import examples
 from stepwell import sequences
 from stepwell.design.margins.robustness import robustness
-from stepwell.design.orders.orders import Orders, of_states
-from stepwell.design.placement import candidates, holes, placement
-from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
-from stepwell.design.placement.stock import PAPER_BAND, Stock
-from stepwell.design.synthesis import attempt
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.orders import Orders, of_states
+from stepwell.design.synthesis import attempt, candidates, holes, placement
+from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import PAPER_LEVER, USUAL, design
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.synthesis.region import (
+    PAPER_BAND,
+    PAPER_BOX,
+    AnchorBox,
+    AnchorPolygon,
+    Stock,
+    lattice,
+)
+from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
 
 PAIRS = [(a, b) for a in permutations(range(3)) for b in permutations(range(3))]
@@ -629,7 +633,7 @@ def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
 
 
 def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
-    from stepwell.design.orders import target
+    from stepwell.design import targets as target
 
     real: Callable[..., sequences.Cycle] = target.cycle
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))

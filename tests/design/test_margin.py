@@ -11,9 +11,9 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.design import Change, Method, proved_margin
-from stepwell.design.margins.change import number_change
-from stepwell.design.margins.displacements import Displacements
+from stepwell.design.margins.margin import number_change
 from stepwell.design.margins.nearest import nearest
+from stepwell.design.margins.search import Displacements
 from stepwell.design.parameters import of_cell
 
 

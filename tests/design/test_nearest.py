@@ -10,9 +10,8 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
 from stepwell.base import bisected
-from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.reprogramming import reprogram
-from stepwell.design.margins.search import nearest_found
+from stepwell.design.margins.search import Displacements, nearest_found
 
 REACH = 0.020
 PLANE = Displacements.of(None, False, REACH)

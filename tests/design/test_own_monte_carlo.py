@@ -13,12 +13,10 @@ import pytest
 
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.design.placement.region import AnchorBox
-from stepwell.design.placement.stock import Stock
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import design
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.synthesis.region import AnchorBox, Stock
+from stepwell.design.tolerances.draws import Tolerances
 
 LIMIT = math.pi / 4
 LEVER = 0.010 * math.sqrt(2.0)

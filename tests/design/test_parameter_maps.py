@@ -17,7 +17,7 @@ from stepwell.design import (
     parameter_boundaries,
     parameter_map,
 )
-from stepwell.design.parameters.parameter import parameter, parameters
+from stepwell.design.parameters import parameter, parameters
 from stepwell.sequences.cycles import snapping_steps
 
 

@@ -10,7 +10,7 @@ from hypothesis import assume, given, strategies as st
 import stepwell as sw
 from chains import any_chain
 from stepwell.design import Tolerances
-from stepwell.design.parameters.parameter import Parameter, parameter, parameters
+from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.tolerances.draws import Draws
 
 

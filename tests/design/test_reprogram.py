@@ -12,9 +12,8 @@ import stepwell as sw
 from chains import any_cell, concave_chain
 from sizes import examples
 from stepwell.design.margins.nearest import sequence
-from stepwell.design.margins.reprogramming import Reprogramming, reprogram
-from stepwell.design.margins.resistance import Resistance
-from stepwell.design.parameters.parameter import parameter
+from stepwell.design.margins.reprogramming import Reprogramming, Resistance, reprogram
+from stepwell.design.parameters import parameter
 
 CLOCKWISE = "00>10>11>01>00"
 COUNTERCLOCKWISE = "00>01>11>10>00"

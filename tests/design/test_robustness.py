@@ -10,12 +10,11 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.concave import Simple, concave_disc
-from stepwell.design.margins.robustness import Robustness, robustness
-from stepwell.design.margins.worst import Proof, farthest
+from stepwell.design.margins.robustness import Proof, Robustness, farthest, robustness
 from stepwell.design.parameters import of_cell
-from stepwell.design.placement.candidates import Kind
-from stepwell.design.placement.stock import Stock
-from stepwell.design.plane.box import Box
+from stepwell.design.plane import Box
+from stepwell.design.synthesis.candidates import Kind
+from stepwell.design.synthesis.region import Stock
 
 R, LIMIT = 0.010 * math.sqrt(2.0), math.pi / 4
 

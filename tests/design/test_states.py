@@ -10,13 +10,11 @@ import stepwell as sw
 from chains import concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.design.orders.reached import reached
-from stepwell.design.placement.region import AnchorBox
-from stepwell.design.placement.stock import Stock
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import design
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.synthesis.region import AnchorBox, Stock
+from stepwell.design.targets import reached
+from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
 
 # Cell 1 precedes cell 2, cell 3 is free.

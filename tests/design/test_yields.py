@@ -15,9 +15,8 @@ from sizes import examples
 from stepwell.concave import ASK, Judge
 from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, tally
-from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
-from stepwell.design.tolerances.tolerances import Tolerances
 from stepwell.design.tolerances.yields import Yield, yields
 
 CLOCKWISE = "00>10>11>01>00"

@@ -28,9 +28,11 @@ from stepwell.concave import (
     slopes_by_sizes,
 )
 from stepwell.design import BoundaryKind, boundaries, parameter_boundaries
-from stepwell.design.margins import Resistance, robustness
-from stepwell.design.placement import Kind, Rule, Stock
+from stepwell.design.margins.reprogramming import Resistance
+from stepwell.design.margins.robustness import robustness
 from stepwell.design.plane import Box
+from stepwell.design.synthesis.candidates import Kind, Rule
+from stepwell.design.synthesis.region import Stock
 from stepwell.robot.gait import round as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power

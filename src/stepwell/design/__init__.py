@@ -10,48 +10,34 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from stepwell.design.margins import (
-    LONGEST_FOLLOWED,
-    Change,
-    Margin,
-    Reprogramming,
-    Resistance,
-    Robustness,
-    RobustnessLimit,
-    margin,
-    proved_margin,
-    reprogram,
-    robustness,
-)
+from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, Margin, margin, proved_margin
+from stepwell.design.margins.reprogramming import WAY, Reprogramming, Resistance, reprogram
+from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robustness
 from stepwell.design.parameters import Parameter, parameter, parameters
 
 if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, judged
-    from stepwell.design.maps import (
-        MapView,
-        boundaries,
-        parameter_boundaries,
-        parameter_map,
-        transition_map,
-    )
-    from stepwell.design.orders import Reached, checked_cycle
-    from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
+    from stepwell.design.map_boundaries import boundaries, parameter_boundaries
+    from stepwell.design.maps import MapView, parameter_map, transition_map
+    from stepwell.design.orders import checked_cycle
     from stepwell.design.plane import Boundary, BoundaryKind, Method
     from stepwell.design.run import Run
-    from stepwell.design.synthesis import Design, Impossible, design
-    from stepwell.design.tolerances import (
-        USUAL,
-        Critical,
-        Draws,
-        Sensitivities,
-        Share,
-        Survival,
-        Tolerances,
-        Yield,
-        share_of,
-        survival,
-        yields,
+    from stepwell.design.synthesis.designed import Design, Impossible
+    from stepwell.design.synthesis.inverse import design
+    from stepwell.design.synthesis.region import (
+        PAPER_BAND,
+        PAPER_BOX,
+        PAPER_LEVER,
+        AnchorBox,
+        AnchorPolygon,
+        Stock,
+        usual_box,
     )
+    from stepwell.design.targets import Reached
+    from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
+    from stepwell.design.tolerances.survival import Survival, survival
+    from stepwell.design.tolerances.tally import Share, share_of
+    from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
 
 __all__ = [
     "PAPER_BAND",
@@ -104,25 +90,61 @@ __all__ = [
     "yields",
 ]
 
-_LATE = "orders", "plane", "tolerances", "placement", "maps", "checks", "synthesis", "run"
-
 
 class _Room(ModuleType):
     """A module that answers when it is called, since the room and its function share a name."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> Design:
-        from stepwell.design.synthesis import design
+        from stepwell.design.synthesis.inverse import design
 
         return design(*args, **kwargs)
 
 
 sys.modules[__name__].__class__ = _Room
 
+# The first cycle asks for a margin; what else there is opens when it is asked for.
+_LATE = {
+    "AnchorBox": "synthesis.region",
+    "AnchorPolygon": "synthesis.region",
+    "Boundary": "plane",
+    "BoundaryKind": "plane",
+    "Check": "checks",
+    "Critical": "tolerances.yields",
+    "Design": "synthesis.designed",
+    "Draws": "tolerances.draws",
+    "Impossible": "synthesis.designed",
+    "MapView": "maps",
+    "Measurement": "checks",
+    "Method": "plane",
+    "PAPER_BAND": "synthesis.region",
+    "PAPER_BOX": "synthesis.region",
+    "PAPER_LEVER": "synthesis.region",
+    "Reached": "targets",
+    "Run": "run",
+    "Sensitivities": "tolerances.yields",
+    "Share": "tolerances.tally",
+    "Stock": "synthesis.region",
+    "Survival": "tolerances.survival",
+    "Tolerances": "tolerances.draws",
+    "USUAL": "tolerances.draws",
+    "Verdict": "checks",
+    "Yield": "tolerances.yields",
+    "boundaries": "map_boundaries",
+    "check": "checks",
+    "checked_cycle": "orders",
+    "design": "synthesis.inverse",
+    "judged": "checks",
+    "parameter_boundaries": "map_boundaries",
+    "parameter_map": "maps",
+    "share_of": "tolerances.tally",
+    "survival": "tolerances.survival",
+    "transition_map": "maps",
+    "usual_box": "synthesis.region",
+    "yields": "tolerances.yields",
+}
+
 
 def __getattr__(name: str) -> Any:
-    # The first cycle asks for a margin; what else there is opens when it is asked for.
-    for part in _LATE if name in __all__ else ():
-        offered = vars(import_module(f"stepwell.design.{part}"))
-        if name in offered:
-            return offered[name]
+    if name in _LATE:
+        return getattr(import_module(f"stepwell.design.{_LATE[name]}"), name)
     raise AttributeError(f"module 'stepwell.design' has no attribute {name!r}")

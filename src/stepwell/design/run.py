@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue
-from stepwell.design.margins import LONGEST_FOLLOWED, Margin, margin
-from stepwell.design.tolerances import Yield, yields
+from stepwell.design.margins.margin import LONGEST_FOLLOWED, Margin, margin
+from stepwell.design.tolerances.yields import Yield, yields
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts import head
 from stepwell.base import Quantity, Schema, in_measure, number, record, rows_of, told_in
-from stepwell.design.margins import WAY
+from stepwell.design import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.run import CELL, actuator_record, cell_schema
 

@@ -179,8 +179,7 @@ def design(
     """
     from stepwell import reports, results
     from stepwell.cli.text import chains as texts
-    from stepwell.design import Impossible, design
-    from stepwell.design.placement import PAPER_LEVER, usual_box
+    from stepwell.design import PAPER_LEVER, Impossible, design, usual_box
 
     wanted = wish(target)
     lengths = [lever / 1e3 for lever in levers or ()] or [PAPER_LEVER]

@@ -13,7 +13,7 @@ from stepwell.cli.screen import (
     show_text,
     wrapped,
 )
-from stepwell.design.margins import WAY
+from stepwell.design import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
     SENSITIVITY,

@@ -4,21 +4,220 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, Vec2
-from stepwell.concave import Neighbour, SortedChain
-from stepwell.design.margins.displacements import Displacements
-from stepwell.design.margins.nearest_place import Place, nearest_place
-from stepwell.design.margins.search import nearest_found
-from stepwell.design.orders import relay_cycle
+from stepwell.concave import Neighbour, Simple, SortedChain, end_force, steepest
+from stepwell.design.margins.search import Displacements, nearest_found
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
+from stepwell.design.switches import relay_cycle
+from stepwell.kernels import entry, kernel
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle, cycles_of
 from stepwell.statics import StaticsError, nominal
+
+# A box is small enough for Newton's method where this many of its halves fit into the distance.
+_FINE = 64.0
+_DEEPEST = 60  # halvings
+_STEPS = 40
+_ROUNDING = 1e-12  # of k r
+_NEARER = 1.0 - 1e-13  # what is nearer is not so by rounding alone
+_NUDGE = 1e-5  # of r, for the curvature
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A displacement on the rim of the region in which conditions are met.
+
+    Attributes:
+        move: (2,) the displacement of the anchor [m].
+        distance: its length [m].
+        inward: (2,) unit vector that leads into the region.
+    """
+
+    move: Floats
+    distance: float
+    inward: Floats
+
+
+def nearest_place(
+    cell: Simple,
+    conditions: list[Neighbour],
+    ways: Displacements,
+    sign: int,
+    within: float,
+) -> Place | None:
+    """The nearest displacement that meets all conditions, to rounding.
+
+    Boxes of displacements are thrown out where a bound on the slope of F proves that they hold
+    none, or none nearer than one already met; what is left is halved, nearest first. In a small
+    box the nearest place lies on one curve F = force, squarely to the displacement, or where two
+    of them meet: Newton's method does the last bit.
+
+    Args:
+        cell: as it is; the forces are those of the closed form.
+        conditions: forces to be above, or below; one or more.
+        ways: where the anchor may go.
+        sign: +1 where the anchor is q, -1 where it is p: d = q - p.
+        within: the farthest that counts [m].
+
+    Returns:
+        The place on the rim; None where there is none within that distance.
+    """
+    out = np.empty(4)
+    distance = _nearest(
+        cell,
+        np.array([c.side for c in conditions], np.int64),
+        np.array([c.other for c in conditions], float),
+        np.array([c.up for c in conditions], np.int64),
+        np.ascontiguousarray(sign * ways.frame),
+        ways.one_way,
+        float(within),
+        out,
+    )
+    return None if math.isinf(distance) else Place(sign * out[:2], distance, sign * out[2:])
+
+
+@entry(1e-3, "side")
+def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float, out) -> float:
+    """Distance [m] of the nearest d-displacement, (x, y) of it and inwards of it in out (4,)."""
+    n = frame.shape[1]
+    best = np.inf
+    # Here is a place of its own: boxes around it shrink for ever.
+    if _settled(cell, side, force, up, frame, one_way, within, 0.0, 0.0, out):
+        best = math.sqrt(out[0] * out[0] + out[1] * out[1])
+    known = min(best, within)
+    boxes = np.empty((3 * _DEEPEST + 4, 3))
+    boxes[0] = 0.0, 0.0, within
+    if one_way:
+        boxes[0, 0], boxes[0, 2] = 0.5 * within, 0.5 * within
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        u, v, half = boxes[waiting]
+        near_u, near_v = max(abs(u) - half, 0.0), max(abs(v) - half, 0.0) if n == 2 else 0.0
+        if not math.sqrt(near_u * near_u + near_v * near_v) < known:
+            continue
+        x, y = frame[0, 0] * u, frame[1, 0] * u
+        if n == 2:
+            x += frame[0, 1] * v
+            y += frame[1, 1] * v
+        radius = math.sqrt(n) * half
+        held, inside = True, True
+        for k in range(len(side)):
+            value, _, _ = end_force(cell, side[k], cell.dx + x, cell.dy + y)
+            lack = up[k] * (force[k] - value)
+            inside = inside and lack < 0.0
+            if lack > 0.0:
+                bound = steepest(cell, side[k], cell.dx + x, cell.dy + y, radius)
+                held = held and lack <= radius * bound
+        if not held:
+            continue
+        away = math.sqrt(u * u + v * v)
+        if inside and away < known:
+            known = away
+        if _FINE * half < known or half <= within * 0.5**_DEEPEST:
+            found = np.empty(4)
+            if _settled(cell, side, force, up, frame, one_way, within, x, y, found):
+                away = math.sqrt(found[0] * found[0] + found[1] * found[1])
+                if away < best * _NEARER:
+                    best = away
+                    known = min(known, best)
+                    out[:] = found
+            continue
+        # Halves that lead away from here wait below those that lead towards it.
+        to_u, to_v = -math.copysign(0.5 * half, u), -math.copysign(0.5 * half, v)
+        for i in range(4 if n == 2 else 2):
+            boxes[waiting, 0] = u + (to_u if i % 2 else -to_u)
+            boxes[waiting, 1] = (v + (to_v if i > 1 else -to_v)) if n == 2 else 0.0
+            boxes[waiting, 2] = 0.5 * half
+            waiting += 1
+    return best
+
+
+@kernel
+def _settled(
+    cell: Simple, side, force, up, frame, one_way: bool, within: float, x: float, y: float, out
+) -> bool:
+    """Fill out (4,) with the nearest place that Newton's method finds from (x, y)."""
+    best = np.inf
+    for i in range(len(side)):
+        # F0 has one value at a time, so two of its conditions never bind together; likewise F1.
+        # Where two do, the way in is between them: they go before one alone.
+        for j in range(len(side) - 1, i - 1, -1):
+            if j > i and (side[i] == side[j] or frame.shape[1] == 1):
+                continue
+            met, at_x, at_y = _met(cell, side, force, frame, i, j, x, y)
+            away = math.sqrt(at_x * at_x + at_y * at_y)
+            if not met or not away < best * _NEARER or away > within:
+                continue
+            if one_way and frame[0, 0] * at_x + frame[1, 0] * at_y < 0.0:
+                continue
+            in_x, in_y = 0.0, 0.0
+            meets = True
+            for k in range(len(side)):
+                value, fx, fy = end_force(cell, side[k], cell.dx + at_x, cell.dy + at_y)
+                most = _ROUNDING * cell.stiffness * cell.lever
+                meets = meets and up[k] * (force[k] - value) <= most
+                if k in (i, j):
+                    if frame.shape[1] == 1:
+                        along = fx * frame[0, 0] + fy * frame[1, 0]
+                        fx, fy = along * frame[0, 0], along * frame[1, 0]
+                    steep = math.sqrt(fx * fx + fy * fy)
+                    in_x += up[k] * fx / steep
+                    in_y += up[k] * fy / steep
+            length = math.sqrt(in_x * in_x + in_y * in_y)
+            if meets and length > 0.0:
+                best = away
+                out[0], out[1], out[2], out[3] = at_x, at_y, in_x / length, in_y / length
+    return best < np.inf
+
+
+@kernel
+def _met(
+    cell: Simple, side, force, frame, i: int, j: int, x: float, y: float
+) -> tuple[bool, float, float]:
+    """Where one end force is met by the shortest displacement near (x, y), or two at once.
+
+    Two equations: F_i = force, and F_j = force, or where there is no other j: the displacement
+    is square to the curve, or keeps to the line.
+    """
+    r = cell.lever
+    for _ in range(_STEPS):
+        value, fx, fy = end_force(cell, side[i], cell.dx + x, cell.dy + y)
+        first = value - force[i]
+        if j != i:
+            value, gx, gy = end_force(cell, side[j], cell.dx + x, cell.dy + y)
+            second = value - force[j]
+        elif frame.shape[1] == 1:
+            gx, gy = -frame[1, 0], frame[0, 0]
+            second = gx * x + gy * y
+        else:
+            second = x * fy - y * fx
+            h = _NUDGE * r
+            _, ax, ay = end_force(cell, side[i], cell.dx + x + h, cell.dy + y)
+            _, bx, by = end_force(cell, side[i], cell.dx + x - h, cell.dy + y)
+            _, cx, cy = end_force(cell, side[i], cell.dx + x, cell.dy + y + h)
+            _, ex, ey = end_force(cell, side[i], cell.dx + x, cell.dy + y - h)
+            gx = fy + (x * (ay - by) - y * (ax - bx)) / (2.0 * h)
+            gy = -fx + (x * (cy - ey) - y * (cx - ex)) / (2.0 * h)
+        turn = fx * gy - fy * gx
+        if turn == 0.0:
+            return False, x, y
+        step_x, step_y = (second * fy - first * gy) / turn, (first * gx - second * fx) / turn
+        x += step_x
+        y += step_y
+        # Written so that a NaN fails it.
+        if not (abs(x) < 1e3 * r and abs(y) < 1e3 * r):
+            return False, x, y
+        if max(abs(step_x), abs(step_y)) <= 1e-14 * r:
+            return True, x, y
+    return False, x, y
+
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
 # nothing else has changed. The smaller ones are for regions that are narrower.

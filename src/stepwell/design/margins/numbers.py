@@ -12,9 +12,9 @@ import numpy as np
 from stepwell.base import Floats, bisected
 from stepwell.concave import SortedChain
 from stepwell.design.margins.nearest import sequence
-from stepwell.design.orders import Switches, are_relays, switching_forces
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
+from stepwell.design.switches import Switches, are_relays, switching_forces
 from stepwell.mechanism import Chain
 from stepwell.statics import StaticsError
 

@@ -8,22 +8,17 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.design.orders import Orders
-from stepwell.design.placement import (
-    Candidates,
+from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
+from stepwell.design.synthesis.holes import best_choice, fits
+from stepwell.design.synthesis.placement import (
     Placement,
-    Region,
-    Rule,
     Search,
-    best_choice,
     choose,
-    differences,
-    fits,
-    joined,
-    lattice,
     measured,
     outlines,
     shared,
 )
+from stepwell.design.synthesis.region import Region, lattice
 from stepwell.mechanism import Cell, Chain
 
 # Where a complete search among holes gives up, after some ten seconds, and one for a start.

@@ -9,35 +9,26 @@ from dataclasses import replace
 import numpy as np
 
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError
-from stepwell.design.orders import (
-    Target,
-    Wish,
-    by_cells_at_1,
-    of_sequence,
-    of_states,
-    short,
-    switching_forces,
-    unsearchable,
-)
-from stepwell.design.placement import (
-    LOOKS,
+from stepwell.design.orders import Wish, by_cells_at_1, of_sequence, of_states, short
+from stepwell.design.plane import Box
+from stepwell.design.switches import switching_forces
+from stepwell.design.synthesis.attempt import Attempt
+from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.elements import Goal, Range, Scaled, scaled
+from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_LEVER,
     AnchorBox,
     AnchorPolygon,
-    Kind,
     Region,
-    Rule,
     Stock,
     usual_box,
 )
-from stepwell.design.plane import Box
-from stepwell.design.synthesis.attempt import Attempt
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.elements import Goal, Scaled, scaled
-from stepwell.design.synthesis.scales import Range
 from stepwell.design.synthesis.tries import Placed, Tries
-from stepwell.design.tolerances import USUAL, Tolerances, Yield, levers_of, refuse_slips, yields
+from stepwell.design.targets import Target, unsearchable
+from stepwell.design.tolerances.draws import USUAL, Tolerances, levers_of, refuse_slips
+from stepwell.design.tolerances.yields import Yield, yields
 from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import cycle
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats, Ints
-from stepwell.design.orders import switching_forces
+from stepwell.design.switches import switching_forces
 from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.relays import gaps_between
+from stepwell.design.tolerances.tally import gaps_between
 
 # 2^12 points in each of the two base samples, and 2^10 where each has to be built.
 _POWER, _POWER_BUILT = 12, 10

@@ -8,9 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, require
-from stepwell.design.tolerances.counted import Counted, varied
-from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
+from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, meet
+from stepwell.design.tolerances.tally import Counted, varied
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
 from stepwell.sequences import checked_state
 from stepwell.statics import StaticsError, drive_range

@@ -1,29 +1,151 @@
-"""Counting what mechanism after mechanism does, by closed form or engine, and why none does it."""
+"""Mechanisms made at random and counted: what each does, and why where none does it."""
+
+from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, Floats, Ints
-from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
-from stepwell.design.orders import (
-    Switches,
-    landings_of,
-    numbered_cycle,
-    orders_of,
-    relay_cycle,
-    searched,
-    short,
-    unlike,
-)
-from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.relays import RelayJudge
+from stepwell.base import Bools, ByValue, Floats, Ints
+from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, Judged, one_travel
+from stepwell.design.orders import numbered_cycle, orders_of, short
+from stepwell.design.switches import Switches, are_relays, relay_cycle
+from stepwell.design.targets import landings_of, searched, unlike
+from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Sequence, cycle, cycles_of
 from stepwell.statics import Landing, StaticsError
+
+_LEVERS = "anchors, levers and friction evenly within their tolerance, k and ℓ0 normally"
+_ELEMENTS = "all forces of an element alike and all its travels alike, normally"
+
+
+def varied(chain: Chain) -> str:
+    """How mechanisms after a drawing are made, in words."""
+    how = _LEVERS
+    if chain.elements:
+        levers = len(chain.elements) < len(chain)
+        how = f"{_LEVERS if levers else 'friction evenly within its tolerance'}, {_ELEMENTS}"
+    return f"assumed: every part varies by itself, {how}; quasi-static"
+
+
+class Share(NamedTuple):
+    """How often something came among designs drawn independently.
+
+    Attributes:
+        times: how often.
+        of: so many designs.
+        low, high: 95 % confidence interval of the share (Clopper & Pearson 1934).
+    """
+
+    times: int
+    of: int
+    low: float
+    high: float
+
+    @property
+    def share(self) -> float:
+        """The estimate."""
+        return self.times / self.of
+
+
+def share_of(times: int, of: int) -> Share:
+    """A share with its interval."""
+    from scipy.stats import binomtest
+
+    found = binomtest(times, of).proportion_ci(0.95, "exact")
+    return Share(times, of, float(found.low), float(found.high))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Counted(ByValue):
+    """How many of n mechanisms, made at random after a drawing, do something."""
+
+    chain: Chain = field(repr=False)
+    tolerances: Tolerances
+    n: int
+    seed: int
+    successes: int
+
+    @property
+    def share(self) -> float:
+        """Successes over n: the estimate of the probability."""
+        return self.successes / self.n
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
+        found = share_of(self.successes, self.n)
+        return found.low, found.high
+
+
+@dataclass
+class RelayJudge:
+    """Judges many draws of one chain of elements under a prescribed force.
+
+    There elements of one sheet are independent relays, whose switching forces grow and shrink with
+    all their forces, and with friction.
+
+    Attributes:
+        draws: the mechanisms.
+        wanted: the cycle that counts.
+        orders: (2, T) of that; None where it is not one switch after the other.
+        texts: the cycles found, to which `Judged.does` are the numbers.
+    """
+
+    draws: Draws
+    wanted: str
+    orders: Ints | None
+    texts: list[str] = field(default_factory=list[str])
+    _numbers: dict[str, int] = field(default_factory=dict[str, int])
+
+    @classmethod
+    def of(cls, draws: Draws, wanted: str, orders: Ints | None) -> RelayJudge | None:
+        """None where switching forces do not decide, or a cell has levers."""
+        chain = draws.chain
+        if len(chain.elements) < len(chain) or not are_relays(chain):
+            return None
+        return cls(draws, wanted, orders)
+
+    def __call__(self, drawn: Floats) -> Judged:
+        """The verdicts on draws (m, columns)."""
+        forces = self.draws.switching_forces(drawn)
+        motion = Switches.of(self.draws.chain.last_state).motion(forces)
+        cycles, which = motion.cycles()
+        does = np.array([self._number(text) for text in cycles])[which]
+        right = np.array([text == self.wanted for text in cycles])[which]
+        verdict = np.where(motion.tied, TIE, np.where(right, DOES, OTHER)).astype(np.int8)
+        gap, wrong = np.full(len(drawn), np.inf), np.zeros((2, 0), np.int64)
+        narrowest = wrong
+        if self.orders is not None and forces.shape[1] > 1:
+            gaps = gaps_between(forces, self.orders)
+            gap = np.min(gaps, axis=(1, 2))
+            wrong = np.sum((gaps < 0) & (verdict == OTHER)[:, None, None], axis=0)
+            nearest = np.argmin(gaps.reshape(len(gaps), -1), axis=1)
+            narrowest = np.bincount(nearest, minlength=wrong.size).reshape(wrong.shape)
+        return Judged(verdict, does, gap, wrong, narrowest)
+
+    def _number(self, text: str) -> int:
+        if text not in self._numbers:
+            self._numbers[text] = len(self.texts)
+            self.texts.append(text)
+        return self._numbers[text]
+
+
+def gaps_between(forces: Floats, orders: Ints) -> Floats:
+    """(m, 2, T - 1) gaps [N] between neighbours of two orders (2, T), of forces (m, T, 2).
+
+    Negative where two are in the other order.
+    """
+    up, down = forces[:, orders[0], 0], -forces[:, orders[1], 1]
+    return np.diff(np.stack([up, down], axis=1), axis=2)
+
 
 # What a mechanism can do besides a sequence.
 TIED = "a tie"

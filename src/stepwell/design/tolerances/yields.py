@@ -26,28 +26,21 @@ from stepwell.base import (
     require,
     write_csv,
 )
-from stepwell.design.orders import (
-    Switches,
-    by_cells_at_1,
-    checked_cycle,
-    is_state,
-    reached,
-    short,
-    switching_forces,
-    unsearchable,
-)
-from stepwell.design.tolerances.counted import Counted, varied
-from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.relays import RelayJudge
-from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import HANGS, Tally, why_none
-from stepwell.design.tolerances.tolerances import (
+from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
+from stepwell.design.switches import Switches, switching_forces
+from stepwell.design.targets import reached, unsearchable
+from stepwell.design.tolerances.draws import (
     USUAL,
+    Draws,
+    Part,
     Tolerances,
     frictionless,
     levers_of,
     meet,
 )
+from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
+from stepwell.design.tolerances.survival import Survival, count_ends
+from stepwell.design.tolerances.tally import HANGS, Counted, RelayJudge, Tally, varied, why_none
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 from stepwell.statics import a_ratio
@@ -410,3 +403,29 @@ def _whatever_mobilities(tally: Tally, ratio: float) -> str:
     sampled = tally.successes - tally.proved
     rest = f", and {sampled} had landings that were only sampled" if sampled else ""
     return f"{told}: of {tally.proved} that is proved{rest}"
+
+
+def parts_of(found: Yield | Survival) -> dict[str, Part]:
+    """The parts that vary in what was counted, by their names, such as "outer.stiffness"."""
+    return Draws(found.chain, found.tolerances, found.seed).parts
+
+
+def with_known(found: Yield | Survival, part: str, left: float, n: int) -> int:
+    """How many of the first n mechanisms work where one part is known better.
+
+    The same mechanisms are made with the same luck; only that part is nearer to its drawing, and
+    friction to the middle of its tolerance.
+
+    Args:
+        found: what was counted with all tolerances.
+        part: which, as `parts_of` names it.
+        left: the share of its tolerance that is left, 0 to 1.
+        n: how many are counted.
+    """
+    draws = Draws(found.chain, found.tolerances, found.seed, part, left)
+    if isinstance(found, Survival):
+        return count_ends(draws, found.turning_points, found.start, found.ends, n)
+    states = None if found.states is None else frozenset(found.states)
+    tally = Tally(draws, found.wanted, states, found.robust)
+    tally.count(n, None)
+    return tally.successes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from stepwell.design.margins import Reprogramming, reprogram
+from stepwell.design import Reprogramming, reprogram
 from stepwell.mechanism import Chain
 from stepwell.paper.claims import Claim, Finding, Judgement, judged
 from stepwell.paper.robots.robot import robot

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Column, Quantity, counted, number, percent, signed, told_in
-from stepwell.design.margins import WAY
+from stepwell.design import WAY
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
     SENSITIVITY,

@@ -10,17 +10,190 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import closed, simple
-from stepwell.design.maps.sweep import FRICTION, ends, sweep
+from stepwell.base import Bools, Floats, Ints
+from stepwell.concave import (
+    Simple,
+    certify,
+    closed,
+    end_forces,
+    full_travel,
+    same_travel,
+    simple,
+    travel_at,
+)
 from stepwell.design.parameters import Parameter
-from stepwell.kernels import in_blocks
+from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
 from stepwell.statics import STEPS_DOWN, STEPS_UP, STROKE_DOWN, STROKE_UP, nominal
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bools = NDArray[np.bool_]
+# Of a cell in the rows below: the fields of `Simple`, and then this one.
+FRICTION = 6
+
+
+@entry(3e-6, "values", "base")
+def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap, monostable):
+    """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
+
+    It is proved where all cells are certified and without friction and have one full travel (a
+    cell that gives travel back in a snap gives back less than that, and so never reaches its
+    other stop), or where there are two cells, of which neither has to give back all it has.
+
+    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
+    F = λ, two in transit with falling forces are unstable):
+    - loading: cells leave 0 by ascending F0. Where cell j moves, λ = F_j(s) falls from F0_j, and
+      the full cells hold their stops while F1 <= λ: for ever if F1_j is the largest, else up to
+      F_j(s*) = F1_i for the largest F1_i of a full cell, at the stroke of all full cells and s*.
+      There i comes off its stop, two cells are in transit, and the chain snaps: j runs to its
+      stop, i gives back as much and then finishes alone.
+    - unloading: the same picture upside down. Cells leave 1 by descending F1; j snaps where
+      F_j(s*) = F0_i for the smallest F0_i of an empty cell, at the stroke of the cells that are
+      still full and s*.
+    Equal forces, which no rule decides, go to the inner cell first.
+
+    Args:
+        values: (m, 2) what is added to two of the numbers of `base`.
+        base: (n, 7) a cell a row: the fields of `Simple`, and its friction.
+        rows, columns: (2,) int, which two.
+        turned: (c,) int, rows whose numbers change; all others are certified already.
+        run: (m,) int, out: designs that follow each other and do the same, by number; -1 where
+            it is not proved, and nothing else is touched.
+        orders: (m, 2, n) int, out: of each run, cells in the order in which they load, and unload.
+        strokes: (2, m) out: stroke [m] of the first snap while loading and while unloading, NaN
+            where there is none.
+        snaps: (2, m) int, out: how many cells snap.
+        gap: (m,) out: smallest difference of two F0 or of two F1 [N], infinite for one cell.
+        monostable: (m,) bool, out: whether a turned cell is stable in one state only.
+
+    Returns:
+        How many runs there are.
+    """
+    n = len(base)
+    cells = base.copy()
+    # Both fall in the order of motion: F0 and -F1 by cell.
+    force = np.empty((2, n))
+    full = np.empty(n)
+    order = np.empty((2, n), np.int64)
+    for c in range(n):
+        order[0, c] = order[1, c] = c
+        force[0, c], force[1, c], full[c] = numbers(cells, c)
+    runs = 0
+    same = False
+    for i in range(len(values)):
+        run[i] = -1
+        for k in range(2):
+            cells[rows[k], columns[k]] = base[rows[k], columns[k]]
+        for k in range(2):
+            cells[rows[k], columns[k]] += values[i, k]
+        holds = True
+        lone = False
+        for c in turned:
+            holds = cells[c, FRICTION] <= 0.0 and certify(simple_of(cells, c), 0.0)
+            if not holds:
+                break
+            force[0, c], force[1, c], full[c] = numbers(cells, c)
+            lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
+        if not holds:
+            continue
+        most, least = full[0], full[0]
+        for c in range(1, n):
+            most, least = max(most, full[c]), min(least, full[c])
+        equal = same_travel(most, least)
+        if not equal and n != 2:
+            continue
+        closest = np.inf
+        for side in range(2):
+            moved = sort(order, force, side)
+            same = same and not moved
+            stroke, count = np.nan, 0
+            # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
+            pull = -np.inf
+            for k in range(n):
+                c = order[side, k]
+                if k > 0:
+                    closest = min(closest, force[side, c] - force[side, order[side, k - 1]])
+                back = -force[1 - side, c]
+                if back < pull:
+                    if count == 0:
+                        level = pull if side == 0 else -pull
+                        cell = simple_of(cells, c)
+                        stroke = travel_at(cell, level, force[0, c], -force[1, c])
+                        gives = full[c] - stroke if side == 0 else stroke
+                        holds = holds and (equal or gives < full[order[side, 0]])
+                        # The other cells that are full meanwhile.
+                        for j in range(k if side == 0 else n - k - 1):
+                            stroke += full[order[side, j if side == 0 else k + 1 + j]]
+                    count += 1
+                pull = max(pull, back)
+            strokes[side, i] = stroke
+            snaps[side, i] = count
+        if not holds:
+            continue
+        if not same:
+            for side in range(2):
+                for k in range(n):
+                    orders[runs, side, k] = order[side, k]
+            runs += 1
+            same = True
+        run[i] = runs - 1
+        gap[i] = closest
+        monostable[i] = lone
+    return runs
+
+
+@entry(1e-5, "values", "turned")
+def ends(values, base, rows, columns, turned, out):
+    """F0 and F1 [N] of the cells in `turned`, (m, c, 2), proved or not; all else as in `sweep`."""
+    cells = base.copy()
+    for i in range(len(values)):
+        for k in range(2):
+            cells[rows[k], columns[k]] = base[rows[k], columns[k]]
+        for k in range(2):
+            cells[rows[k], columns[k]] += values[i, k]
+        for k in range(len(turned)):
+            out[i, k, 0], out[i, k, 1] = end_forces(simple_of(cells, turned[k]))
+
+
+# Elements are looked up and not rows: in machine code a row is an object of its own.
+
+
+@kernel
+def simple_of(cells, c):
+    """The cell in a row of numbers."""
+    return Simple(cells[c, 0], cells[c, 1], cells[c, 2], cells[c, 3], cells[c, 4], cells[c, 5])
+
+
+@kernel
+def numbers(cells, c):
+    """F0 [N], -F1 [N] and the full travel [m] of a cell."""
+    cell = simple_of(cells, c)
+    force_0, force_1 = end_forces(cell)
+    return force_0, -force_1, full_travel(cell)
+
+
+@kernel
+def sort(order, force, side):
+    """Put cells in ascending order of force, equal ones by number; whether any had to move.
+
+    The order is mostly right, or nearly.
+    """
+    moved = False
+    for k in range(1, order.shape[1]):
+        c = order[side, k]
+        own = force[side, c]
+        j = k
+        while j > 0:
+            before = order[side, j - 1]
+            if force[side, before] < own or (force[side, before] == own and before < c):
+                break
+            order[side, j] = before
+            j -= 1
+            moved = True
+        order[side, j] = c
+    return moved
+
+
+Codes = NDArray[np.int32]
 Progress = Callable[[int, int], None] | None
 
 # Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
@@ -48,9 +221,9 @@ class Found:
         degenerate: (m,) whether a tie decides.
     """
 
-    sequence: Ints
+    sequence: Codes
     strokes: Floats
-    snaps: Ints
+    snaps: Codes
     gap: Floats
     monostable: Bools
     degenerate: Bools
@@ -106,7 +279,7 @@ class Outcomes:
             return found
         base, n = self.base, len(self.chain)
         turned = np.array(self.turned)
-        blocks: dict[int, tuple[Found, Ints]] = {}
+        blocks: dict[int, tuple[Found, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
             # Machine code is for arrays that are whole, and parts of others would need their own.
@@ -148,7 +321,7 @@ class Outcomes:
         values: Floats,
         progress: Progress = None,
         found: Found | None = None,
-    ) -> Ints:
+    ) -> Codes:
         """Numbers for (m, 2) values, of which the closed form says what was `found`.
 
         `progress` is called with (done, total) engine runs.
@@ -202,7 +375,7 @@ class Outcomes:
         ends(self.added(values), self.base, self.rows, self.columns, turned, out)
         return out
 
-    def _followed(self, values: Floats, progress: Progress = None) -> tuple[Ints, Cycles]:
+    def _followed(self, values: Floats, progress: Progress = None) -> tuple[Codes, Cycles]:
         """What the engine finds of (m, 2) values: numbers of sequences, and the rest."""
         designs = None if self.chain.elements else nominal(self.chain, len(values))
         if designs is not None:
@@ -214,7 +387,7 @@ class Outcomes:
         number[number >= 0] = own[number[number >= 0]]
         return number, found
 
-    def _of_orders(self, orders: Ints) -> int:
+    def _of_orders(self, orders: Codes) -> int:
         key = orders.tobytes()
         number = self._by_orders.get(key)
         if number is None:
@@ -278,3 +451,59 @@ class Outcomes:
             left = -band.p[column] if end == "q" else band.q[column]
             row[column] = 0.0 if {f"p.{axis}", f"q.{axis}"} <= set(parts) else left
         return row
+
+
+class Stability:
+    """How many stable states a cell whose parameters vary has, 1 or 2, by (m, 2) values.
+
+    Attributes:
+        words: for each limit that is known in closed form, what changes there; none where every
+            design has to be asked.
+    """
+
+    def __init__(self, outcomes: Outcomes, cell: int, nodes: Floats):
+        self._outcomes, self._cell = outcomes, cell
+        one, name = outcomes.chain.cells[cell], outcomes.chain.names[cell]
+        numbers = outcomes.numbers(cell, nodes)
+        self.words: tuple[str, ...] = ()
+        if isinstance(one, Element) or numbers is None:
+            return
+        if not one.bands[0].two_sided or _taut(numbers):
+            self.words = (
+                f"state 0 of {name} stops being stable: F0 = 0",
+                f"state 1 of {name} stops being stable: F1 = 0",
+                f"{name} goes slack over its whole travel: r + |q - p| = ℓ0",
+            )
+
+    def limits(self, values: Floats) -> Floats:
+        """(m, 3) numbers that are all positive where the cell is bistable, in closed form.
+
+        The energy of one band that only pulls has one peak, at θmax = atan2(d_y, d_x) where the
+        band is longest (Kamp et al. 2024, Eq. 3), unless it is slack even there, r + |d| <= ℓ0.
+        """
+        numbers = self._outcomes.numbers(self._cell, values)
+        assert numbers is not None
+        dx, dy, _, rest, lever, sine = numbers.T[:6]
+        cosine = np.sqrt(1.0 - sine**2)
+        across, along = dy * cosine, dx * sine
+        return np.stack([along + across, along - across, lever + np.hypot(dx, dy) - rest], axis=1)
+
+    def __call__(self, values: Floats) -> Ints:
+        """The number of states; `IMPOSSIBLE` where there is no such cell."""
+        if self.words:
+            return 1 + np.all(self.limits(values) > 0, axis=1).astype(np.int64)
+        return np.array([self._ask(one) for one in values], np.int64)
+
+    def _ask(self, values: Floats) -> int:
+        try:
+            return 1 + int(self._outcomes.design(values).cells[self._cell].is_bistable)
+        except ValueError:
+            return IMPOSSIBLE
+
+
+def _taut(numbers: Floats) -> bool:
+    # ℓ² is linear in (cos θ, sin θ): over the travel it is smallest at a stop, or at the turn
+    # opposite to d, which for d_x > 0 lies outside.
+    dx, dy, _, rest, lever, sine = numbers.T[:6]
+    x, y = dx + lever * np.sqrt(1.0 - sine**2), np.abs(dy) - lever * sine
+    return bool(np.all(dx > 0) and np.all(np.hypot(x, y) >= rest))

@@ -1,0 +1,425 @@
+"""A design checked: will the real one do it, what breaks it first, and what to measure next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import (
+    REACH,
+    ByValue,
+    InputError,
+    Measure,
+    amount,
+    bisected,
+    brief,
+    number,
+    percent,
+)
+from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
+from stepwell.design.orders import checked_cycle, short
+from stepwell.design.plane import Method
+from stepwell.design.synthesis.region import usual_box
+from stepwell.design.tolerances.draws import USUAL, Tolerances
+from stepwell.design.tolerances.survival import Survival, ends_right, survival
+from stepwell.design.tolerances.yields import Yield, parts_of, with_known, yields
+from stepwell.mechanism import Band, Cell, Chain, Element, sizes
+from stepwell.sequences import Program, cycle
+from stepwell.statics import Path, StaticsError
+
+# Of those built: what has to work for "works", and what has to fail for "won't".
+SURE, HALF = 0.95, 0.5
+
+
+class Verdict(StrEnum):
+    """Whether the real one will do it, from the best to the worst."""
+
+    WORKS = "works"
+    FRAGILE = "fragile"
+    WONT = "won't"
+
+
+def judged(*, does_it: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
+    """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
+
+    Args:
+        does_it: whether the drawing does what is wanted.
+        tied: whether it is a tie on its way.
+        interval: 95 % confidence interval of the share of those built that do it.
+
+    Returns:
+        `WONT` where the drawing does not do it, or the interval ends below one half; `WORKS` where
+        it does, without a tie, and the interval begins at 95 % or above; else `FRAGILE`.
+    """
+    low, high = interval
+    if not does_it or high < HALF:
+        return Verdict.WONT
+    return Verdict.WORKS if low >= SURE and not tied else Verdict.FRAGILE
+
+
+# The largest strain of a rubber band in use: natural rubber breaks at about 6 to 7.
+STRAIN = 5.0
+# What a hobby servo of 2 kg cm pulls on a horn of 10 mm [N], the air that a hand presses [Pa], and
+# what that servo turns [N m].
+PULLS = {Measure.TRAVEL: 20.0, Measure.VOLUME: 1e5, Measure.ANGLE: 0.2}
+_ANGLES = 91  # at which a band is measured, its ends and the middle included
+_EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
+
+
+def oddities(chain: Chain, path: Path) -> tuple[str, ...]:
+    """What is out of the ordinary, a sentence each.
+
+    Args:
+        chain: a design.
+        path: what the actuator does with it.
+
+    Returns:
+        Sentences with numbers in the units in which people are told; none where all is usual.
+    """
+    # Two bands in one hole are odd once.
+    return tuple(dict.fromkeys(_oddities(chain, path)))
+
+
+def _oddities(chain: Chain, path: Path) -> Iterator[str]:
+    unit, most = chain.measure.force_unit, PULLS[chain.measure]
+    pull = abs(path.peak_force)
+    if pull > most:
+        yield (
+            f"the actuator needs {amount(pull, unit)}: hobby drives give about {amount(most, unit)}"
+        )
+    for name, cell in zip(chain.names, chain.cells, strict=True):
+        if not isinstance(cell, Cell):
+            continue
+        yield from (f"{name}: {slip}" for slip in sizes.slips(cell))
+        for band in cell.bands:
+            yield from _of_band(name, cell, band)
+
+
+def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
+    longest = _longest(cell, band)
+    if band.rest_length > 0 and longest > (1.0 + STRAIN) * band.rest_length:
+        yield (
+            f"a band of {name} is stretched to {number(longest / band.rest_length, 3)} times its "
+            f"rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
+        )
+    for which, place in (("p", band.p), ("q", band.q)):
+        box, edge = usual_box(cell.lever, which), _EDGE * cell.lever
+        x, y = place
+        inside = box.left - edge <= x <= box.right + edge
+        if not (inside and box.bottom - edge <= y <= box.top + edge):
+            yield (
+                f"anchor {which} of {name} at ({number(x * 1e3)}, {number(y * 1e3)}) mm lies "
+                f"outside the block of a usual build"
+            )
+
+
+def _longest(cell: Cell, band: Band) -> float:
+    """Greatest length of a band on its way [m]."""
+    angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
+    return float(np.max(band.length(angles, cell.lever)))
+
+
+# What a kitchen scale and callipers give; friction is known to a fifth of its tolerance.
+MEASURED = Tolerances(anchor=1e-4, stiffness=0.02, rest_length=0.02, lever=1e-4, travel=0.02)
+_OF_FRICTION = 0.2
+# Mechanisms that rank the parts: judged in closed form, or followed one by one by the engine.
+_RANKED, _RANKED_ONE_BY_ONE = 4_000, 60
+_GAIN = 0.005  # a smaller one is not worth a measurement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measurement(ByValue):
+    """A part that is worth being measured, and made or chosen as drawn.
+
+    Attributes:
+        cell: whose part it is, 0 the innermost.
+        what: "d" (all anchors of its bands), "stiffness", "rest_length", "lever", "friction", or
+            of an element "force_scale", "travel_scale".
+        tolerance: its field of `Tolerances`.
+        now, then: that tolerance as it is, and once it is measured, in SI.
+        before, after: share of those built that do what is wanted.
+    """
+
+    cell: int
+    what: str
+    tolerance: str
+    now: float
+    then: float
+    before: float
+    after: float
+
+    def __repr__(self):
+        return brief(self)
+
+
+def measurement(found: Yield | Survival) -> Measurement | None:
+    """The part whose measurement raises a yield most; None where none is worth it.
+
+    Each part in turn has only the tolerance that a scale and callipers leave of it, and the same
+    mechanisms are counted again: a few to rank the parts, all of them for the first.
+
+    Args:
+        found: the yield with all tolerances.
+    """
+    parts = parts_of(found)
+    left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
+    worth = [name for name in parts if left[name] < 1.0]
+    if found.successes == found.n or not worth:
+        return None
+    quickly = isinstance(found, Yield) and not found.by_engine
+    n = min(found.n, _RANKED if quickly else _RANKED_ONE_BY_ONE)
+    best = max(worth, key=lambda name: with_known(found, name, left[name], n))
+    after = with_known(found, best, left[best], found.n) / found.n
+    if after < found.share + _GAIN:
+        return None
+    cell, what, tolerance, _ = parts[best]
+    now = getattr(found.tolerances, tolerance)
+    return Measurement(cell, what, tolerance, now, now * left[best], found.share, after)
+
+
+def _left(tolerances: Tolerances, name: str) -> float:
+    if name == "friction":
+        return _OF_FRICTION
+    return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
+
+
+# How much is tried, in tolerances, until something breaks; and where bisection stops.
+_TRIED = 0.125 * 1.5 ** np.arange(17)
+_HALVINGS = 12
+_WAYS = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
+# Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
+_REACH = {"anchor": REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
+
+
+class ProgramChange(Change):
+    """A change after which a program ends in another state: no sequence describes that."""
+
+    @cached_property
+    def becomes(self) -> str:
+        """Nothing."""
+        return ""
+
+
+class _Way(NamedTuple):
+    """A direction in which one thing changes."""
+
+    cell: int
+    part: str
+    along: tuple[float, float] | float
+
+
+def killer_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
+    """The change of a margin that is fewest tolerances away; None where there is none.
+
+    Args:
+        chain: a design that does what is wanted.
+        tolerances: by which an anchor is compared with a number; the usual ones where it has none.
+
+    Raises:
+        StaticsError: as for `Chain.margin`.
+    """
+    near = min(
+        margin(chain).changes, key=lambda one: one.distance / _size(one.parameter, tolerances)
+    )
+    return None if math.isinf(near.distance) else near
+
+
+def killer_of_program(program: Program, tolerances: Tolerances) -> Change | None:
+    """The same of a program that ends where it should; None where nothing within reach breaks it.
+
+    Anchors are moved along x and y, numbers made more and less: of each the amounts tried are a
+    geometric row, and the first that breaks it is bisected.
+    """
+    chain = program.chain
+    ways = list(_ways(chain))
+
+    def change(way: _Way, tried: float) -> Change:
+        return _change(chain, way, tried * _size(way.part, tolerances))
+
+    def holds(way: _Way, tried: float) -> bool:
+        made = change(way, tried)
+        if made.distance > _REACH[made.parameter]:
+            return True
+        try:
+            assert made.design is not None
+            return ends_right(made.design, program.turning_points, program.start, program.to)
+        except (ValueError, StaticsError):
+            return False
+
+    for safe, tried in pairwise([0.0, *_TRIED.tolist()]):
+        broken = [
+            (bisected(lambda size, way=way: holds(way, size), safe, tried, _HALVINGS)[1], way)
+            for way in ways
+            if not holds(way, tried)
+        ]
+        if broken:
+            least, way = min(broken, key=lambda one: one[0])
+            return change(way, least)
+    return None
+
+
+def _ways(chain: Chain) -> Iterator[_Way]:
+    for cell, one in enumerate(chain.cells):
+        numbers = ("force_scale", "travel_scale") if isinstance(one, Element) else ("stiffness",)
+        if not isinstance(one, Element):
+            yield from (_Way(cell, "anchor", along) for along in _WAYS)
+        for part in numbers:
+            yield from (_Way(cell, part, along) for along in (1.0, -1.0))
+
+
+def _change(chain: Chain, way: _Way, size: float) -> ProgramChange:
+    along = way.along
+    move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
+    return ProgramChange(chain, way.cell, way.part, size, move, move, Method.SEARCH)
+
+
+def _size(part: str, tolerances: Tolerances) -> float:
+    """The tolerance of a part [m] or [1], or the usual one where it has none."""
+    if part == "anchor":
+        return tolerances.anchor or USUAL.anchor
+    own = tolerances.travel if part == "travel_scale" else tolerances.stiffness
+    return own or USUAL.stiffness
+
+
+@dataclass(frozen=True, eq=False)
+class Check(ByValue):
+    """One verdict on a design, and what it rests on.
+
+    Attributes:
+        chain: the design.
+        verdict: whether the real one will do what is wanted.
+        reason: why, in a sentence.
+        wanted: the full cycle that counts; or where its program begins and where it shall end.
+        does: what the drawing does.
+        does_it: whether that is what is wanted.
+        path: what the actuator does with the drawing, with forces, energy and ties.
+        yield_: how many of those built within tolerances do it.
+        killer: the smallest change of one thing after which the drawing does something else, in
+            tolerances; None where there is none within reach, or it does not do it as it is.
+        oddities: what is out of the ordinary, a sentence each.
+        measure: the one measurement after which it is surest to work; None where none is worth it.
+    """
+
+    chain: Chain = field(repr=False)
+    verdict: Verdict
+    reason: str
+    wanted: str
+    does: str
+    does_it: bool
+    path: Path = field(repr=False)
+    yield_: Yield | Survival
+    killer: Change | None
+    oddities: tuple[str, ...]
+    measure: Measurement | None
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the actuator in size [N], with its sign."""
+        return self.path.peak_force
+
+    @property
+    def dissipated(self) -> float:
+        """Energy lost in the cycle or the program [J]: snaps and friction."""
+        return self.path.dissipated
+
+    def __repr__(self):
+        return f"Check({self.verdict}: {self.reason})"
+
+
+def check(
+    chain: Chain,
+    want: str | Program | None = None,
+    tolerances: Tolerances = USUAL,
+    *,
+    samples: int | None = None,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Check:
+    """Say whether the real one will do what is wanted, what breaks it, and what to measure next.
+
+    Args:
+        chain: the design.
+        want: the full cycle that counts, such as "00>10>11>01>00", or a program of this chain; the
+            cycle of the drawing by default.
+        tolerances: how far the parts may be from the drawing; as for `yields` by default.
+        samples: how many mechanisms are made at random; as many as for `yields`, or for `survival`,
+            by default.
+        seed: which ones.
+        progress: called with (done, samples) while they are counted.
+
+    Returns:
+        The verdict with its reasons.
+
+    Raises:
+        ValueError: no such cycle, a program of another chain, or tolerances as for `yields`.
+        StaticsError: the engine could not follow the drawing; the text says where and what to do.
+
+    Source: ours; the rule is the decision "A verdict is an interval's".
+    """
+    if isinstance(want, Program):
+        if want.chain != chain:
+            raise InputError("want: must be a program of this chain, and is one of another.")
+        return _of_program(want, tolerances, samples, seed, progress)
+    motion = cycle(chain)
+    path, does = motion.path, str(motion.sequence)
+    wanted = does if want is None else checked_cycle(want, chain.last_state, "want")
+    found = yields(chain, tolerances, n=samples, seed=seed, wanted=wanted, progress=progress)
+    killer = killer_of_cycle(chain, tolerances) if does == wanted else None
+    return _told(path, wanted, does, does == wanted, found, killer)
+
+
+def _of_program(
+    program: Program,
+    tolerances: Tolerances,
+    samples: int | None,
+    seed: int,
+    progress: Callable[[int, int], None] | None,
+) -> Check:
+    chain, points, start, to = program.chain, program.turning_points, program.start, program.to
+    found = survival(
+        chain, points, to, tolerances, start=start, n=samples, seed=seed, progress=progress
+    )
+    does_it = ends_right(chain, points, start, to)
+    killer = killer_of_program(program, tolerances) if does_it else None
+    does = f"{start} to {to if does_it else program.arrives}"
+    return _told(program.path, f"{start} to {to}", does, does_it, found, killer)
+
+
+def _told(
+    path: Path,
+    wanted: str,
+    does: str,
+    does_it: bool,
+    found: Yield | Survival,
+    killer: Change | None,
+) -> Check:
+    tied = bool(path.degenerate)
+    verdict = judged(does_it=does_it, tied=tied, interval=found.interval)
+    low, high = map(percent, found.interval)
+    if not does_it:
+        reason = f"the drawing itself does {short(does)}"
+    elif verdict is Verdict.WORKS:
+        reason = f"the drawing does it, and so do at least {low} of those built"
+    elif verdict is Verdict.WONT:
+        reason = f"the drawing does it, but at most {high} of those built do"
+    elif tied:
+        reason = "the drawing is a tie: the model cannot tell which of two things it does"
+    elif found.share >= SURE:
+        reason = f"too few were made to be sure: {low} to {high} of those built do it"
+    else:
+        reason = f"the drawing does it, but only {low} to {high} of those built do"
+    if killer is not None and len(found.chain) <= LONGEST_FOLLOWED:
+        # Found here, once: reports only read it.
+        _ = killer.becomes
+    worth = measurement(found) if does_it and not tied else None
+    odd = oddities(found.chain, path)
+    return Check(
+        found.chain, verdict, reason, wanted, does, does_it, path, found, killer, odd, worth
+    )
