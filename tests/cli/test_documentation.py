@@ -31,7 +31,7 @@ from stepwell.files.schema.elements import ElementKeys
 from stepwell.files.schema.keys import field_of, written
 from stepwell.files.schema.library import LibraryKeys
 from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import record as paper_record
 from stepwell.sequences import Unreachable

@@ -10,7 +10,7 @@ import xarray as xr
 from cli.folders import written
 from lab.machine import pair, saved, tension, unit
 from stepwell import files
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 
 CELL = paper_cell()

@@ -9,7 +9,7 @@ import pytest
 from figures.drawn import legend_of, lines, marks, says, untidy, untidy_on_a_phone
 from lab.machine import pair, tension, unit
 from stepwell import figures, lab
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 
 CELL = paper_cell()

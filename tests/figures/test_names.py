@@ -25,7 +25,7 @@ from stepwell.design import (
     yields,
 )
 from stepwell.figures.common.words import literal, names as _names
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 from stepwell.studies import Axis, Decided, Influence, Space, sweep
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]

@@ -11,9 +11,8 @@ from sizes import examples
 from stepwell.base import StepwellError
 from stepwell.design import Draws, Parameter, Tolerances, parameter
 from stepwell.lab import LabError, Observed, Pull, as_built, pulls_of
-from stepwell.lab.as_built.holes import Holes, outer_anchors
-from stepwell.lab.as_built.moves import best_moves
-from stepwell.lab.as_built.population import population
+from stepwell.lab.builds import Holes, outer_anchors, population
+from stepwell.lab.first_build import best_moves
 
 LEG = sw.preset("paper-forward")
 WANTED = "00>10>11>01>00"

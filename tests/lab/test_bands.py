@@ -114,7 +114,7 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
 
 
 def lab_estimate(values):
-    from stepwell.lab.bands.spread import of_samples
+    from stepwell.lab.bands.halves import of_samples
 
     return of_samples(values)
 

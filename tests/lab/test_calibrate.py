@@ -8,8 +8,8 @@ import pytest
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.calibration.model import force, law_of, rows
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.fit_model import force, law_of, rows
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
 DRAWS = examples(40, 200)

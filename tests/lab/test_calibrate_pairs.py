@@ -10,8 +10,8 @@ from scipy.stats import binom, chi2
 from lab.machine import recording, tension, there
 from sizes import examples
 from stepwell import lab
-from stepwell.lab.calibration.model import force, law_of, rows
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.fit_model import force, law_of, rows
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain, Load
 
 WEIGHT, MACHINE, JOINTS = 0.08, 0.055, 0.012

@@ -8,9 +8,9 @@ import pytest
 
 from lab.machine import pair, recording, there, unit
 from stepwell import lab
-from stepwell.lab.mechanisms.cell_test import CLOSE
-from stepwell.lab.mechanisms.pair_test import _strokes
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.cell_test import CLOSE
+from stepwell.lab.pair_test import _strokes
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Chain
 
 CELL = paper_cell()

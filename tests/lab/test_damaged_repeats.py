@@ -8,7 +8,7 @@ import pytest
 
 from lab.machine import unit
 from stepwell import lab
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 
 CELL = paper_cell().with_anchors(q=(0.020, 0.0))
 GOOD = [unit(f"1unit_MT_{k}.txt", CELL, friction=0.0, noise=0.002, seed=k) for k in (1, 2, 3)]

@@ -5,8 +5,7 @@ import pytest
 
 from sizes import examples
 from stepwell import lab
-from stepwell.lab.bands.choice import this_band
-from stepwell.lab.bands.evidence import criterion, independent
+from stepwell.lab.bands.choice import criterion, independent, this_band
 
 REST, GAUGE = 0.010, 0.012
 # Tension [N] over extension [m]; the neo-Hookean band is 20 mm long, so that it bends.

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from lab.machine import recording, saved, there
 from stepwell import lab
 from stepwell.cli import app
-from stepwell.lab.bands.kinds import Run, kinds
+from stepwell.lab.bands.halves import Run, kinds
 
 UP = there(0.040)
 STROKE = np.concatenate([UP, UP[::-1]])

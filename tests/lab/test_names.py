@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepwell.lab.recordings.names import is_baseline, run_number, sample_number, setup_of
+from stepwell.lab.recordings.recording import is_baseline, run_number, sample_number, setup_of
 
 M, T = (-10, 0), (0, 0)
 

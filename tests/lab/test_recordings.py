@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from stepwell import lab
-from stepwell.lab.recordings.names import setup_of
+from stepwell.lab.recordings.recording import setup_of
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import pytest
 
 from lab.machine import pair, saved, tension, unit
 from stepwell import lab, paper
-from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import Judgement
 from stepwell.paper.mechanisms import measured as _measured

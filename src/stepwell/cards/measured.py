@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import counted, number, record
 from stepwell.cards.html import Card, facts
-from stepwell.lab.as_built import KNOWN, as_built_record
-from stepwell.lab.calibration import PARAMETER
-from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
-from stepwell.lab.recordings import SUMMARY
+from stepwell.lab import CELL_TEST, KNOWN, PAIR_TEST, PARAMETER, SUMMARY, as_built_record
 
 if TYPE_CHECKING:
     from stepwell.lab import (

@@ -1,85 +1,46 @@
 """Measured data in, calibrated bands and measured-versus-model verdicts out."""
 
-from stepwell.lab.as_built import (
-    FIRST_BUILD,
-    WRONG_HOLE,
-    AsBuilt,
-    Known,
-    Move,
-    Observed,
-    Pull,
-    Step,
-    WrongHole,
-    as_built,
-    as_built_record,
-    pulls_of,
-)
-from stepwell.lab.bands import (
-    LAWS,
-    BandTest,
-    Candidate,
-    Choice,
-    Estimate,
-    Fitted,
-    ForceLaw,
-    Hysteresis,
-    band_record,
-    band_table,
-    band_test,
-    choose_law,
-    fit,
-    hysteresis,
-    stiffness,
-    stiffness_by_window,
-)
-from stepwell.lab.calibration import (
-    Calibration,
-    FittedParameter,
-    Prepared,
-    Sample,
-    SnapPrediction,
-    Weighing,
-    calibrate,
-    calibrated_table,
-    fit_record,
-    prepare,
-    tension_tables,
-)
-from stepwell.lab.mechanisms import (
-    PAPER_RIG,
-    CellReading,
-    CellTest,
-    Comparison,
-    MeasuredSnap,
-    PairTest,
-    Refit,
-    Rig,
-    Series,
-    Sorted,
-    compare,
-    comparison_record,
-    find_snaps,
-    refit,
-    sort_series,
-)
-from stepwell.lab.recordings import (
+from stepwell.lab.bands.band import BandTest, band_test, hysteresis, stiffness, stiffness_by_window
+from stepwell.lab.bands.choice import Candidate, Choice, choose_law
+from stepwell.lab.bands.halves import Estimate, Hysteresis
+from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
+from stepwell.lab.builds import Observed, Pull, WrongHole, pulls_of
+from stepwell.lab.calibration import Calibration, FittedParameter, calibrate
+from stepwell.lab.cell_test import CellReading, CellTest
+from stepwell.lab.comparison import Comparison, Refit, compare, comparison_record, refit
+from stepwell.lab.first_build import FIRST_BUILD, WRONG_HOLE, AsBuilt, Known, Move, Step, as_built
+from stepwell.lab.fit_model import SnapPrediction
+from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
+from stepwell.lab.pair_test import PairTest
+from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
+from stepwell.lab.recordings.oddities import batch_oddities, oddities
+from stepwell.lab.recordings.read import (
+    SUMMARY,
     Batch,
-    Curve,
-    LabError,
-    MeasuredCurve,
-    Recording,
-    batch_oddities,
     hashes,
-    mean_curve,
-    oddities,
     read,
     read_all,
     read_bytes,
-    read_curve,
     summary,
     table,
     to_csv,
 )
+from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.lab.records import (
+    ERROR,
+    KNOWN,
+    MOVE,
+    PARAMETER,
+    SNAP,
+    as_built_record,
+    band_record,
+    fit_record,
+    holes_told,
+)
+from stepwell.lab.rig import CELL_TEST, PAIR_TEST, PAPER_RIG, RIG, Rig
+from stepwell.lab.series import Series, Sorted, sort_series
+from stepwell.lab.snaps import MeasuredSnap, find_snaps
+from stepwell.lab.tables import band_table, calibrated_table, tension_tables
 
 __all__ = [
     "AsBuilt",

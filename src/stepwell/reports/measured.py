@@ -38,8 +38,7 @@ def write_readings(
     force: bool = False,
 ) -> tuple[str, ...]:
     """Write recordings as one tidy table: recordings.csv, .nc and .json, report.html."""
-    from stepwell.lab import table, to_csv
-    from stepwell.lab.recordings import SUMMARY
+    from stepwell.lab import SUMMARY, table, to_csv
 
     contents = {
         "recordings.csv": lambda file: to_csv(recordings, file),
@@ -81,7 +80,7 @@ def write_comparison(
     The figures are forces and energies of unit cells, and pairs.
     """
     from stepwell import figures
-    from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
+    from stepwell.lab import CELL_TEST, PAIR_TEST
 
     draws: dict[str, Callable[[], Figure]] = {}
     if comparison.cells:
@@ -111,7 +110,7 @@ def write_calibration(
     With pairs, pair.toml and rig.toml too: the first of them with what was fitted, and the rig.
     """
     from stepwell import figures
-    from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
+    from stepwell.lab import ERROR, PARAMETER, SNAP
 
     found = pictured({"calibration": partial(figures.calibration, calibration)}, _CAPTIONS)
     contents = {

@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell.base import number, percent
 from stepwell.cli.screen import show_facts, show_records
-from stepwell.lab.as_built import KNOWN, MOVE, holes_told
+from stepwell.lab import KNOWN, MOVE, holes_told
 
 
 def as_built(record: dict[str, Any]) -> None:

@@ -9,9 +9,7 @@ from typing import Any
 
 from stepwell.base import Column, Quantity, number, record
 from stepwell.cli.screen import show_lines, show_records, show_table, show_verbatim
-from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
-from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, RIG, Rig
-from stepwell.lab.recordings import SUMMARY
+from stepwell.lab import CELL_TEST, ERROR, PAIR_TEST, PARAMETER, RIG, SNAP, SUMMARY, Rig
 
 # More turning points of a stroke than this are not listed.
 _MOST_POINTS = 6

@@ -10,11 +10,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, need
-from stepwell.lab.bands.extent import REACH, taut, usual_cycles, usual_window
-from stepwell.lab.bands.halves import Hysteresis, loops_of
-from stepwell.lab.bands.kinds import Run, differing, kinds, listed
-from stepwell.lab.bands.spread import Estimate, of_samples
-from stepwell.lab.recordings import LabError, Recording
+from stepwell.lab.bands.halves import (
+    REACH,
+    Estimate,
+    Hysteresis,
+    Run,
+    differing,
+    kinds,
+    listed,
+    loops_of,
+    of_samples,
+    taut,
+    usual_cycles,
+    usual_window,
+)
+from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.mechanism import sizes
 
 if TYPE_CHECKING:

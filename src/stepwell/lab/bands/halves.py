@@ -1,25 +1,85 @@
-"""Loading halves of tension tests: of which sample and which cycle each is."""
+"""Loading halves of tension tests: of which kind of band, which are fitted, and their means."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, brief
-from stepwell.lab.recordings import (
+from stepwell.base import Bools, ByValue, Floats, brief
+from stepwell.lab.recordings.oddities import batch_oddities
+from stepwell.lab.recordings.read import natural
+from stepwell.lab.recordings.recording import (
     Recording,
-    batch_oddities,
     is_baseline,
-    natural,
     run_number,
     sample_number,
     stem_of,
 )
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate(ByValue):
+    """A mean over samples.
+
+    Attributes:
+        value: the mean.
+        low, high: 95 % interval of the mean of all such samples; NaN for one sample, which
+            shows no scatter.
+        next_low, next_high: 95 % interval for one more sample.
+        spread: standard deviation between samples; NaN for one sample.
+        each: the samples' own values.
+    """
+
+    value: float
+    low: float
+    high: float
+    next_low: float
+    next_high: float
+    spread: float
+    each: Mapping[int, float] = field(repr=False)
+
+    def __repr__(self):
+        if math.isnan(self.spread):
+            return f"Estimate({self.value:.5g}, one sample: its uncertainty is not known)"
+        return (
+            f"Estimate({self.value:.5g}, 95 % {self.low:.5g} to {self.high:.5g}, "
+            f"{len(self.each)} samples that scatter by {self.spread:.3g})"
+        )
+
+
+def of_samples(each: Mapping[int, float]) -> Estimate:
+    """The mean of samples and its Student interval.
+
+    Args:
+        each: value by sample.
+
+    Returns:
+        The estimate.
+
+    Source: Student 1908; the interval for one more sample is the usual prediction interval.
+    """
+    values = np.array(list(each.values()))
+    n, mean = len(values), float(np.mean(values))
+    spread = float(np.std(values, ddof=1)) if n > 1 else math.nan
+    wide = student(n - 1) * spread
+    near, far = wide / math.sqrt(n), wide * math.sqrt(1 + 1 / n)
+    return Estimate(mean, mean - near, mean + near, mean - far, mean + far, spread, dict(each))
+
+
+def student(freedom: float) -> float:
+    """How many standard errors a two-sided 95 % interval reaches."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
+
 
 # Rows that a loading half has at least, and all halves on average, where a table is in an order.
 _ROWS = 4
@@ -160,3 +220,157 @@ def _order(recording: Recording) -> tuple[str, ...]:
     ):
         return ("its rows are sorted by stroke and taken as one loading",)
     return ()
+
+
+# What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
+WINDOW = (0.005, 0.035)
+CYCLES = (5, 9)
+REACH = 1e-4  # [m] by which a stroke may miss the end of a window
+_FEW = 20  # readings of a loading half, of which none is given away
+_SLACK = 0.02  # of the largest force, below which a band is not said to be taut
+
+
+def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
+    """First and last cycle that is fitted, and what is told where it is not the paper's.
+
+    That is every cycle but the first, where every sample has others: rubber softens most in it.
+    """
+    samples = {loop.sample for loop in loops}
+    first, last = CYCLES
+    if not loops or {o.sample for o in loops if first <= o.cycle <= last} == samples:
+        return CYCLES, ""
+    top = max(loop.cycle for loop in loops)
+    begin = 2 if {o.sample for o in loops if o.cycle > 1} == samples else 1
+    why = f"not every sample has one of the usual {first} to {last}"
+    shown = f"cycle {top} is" if begin == top else f"cycles {begin} to {top} are"
+    return (begin, top), f"{shown} fitted: {why}"
+
+
+def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
+    """The strokes between which bands are fitted [m], and what is told where they are not usual.
+
+    That is from where the band is taut to the end of what was measured, where a loading half does
+    not reach over the paper's window or has few readings in it.
+    """
+    low, high = WINDOW
+    inside = [np.sum((loop.stroke >= low) & (loop.stroke <= high)) for loop in used]
+    over = all(np.min(o.stroke) <= low + REACH and np.max(o.stroke) >= high - REACH for o in used)
+    few = bool(inside) and min(inside) < _FEW
+    if not used or (over and not few):
+        return WINDOW, ""
+    usual = f"the usual {low * 1e3:g} to {high * 1e3:g} mm"
+    why = f"{usual} hold few readings" if over else f"the stroke does not reach over {usual}"
+    found = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
+    shown = " to ".join(f"{edge * 1e3:.4g}" for edge in found)
+    return found, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
+
+
+def taut(force: Floats, step: float) -> Bools:
+    """Whether the band pulls, at each force (n,) [N] of a loading half told in such steps [N]."""
+    return force > max(_SLACK * float(np.max(force)), 0.5 * step)
+
+
+def _taut_from(loop: Hysteresis) -> float:
+    """The stroke of the last slack reading before the band pulls, or of the first one [m]."""
+    pulls = np.flatnonzero(taut(loop.force, loop.steps[1]))
+    first = int(pulls[0]) if len(pulls) else 0
+    return float(loop.stroke[max(first - 1, 0)])
+
+
+# Bands of a kind scatter by 10 %, seldom by 15; two that lie further apart than this factor, with
+# none between them, are of two kinds, or one of the runs is broken.
+_APART = 1.4
+# Rubber softens from cycle to cycle and never stiffens: by half in its first cycles, then by a few
+# percent. Past these factors the next cycle is of another band.
+_SOFTER_AT_FIRST, _SOFTER, _STIFFER = 4.0, 1.5, 1.3
+_EARLY = 2
+_ABOUT = 0.12  # between a factor and the count of bands that may explain it
+
+
+class Run(NamedTuple):
+    """A loading half and its stiffness in the window [N/m]."""
+
+    sample: int
+    cycle: int
+    source: str
+    stiffness: float
+
+
+class Kind(NamedTuple):
+    """Runs of bands that are alike: their median stiffness [N/m], and how many bands they are."""
+
+    runs: tuple[Run, ...]
+    stiffness: float
+    bands: int
+
+
+def kinds(runs: Iterable[Run]) -> tuple[Kind, ...]:
+    """Runs sorted into kinds of bands, the kind of most bands first.
+
+    The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
+    Bands are of one kind while no gap wider than a factor separates them.
+    """
+    by_sample: dict[int, list[Run]] = {}
+    for run in runs:
+        by_sample.setdefault(run.sample, []).append(run)
+    bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
+    stiff = sorted(((_typical(band), band) for band in bands), key=lambda one: one[0])
+    groups: list[list[tuple[float, list[Run]]]] = []
+    for one in stiff:
+        if groups and _ratio(groups[-1][-1][0], one[0]) <= _APART:
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    found = [
+        Kind(tuple(r for _, band in g for r in band), float(np.median([k for k, _ in g])), len(g))
+        for g in groups
+    ]
+    return tuple(sorted(found, key=lambda kind: -kind.bands))
+
+
+def differing(usual: Kind, other: Kind) -> str:
+    """How the runs of a kind differ from the usual one, with their files."""
+    ratio = other.stiffness / usual.stiffness
+    files = listed([run.source for run in other.runs])
+    if ratio <= 0:
+        return f"{files}: {other.stiffness:.3g} N/m, which does not pull at all"
+    factor = ratio if ratio > 1 else 1 / ratio
+    times = f"{factor:.3g} times as {'stiff' if ratio > 1 else 'soft'}"
+    whole = round(factor)
+    hint = ""
+    if 2 <= whole <= 4 and abs(factor / whole - 1) < _ABOUT:
+        hint = (
+            f" ({whole} bands in place of 1?)" if ratio > 1 else f" (1 band in place of {whole}?)"
+        )
+    return f"{files}: {other.stiffness:.4g} N/m, {times}{hint}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """A few names, and how many more there are."""
+    shown = ", ".join(name.replace("\\", "/").rpartition("/")[2] for name in names[:3])
+    return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _one_band_each(runs: list[Run]) -> list[list[Run]]:
+    """The runs of a sample, parted where the next cycle cannot be of the same band."""
+    ordered = sorted(runs, key=lambda run: run.cycle)
+    parts = [[ordered[0]]]
+    for before, run in pairwise(ordered):
+        softer = _SOFTER_AT_FIRST if before.cycle < _EARLY else _SOFTER
+        rises = run.stiffness > before.stiffness
+        allowed = _STIFFER if rises else softer
+        if _ratio(*sorted((before.stiffness, run.stiffness))) <= allowed:
+            parts[-1].append(run)
+        else:
+            parts.append([run])
+    return parts
+
+
+def _typical(runs: list[Run]) -> float:
+    """Median stiffness of a band, without its first cycle where it has others."""
+    later = [run.stiffness for run in runs if run.cycle > 1]
+    return float(np.median(later or [run.stiffness for run in runs]))
+
+
+def _ratio(low: float, high: float) -> float:
+    return high / low if low > 0 else (1.0 if high <= 0 else math.inf)

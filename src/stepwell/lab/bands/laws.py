@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError
-from stepwell.lab.recordings import rms
+from stepwell.lab.recordings.curve import rms
 
 # Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
 # so long at rest [m].

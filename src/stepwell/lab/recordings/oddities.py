@@ -8,9 +8,7 @@ from itertools import chain, pairwise
 
 import numpy as np
 
-from stepwell.lab.recordings.names import run_number, stem_of
-from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.recordings.spikes import spikes
+from stepwell.lab.recordings.recording import Recording, run_number, spikes, stem_of
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
 SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack

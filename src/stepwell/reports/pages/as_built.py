@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import counted, number, percent
-from stepwell.lab.as_built import KNOWN, MOVE, holes_told
+from stepwell.lab import KNOWN, MOVE, holes_told
 from stepwell.reports.pages import parts
 
 if TYPE_CHECKING:

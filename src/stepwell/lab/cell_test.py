@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, brief, record
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
-from stepwell.lab.mechanisms.schema import CELL_TEST
-from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.recordings import rms
+from stepwell.lab.recordings.curve import rms
+from stepwell.lab.rig import CELL_TEST, PAPER_RIG, Rig
+from stepwell.lab.series import Series
 from stepwell.mechanism import Cell
 
 # Agreement as this room uses the word: the class is right and the force within this of the

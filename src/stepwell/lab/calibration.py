@@ -11,10 +11,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, need
-from stepwell.lab.bands import student
-from stepwell.lab.calibration.model import LAWS, force, late, law_of, number, numbers_of, rows
-from stepwell.lab.calibration.predict import Model, SnapPrediction, order_of, snap_of
-from stepwell.lab.calibration.samples import (
+from stepwell.lab.bands.halves import student
+from stepwell.lab.comparison import TIED, correlations
+from stepwell.lab.fit_model import (
+    LAWS,
+    Model,
+    SnapPrediction,
+    force,
+    late,
+    law_of,
+    number,
+    numbers_of,
+    order_of,
+    rows,
+    snap_of,
+)
+from stepwell.lab.fit_samples import (
     Prepared,
     Sample,
     Weighing,
@@ -23,15 +35,11 @@ from stepwell.lab.calibration.samples import (
     rubber_name,
     weigh,
 )
-from stepwell.lab.mechanisms import (
-    TIED,
-    Geometry,
-    PairTest,
-    Rig,
-    correlations,
-    over_geometries,
-)
-from stepwell.lab.recordings import LabError, rms
+from stepwell.lab.pair_test import PairTest
+from stepwell.lab.recordings.curve import rms
+from stepwell.lab.recordings.recording import LabError
+from stepwell.lab.rig import Rig
+from stepwell.lab.series import Geometry, over_geometries
 from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:

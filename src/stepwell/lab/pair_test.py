@@ -10,18 +10,21 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, record
-from stepwell.lab.mechanisms.predict import mover, on_path, path_of
-from stepwell.lab.mechanisms.rig import END, PAPER_RIG, Rig, judged, quiet_zones
-from stepwell.lab.mechanisms.schema import PAIR_TEST
-from stepwell.lab.mechanisms.series import TELLING, Series, carried
-from stepwell.lab.mechanisms.snaps import (
-    MeasuredSnap,
-    find_snaps,
-    holes_of,
-    matched,
-    samples_of_jump,
+from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
+from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.rig import (
+    END,
+    PAIR_TEST,
+    PAPER_RIG,
+    Rig,
+    judged,
+    mover,
+    on_path,
+    path_of,
+    quiet_zones,
 )
-from stepwell.lab.recordings import Curve, Recording, from_zero, mean_curve, rms
+from stepwell.lab.series import TELLING, Series, carried
+from stepwell.lab.snaps import MeasuredSnap, find_snaps, holes_of, matched, samples_of_jump
 from stepwell.mechanism import Chain
 from stepwell.statics import Event, EventKind, Path
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats
-from stepwell.lab.mechanisms.rig import judged
-from stepwell.lab.recordings import Recording, without_spikes
+from stepwell.lab.recordings.recording import Recording, without_spikes
+from stepwell.lab.rig import judged
 from stepwell.statics import Event
 
 # Means over 0.1 s before and after, 0.12 s apart: snaps of the paper's rig take 40 to 80 ms. What

@@ -13,26 +13,19 @@ from pathlib import PurePath
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats
-from stepwell.lab.mechanisms.predict import path_of, predicted_force
-from stepwell.lab.mechanisms.rig import judged, quiet_zones
-from stepwell.lab.recordings import (
+from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
+from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
+from stepwell.lab.recordings.read import natural
+from stepwell.lab.recordings.recording import (
     PLACES,
-    Curve,
     LabError,
     Recording,
     Setup,
-    from_zero,
     is_baseline,
-    mean_curve,
-    missing,
-    natural,
-    oddities,
-    rms,
     setup_of,
     stem_of,
-    unlike,
-    unusable,
 )
+from stepwell.lab.rig import judged, path_of, predicted_force, quiet_zones
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.statics import Path
 

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import ByValue, Floats, ReadOnly, brief
-from stepwell.lab.mechanisms import Geometry, PairTest, Series, pair_tests
+from stepwell.lab.pair_test import PairTest, pair_tests
+from stepwell.lab.series import Geometry, Series
 from stepwell.mechanism import Cell, Table
 
 _POINTS = 60

@@ -1,0 +1,411 @@
+"""What a build was seen to do, and builds drawn at random that do it, wrong holes among them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, Ints, StepwellError, Vec2, brief, percent
+from stepwell.design import Draws, Parameter, parameters
+from stepwell.lab.recordings.curve import from_zero
+from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.mechanism import Chain
+from stepwell.sequences import Cycle
+
+WAYS: tuple[Vec2, ...] = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+_COUNTS = {1: "one hole", 2: "two holes", 3: "three holes"}
+
+
+@dataclass(frozen=True)
+class Holes:
+    """What is believed of the holes of a build before it is tried.
+
+    Of anchors a motion knows d = q - p alone, so a cell has one shift, of its q; a wrong hole of p
+    is the opposite one.
+
+    Attributes:
+        anchors: q of every cell that has one.
+        apart: how far holes are apart [m].
+        chance: that an anchor is one hole off, along x or y.
+    """
+
+    anchors: tuple[Parameter, ...]
+    apart: float
+    chance: float
+
+    @property
+    def columns(self) -> int:
+        """How many random numbers tell the holes of one build."""
+        return len(self.anchors) if self.chance else 0
+
+    @property
+    def _drawn(self) -> float:
+        """The share of wrong holes among those drawn: of all cells about one."""
+        return 1.0 / (1.0 + len(self.anchors))
+
+    def shifts(self, even: Floats) -> Floats:
+        """(cells, 2) by how much q of each cell is off [m], for numbers (cells,) from 0 to 1."""
+        found = np.zeros((len(even), 2))
+        wrong = even < self._drawn
+        way = np.minimum((even[wrong] / self._drawn * len(WAYS)).astype(int), len(WAYS) - 1)
+        found[wrong] = self.apart * np.array(WAYS)[way]
+        return found
+
+    def price(self, even: Floats) -> float:
+        """By how much less likely these holes are than they are drawn: minus the logarithm."""
+        off = 2.0 * self.chance  # of two anchors either
+        wrong = int(np.sum(even < self._drawn))
+        right = len(even) - wrong
+        dear = math.log(self._drawn / off) if wrong else 0.0
+        return wrong * dear + right * math.log((1.0 - self._drawn) / (1.0 - off))
+
+    def moved(self, chain: Chain, shifts: Floats) -> Chain:
+        """A chain with its anchors in other holes."""
+        for anchor, (dx, dy) in zip(self.anchors, shifts.tolist(), strict=True):
+            if dx or dy:
+                chain = anchor.displaced(chain, (dx, dy))
+        return chain
+
+
+@dataclass(frozen=True, eq=False)
+class WrongHole(ByValue):
+    """An anchor that may be one hole off.
+
+    Attributes:
+        anchor: q of a cell; p the other way would do the same.
+        was, to: where its first band has it on the drawing, and where it may be [m].
+        share: of the builds that agree with what was seen, how many have it there.
+    """
+
+    anchor: Parameter
+    was: Vec2
+    to: Vec2
+    share: float
+
+    def __str__(self):
+        return f"{named(self.anchor)} is {way_in_words(self.was, self.to, 1)}"
+
+    def __repr__(self):
+        return f"WrongHole({self}: {percent(self.share)})"
+
+
+def outer_anchors(chain: Chain) -> tuple[Parameter, ...]:
+    """q of every cell that has anchors."""
+    return tuple(one for one in parameters(chain) if one.part == "q")
+
+
+def place_of(anchor: Parameter, chain: Chain) -> Vec2:
+    """Where the first band has an anchor [m]."""
+    x, y = np.asarray(anchor.value(chain), float).tolist()
+    return x, y
+
+
+def named(anchor: Parameter) -> str:
+    """An anchor in words."""
+    cell, _, part = anchor.name.rpartition(".")
+    return f"{part} of {cell}"
+
+
+def way_in_words(was: Vec2, to: Vec2, holes: int) -> str:
+    """How far from one place to another, in holes; along x q goes outwards, away from its block."""
+    dx, dy = to[0] - was[0], to[1] - was[1]
+    if abs(dx) > abs(dy):
+        word = "outwards" if dx > 0 else "inwards"
+    else:
+        word = "along +y" if dy > 0 else "along -y"
+    return f"{_COUNTS[holes]} {word}"
+
+
+# Forces of a recording that are compared, each way; more of them are no more independent.
+_PLACES = 12
+# Of the stroke, what a recording must reach over to be one of this design.
+_REACH = 0.5
+
+
+class Pull(NamedTuple):
+    """The force of the actuator at a stroke.
+
+    Attributes:
+        direction: +1 while loading, -1 while unloading.
+        stroke: from state 0 of all cells on [m].
+        force: [N], positive where the actuator pulls.
+    """
+
+    direction: int
+    stroke: float
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class Observed(ByValue):
+    """What a build did when it was pulled out and let back once.
+
+    Args:
+        sequence: the states it went through, such as "00>10>11>01>00"; None where nobody looked.
+        out, back: strokes at which it snapped while it was pulled out and let back [m]; None where
+            nobody looked, empty where it did not snap.
+        pulls: forces that were read on the way.
+        ruler: standard deviation of a stroke [m].
+        scale: standard deviation of a force [N].
+
+    Raises:
+        ValueError: nothing was seen, or a doubt that is not above zero.
+    """
+
+    sequence: str | None = None
+    out: tuple[float, ...] | None = None
+    back: tuple[float, ...] | None = None
+    pulls: tuple[Pull, ...] = ()
+    ruler: float = 1e-3
+    scale: float = 0.02
+
+    def __post_init__(self):
+        if self.sequence is None and self.out is None and self.back is None and not self.pulls:
+            raise InputError(
+                "nothing was seen: give the states, strokes of snaps, or forces on the way."
+            )
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in ("ruler", "scale") and not 0 < value < math.inf:
+                raise InputError(f"{field.name} = {value}: must be > 0, as doubts are.")
+
+    @property
+    def numbers(self) -> int:
+        """How many strokes and forces were read."""
+        return len(self.out or ()) + len(self.back or ()) + len(self.pulls)
+
+    def misfit(self, cycle: Cycle) -> float:
+        """Half the sum of squared errors in standard deviations; infinite where it did otherwise.
+
+        A snap too many or too few is another motion, and so is a tie, which may end either way.
+        """
+        if self.sequence is not None and str(cycle.sequence) != self.sequence:
+            return math.inf
+        total = 0.0
+        for direction, wanted in ((1, self.out), (-1, self.back)):
+            if wanted is None:
+                continue
+            found = sorted(e.drive for e in cycle.snaps if e.direction == direction)
+            if len(found) != len(wanted):
+                return math.inf
+            gaps = np.subtract(found, sorted(wanted)) / self.ruler
+            total += 0.5 * float(gaps @ gaps)
+        if self.pulls:
+            gaps = (_forces(cycle, self.pulls) - [pull.force for pull in self.pulls]) / self.scale
+            total += 0.5 * float(gaps @ gaps)
+        return total
+
+    def __repr__(self):
+        return brief(self)
+
+
+def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> Floats:
+    """Forces of the model [N] where some were read."""
+    stroke, force = cycle.path.stroke, cycle.path.force
+    top = int(np.argmax(stroke))
+    ways = {
+        1: (stroke[: top + 1], force[: top + 1]),
+        -1: (stroke[top:][::-1], force[top:][::-1]),
+    }
+    return np.array([np.interp(pull.stroke, *ways[pull.direction]) for pull in pulls])
+
+
+def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
+    """Forces at even strokes of a recording, each the mean of what lies about it.
+
+    Args:
+        recording: pulled out, let back, or both.
+        full: stroke with every cell at state 1 [m].
+
+    Raises:
+        LabError: it does not reach over half of that stroke, or over more than half as much again.
+    """
+    stroke = from_zero(recording, full)
+    reached = float(np.ptp(stroke))
+    if not _REACH * full <= reached <= (1.0 + _REACH) * full:
+        raise LabError(
+            recording.source,
+            f"its stroke is {reached * 1e3:.4g} mm and that of the design {full * 1e3:.4g} mm: "
+            f"check the unit in the header, and that this design was tested.",
+        )
+    edges = np.linspace(0.0, full, _PLACES + 1)
+    found: list[Pull] = []
+    for half in recording.halves:
+        direction = 1 if recording.direction_of(half) == "loading" else -1
+        place = np.digitize(stroke[half], edges) - 1
+        for k in range(_PLACES):
+            here = place == k
+            if np.any(here):
+                u, force = stroke[half][here], recording.force[half][here]
+                found.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
+    return tuple(found)
+
+
+# Steps after each generation, and how many generations at most.
+STEPS, _GENERATIONS = 2, 20
+# Of the steps so many should be taken: fewer go too far, more not far enough.
+_TAKEN = 0.3
+# Of n builds so many should move as was seen, and so many must; up to so many times n are drawn.
+# What descends from less than a quarter of n goes more steps, so that it is no family.
+_PLENTY, _FEW, _ROUNDS, _FAMILY, _MORE = 0.06, 0.02, 8, 0.25, 4
+# Of the steps so many try another hole for one anchor too, and as many for all.
+_REHOOKED = 0.15
+
+
+@dataclass(frozen=True)
+class Population:
+    """Builds, each as likely as the others.
+
+    Attributes:
+        built: n of them.
+        misfits: (n,) how badly each agrees, as `Observed.misfit`.
+        shifts: (n, cells, 2) by how much q of each cell is in another hole [m].
+        before, weights: those before anything was seen, and how likely each is.
+        share: of those before, how many moved as was seen, whatever its strokes and forces.
+        few: whether fewer moved so than are needed to draw from.
+    """
+
+    built: list[Chain]
+    misfits: Floats
+    shifts: Floats
+    before: list[Chain]
+    weights: Floats
+    share: float
+    few: bool
+
+
+def population(
+    draws: Draws, holes: Holes, observed: Observed, n: int, tell: Callable[[], None]
+) -> Population | None:
+    """Builds given what was seen of one; None where of n none moves so.
+
+    What was seen counts little at first and more in every generation: the better ones are taken
+    more often, and all then go some steps at random, among those that are as likely. So it is with
+    how unlikely wrong holes are, of which more are drawn at first than there are.
+
+    Args:
+        draws: what builds may be before anything was seen.
+        holes: where their anchors may be by mistake.
+        observed: what was seen.
+        n: how many.
+        tell: called for every one that is tried.
+
+    Source: Del Moral, Doucet and Jasra 2006.
+    """
+    random = np.random.default_rng(draws.seed)
+    parts = draws.columns
+
+    def tried(row: Floats) -> _Tried:
+        tell()
+        price = holes.price(row[parts:]) if holes.columns else 0.0
+        try:
+            chain = draws.built(draws.shaped(row[None, :parts].copy())[0])
+            if holes.columns:
+                chain = holes.moved(chain, holes.shifts(row[parts:]))
+            return _Tried(chain, observed.misfit(chain.cycle()), price)
+        except StepwellError:
+            return _Tried(None, math.inf, price)
+
+    even, made, fits = np.zeros((0, parts + holes.columns)), list[_Tried](), np.zeros(0, bool)
+    for _ in range(_ROUNDS):
+        more = random.random((n, parts + holes.columns))
+        even, made = np.concatenate([even, more]), made + [tried(row) for row in more]
+        fits = np.isfinite([one.misfit for one in made])
+        if np.sum(fits) >= _PLENTY * n:
+            break
+    if not np.any(fits):
+        return None
+    likely = np.exp([-one.price for one in made])
+    whole = np.array([one.chain is not None for one in made])
+    before = [one.chain for one in made if one.chain is not None]
+    share, fit = float(np.sum(likely[fits]) / np.sum(likely)), np.flatnonzero(fits)
+
+    def take(places: Ints) -> None:
+        nonlocal even, made
+        even, made = even[places], [made[k] for k in places]
+
+    take(fit[np.arange(n) % len(fit)])
+    counts, far = 0.0, 1.0
+    steps = STEPS * (_MORE if len(fit) < _FAMILY * n else 1)
+    for generation in range(_GENERATIONS):
+        worse = np.array([one.worse for one in made])
+        more = 1.0 - counts if generation == _GENERATIONS - 1 else _more(worse, 1.0 - counts)
+        counts += more
+        take(_chosen(np.exp(np.min(worse) - worse) ** more, random))
+        spread = np.std(even, axis=0)
+        spread[parts:] = 0.0
+        for _ in range(steps):
+            there = _within(even + far * spread * random.standard_normal(even.shape))
+            if holes.columns:
+                luck, other = random.random(n), random.random((n, holes.columns))
+                one = np.arange(holes.columns) == random.integers(holes.columns, size=(n, 1))
+                new = (luck < 2 * _REHOOKED)[:, None] & (one | (luck < _REHOOKED)[:, None])
+                there[:, parts:][new] = other[new]
+            luck, taken = random.random(n), 0
+            for k in range(n):
+                one = tried(there[k])
+                if luck[k] < math.exp(min(0.0, counts * (made[k].worse - one.worse))):
+                    made[k], even[k] = one, there[k]
+                    taken += 1
+            far = min(max(far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
+        if counts >= 1.0:
+            break
+    cells = len(holes.anchors)
+    return Population(
+        [one.chain for one in made if one.chain is not None],
+        np.array([one.misfit for one in made]),
+        np.array([holes.shifts(row[parts:]) for row in even])
+        if holes.columns
+        else np.zeros((n, cells, 2)),
+        before,
+        likely[whole] / np.sum(likely[whole]),
+        share,
+        len(fit) < _FEW * n,
+    )
+
+
+class _Tried(NamedTuple):
+    """One build that was tried: None where it cannot be built."""
+
+    chain: Chain | None
+    misfit: float
+    price: float
+
+    @property
+    def worse(self) -> float:
+        """Minus the logarithm of how likely it is, given what was seen."""
+        return self.misfit + self.price
+
+
+def _more(misfits: Floats, most: float) -> float:
+    """By how much more what was seen may count for half of them to stay."""
+
+    def kept(more: float) -> float:
+        weights = np.exp(more * (np.min(misfits) - misfits))
+        return float(np.sum(weights) ** 2 / np.sum(weights**2)) / len(misfits)
+
+    if kept(most) >= 0.5:
+        return most
+    low, high = 0.0, most
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if kept(middle) >= 0.5 else (low, middle)
+    return max(low, 1e-6)
+
+
+def _chosen(weights: Floats, random: np.random.Generator) -> Ints:
+    """As many of each as its weight says, by even steps from a random start."""
+    n = len(weights)
+    steps = (np.arange(n) + random.random()) / n
+    places = np.searchsorted(np.cumsum(weights) / np.sum(weights), steps)
+    return np.minimum(places, n - 1)
+
+
+def _within(even: Floats) -> Floats:
+    """Numbers brought back between 0 and 1 as by mirrors there."""
+    folded = np.mod(even, 2.0)
+    return np.where(folded > 1.0, 2.0 - folded, folded)

@@ -1,0 +1,387 @@
+"""The model that is fitted, rubber with a loss on a rig that gives way, and what it predicts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepwell.base import Bools, ByValue, Floats
+from stepwell.lab.fit_samples import Sample, Weighing
+from stepwell.lab.pair_test import PairTest
+from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
+from stepwell.lab.series import Geometry
+from stepwell.mechanism import (
+    Band,
+    Cell,
+    Chain,
+    Cubic,
+    Law,
+    Linear,
+    Load,
+    Table,
+    band_force,
+    band_length,
+    length_slope,
+    sine_at,
+)
+from stepwell.statics import EventKind
+
+
+class Number(NamedTuple):
+    """A number that can be fitted: its unit, where the search starts and ends, a typical size."""
+
+    unit: str
+    start: float
+    low: float
+    high: float
+    size: float
+
+
+# Stiffness and start have one for each kind of rubber and each direction.
+_NUMBERS = {
+    "stiffness": Number("N/m", 40.0, 0.1, 1e4, 10.0),
+    "rest_length": Number("m", 0.010, 0.0, 0.1, 0.005),
+    "quadratic": Number("1/m", 0.0, -1e3, 1e3, 20.0),
+    "cubic": Number("1/m²", 0.0, -1e6, 1e6, 500.0),
+    "loss": Number("1", 0.1, 0.0, 0.95, 0.1),
+    "loss_length": Number("m", 0.003, 1e-4, 0.1, 0.003),
+    "friction": Number("N", 0.0, -1.0, 1.0, 0.02),
+    "joints": Number("1", 0.01, 0.0, 0.5, 0.02),
+    "travel": Number("1", 1.0, 0.9, 1.1, 0.01),
+    "start": Number("m", 0.0, -3e-3, 3e-3, 3e-4),
+}
+LAWS: dict[str, tuple[str, ...]] = {"linear": (), "cubic": ("quadratic", "cubic")}
+
+
+def number(name: str) -> Number:
+    """Bounds and unit of a number by its name, such as "stiffness_2_in_pairs"."""
+    return next(found for stem, found in _NUMBERS.items() if _is(name, stem))
+
+
+def _is(name: str, stem: str) -> bool:
+    return name == stem or (stem in ("stiffness", "start") and name.startswith(f"{stem}_"))
+
+
+def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
+    """Names of what is fitted to these samples with a law.
+
+    What no sample shows is not fitted: the rig's terms are those of pairs, and friction in the
+    joints, which grows with the load, is told from the loss of the rubber by loading and unloading.
+    """
+    rubbers = sorted({sample.rubber for sample in samples})
+    pairs = {sample.unloading for sample in samples if sample.in_pair}
+    joints = ["joints"] if len(pairs) == 2 else []
+    starts = [f"start_{'un' * way}loading" for way in sorted(pairs)]
+    rig = ["travel", *starts] if pairs else []
+    return [
+        *rubbers,
+        "rest_length",
+        *LAWS.get(law, ()),
+        "loss",
+        "loss_length",
+        "friction",
+        *joints,
+        *rig,
+    ]
+
+
+def law_of(law: str, values: Mapping[str, float], tables: Mapping[str, Table]) -> Law:
+    """The law of a band by its name and its fitted numbers."""
+    if law in tables:
+        return tables[law]
+    found = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
+    return found if found.a2 or found.a3 else Linear()
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What does not depend on the numbers that are fitted, all samples in a row (n,)."""
+
+    way: Floats
+    drive: Floats
+    before: Floats
+    lever: Floats
+    sin_limit: Floats
+    dx: Floats
+    dy: Floats
+    bands: Floats
+    direction: Floats  # +1 loading, -1 unloading
+    force: Floats
+    rubber: dict[str, Floats]  # 1 where the stiffness is that of the name
+    pairs: dict[str, Floats]  # 1 in pairs, by direction
+    begins: Floats  # way at which the cell began to move after another one; NaN where not seen
+
+    def where(self, use: Bools) -> Rows:
+        """Some of the rows."""
+        cut: dict[str, Any] = {}
+        for one in fields(self):
+            held = getattr(self, one.name)
+            many = isinstance(held, dict)
+            cut[one.name] = {k: v[use] for k, v in held.items()} if many else held[use]
+        return Rows(**cut)
+
+
+def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
+    """Samples in a row, their rig giving way by so much [m/N]."""
+
+    def column(value: Callable[[Sample], object]) -> Floats:
+        return np.concatenate(
+            [np.broadcast_to(np.asarray(value(s), float), len(s.way)) for s in samples]
+        )
+
+    direction = column(lambda s: -1.0 if s.unloading else 1.0)
+    drive = column(lambda s: 0.0 if s.drive is None else s.drive)
+    in_pair = column(lambda s: s.in_pair)
+    names = {sample.rubber for sample in samples}
+    return Rows(
+        column(lambda s: s.way) - given * direction * drive * in_pair,
+        drive,
+        column(lambda s: s.before),
+        column(lambda s: s.cell.lever),
+        column(lambda s: s.cell.sin_limit),
+        column(lambda s: s.geometry[0]),
+        column(lambda s: s.geometry[1]),
+        column(lambda s: s.bands),
+        direction,
+        column(lambda s: s.force),
+        {name: column(lambda s, name=name: s.rubber == name) for name in names},
+        pairs={
+            "start_loading": in_pair * (direction > 0),
+            "start_unloading": in_pair * (direction < 0),
+        },
+        begins=column(lambda s: _begins(s, given)),
+    )
+
+
+def _begins(sample: Sample, given: float) -> float:
+    if sample.begins is None:
+        return math.nan
+    way, push = sample.begins
+    return way - given * (-push if sample.unloading else push)
+
+
+def way_of_cell(values: Mapping[str, float], data: Rows, way: Floats) -> Floats:
+    """Way that a cell has gone [m] for the machine's [m], before and past its stops too."""
+    start = sum((values[name] * one for name, one in data.pairs.items() if name in values), 0.0)
+    # Where the stops are farther apart than designed, all of the travel is stretched.
+    stretch = 1.0 + (values.get("travel", 1.0) - 1.0) * sum(data.pairs.values())
+    return (way - start) / stretch - data.before
+
+
+def late(values: Mapping[str, float], data: Rows) -> Floats:
+    """How far on each cell is [m] where it is seen to begin; none for those that are not seen."""
+    return way_of_cell(values, data, data.begins)[~np.isnan(data.begins)]
+
+
+def force(values: Mapping[str, float], data: Rows, law: Law) -> Floats:
+    """F of every row [N].
+
+    While a band gets longer than ever before in the motion its tension is that of the law; once it
+    is shorter by x than it has been, it is less by the share h (1 - exp(-x/c)). Friction is against
+    the motion: a constant, and a share of the tension.
+    """
+    full = 2.0 * data.lever * data.sin_limit
+    way = np.clip(way_of_cell(values, data, data.way), 0.0, full)
+    travel = np.where(data.direction > 0, way, full - way)
+    sine = sine_at(travel, data.lever, data.sin_limit)
+    cosine = np.sqrt(1.0 - sine**2)
+    length = band_length(sine, cosine, data.dx, data.dy, data.lever)
+    slope = length_slope(sine, cosine, length, data.dx, data.dy)
+    # The band is longest where the lever points along d, or where it has come nearest to that.
+    limit = np.arcsin(data.sin_limit)
+    theta, along = np.arcsin(sine), np.arctan2(data.dy, data.dx)
+    low = np.where(data.direction > 0, -limit, theta)
+    high = np.where(data.direction > 0, theta, limit)
+    nearest = np.clip(along, low, high)
+    longest = band_length(np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever)
+    kept = 1.0 - values["loss"] * (1.0 - np.exp(-(longest - length) / values["loss_length"]))
+    k = sum(values[name] * one for name, one in data.rubber.items())
+    band = Band((0.0, 0.0), (1.0, 0.0), 1.0, values["rest_length"], law)
+    tension = data.bands * k * band.tension(length) * kept
+    rubbing = values["friction"] + values.get("joints", 0.0) * tension
+    return band_force(tension, slope) + data.direction * rubbing
+
+
+# The force is read before a snap over this stroke [m]; it falls no slower than so [N/m].
+_BEFORE, _FLATTEST = 1e-3, 20.0
+_EARLY = 0.25  # of the stroke, where the first cell moves
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a fit says of mechanisms and of the rig.
+
+    Attributes:
+        values: fitted numbers by name.
+        law: of all bands.
+        weighing: weight and friction of the machine; None where they are not known.
+        given: by which the rig gives way [m/N].
+    """
+
+    values: Mapping[str, float]
+    law: Law
+    weighing: Weighing | None
+    given: float
+
+    @property
+    def rig(self) -> Rig:
+        """The rig of the pairs; its bar is not in the fit."""
+        friction = 0.0 if self.weighing is None else self.weighing.friction
+        return Rig(
+            PAPER_RIG.bar,
+            self.values.get("travel", 1.0),
+            self.values.get("start_loading", 0.0),
+            self.values.get("start_unloading", 0.0),
+            self.given,
+            0.0 if math.isnan(friction) else friction,
+        )
+
+    @property
+    def weight(self) -> float:
+        """Of the block between two cells [N]; 0 where nothing tells it."""
+        return 0.0 if self.weighing is None else self.weighing.weight
+
+    def applied(self, chain: Chain, stiffness: Callable[[Cell], float]) -> Chain:
+        """A chain with these bands, and with this weight and friction where they are known.
+
+        Args:
+            chain: of cells; the bands of each share the stiffness as they do now.
+            stiffness: of all bands of a cell together [N/m].
+
+        Returns:
+            The chain, its anchors, levers and stops as they were.
+        """
+        cells = chain.levers
+        return replace(
+            chain,
+            cells=[self._cell(cell, stiffness(cell), cell is not cells[-1]) for cell in cells],
+        )
+
+    def _cell(self, cell: Cell, stiffness: float, inner: bool) -> Cell:
+        total = sum(band.stiffness for band in cell.bands)
+        bands = [
+            Band(
+                band.p,
+                band.q,
+                stiffness * band.stiffness / total,
+                self.values["rest_length"],
+                self.law,
+            )
+            for band in cell.bands
+        ]
+        theta = np.linspace(-cell.limit, cell.limit, 41)
+        tension = sum((band.tension(band.length(theta, cell.lever)) for band in bands), 0.0 * theta)
+        joints = self.values.get("joints")
+        friction = cell.friction if joints is None else joints * float(np.mean(tension))
+        load = Load.constant(self.weight) if inner and self.weight else cell.load
+        return replace(
+            cell, band=bands[0] if len(bands) == 1 else bands, load=load, friction=friction
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SnapPrediction(ByValue):
+    """What a fit says of a series of a pair whose snaps had no part in it.
+
+    Attributes:
+        series: its name.
+        geometry: d of the outer cell, which was left out [m].
+        measured, spread: mean and standard deviation of the first snaps [m]; NaN for none.
+        reached: the last stroke of the recordings, in the direction of motion [m].
+        plain: predicted without a fit [m]; NaN for no snap.
+        fitted: predicted with its own curves, up to the snap [m]: they are in the fit, and what it
+            misses of the forces of its cells, at the ends of what was used, is added.
+        left_out: predicted from the other geometries alone [m].
+        doubt: standard deviation of `left_out` less `measured` [m].
+        order_seen, order: names of the cells, as the forces show them and as predicted from the
+            other geometries; of `order_seen` how many times the other order fits worse is `ratio`.
+    """
+
+    series: str
+    geometry: Geometry
+    measured: float
+    spread: float
+    reached: float
+    plain: float
+    fitted: float
+    left_out: float
+    doubt: float
+    order_seen: tuple[str, ...]
+    order: tuple[str, ...]
+    ratio: float = field(default=math.nan)
+
+    @property
+    def error(self) -> float:
+        """Of `left_out` [m]; NaN where there is none or no snap was seen."""
+        return self.left_out - self.measured
+
+    @property
+    def covered(self) -> bool | None:
+        """Whether the 90 % interval of `left_out` holds what was measured; None for no snap.
+
+        Where a snap is predicted and none was seen, it holds if it reaches past the last stroke.
+        """
+        if math.isnan(self.left_out):
+            return None if math.isnan(self.measured) else False
+        wide = 1.645 * self.doubt
+        if math.isnan(self.measured):
+            return abs(self.left_out - self.reached) <= wide
+        return abs(self.error) <= wide
+
+    def __repr__(self):
+        return (
+            f"SnapPrediction({self.series}: measured {self.measured * 1e3:.2f} mm, predicted "
+            f"{self.left_out * 1e3:.2f} ± {self.doubt * 1e3:.2f} mm)"
+        )
+
+
+def snap_of(
+    model: Model, test: PairTest, stiffness: float, missed: Sequence[float] = ()
+) -> tuple[float, float]:
+    """Where a pair snaps first.
+
+    Args:
+        model: of its cells and of the rig.
+        test: the pair.
+        stiffness: of all bands of a cell together [N/m].
+        missed: by how much the forces of the cells are larger than the model's [N].
+
+    Returns:
+        Stroke of the machine [m], NaN for no snap, and how steeply the force falls there [N/m].
+    """
+    chain = model.applied(test.series.chain, lambda _: stiffness)
+    for i, more in enumerate(missed):
+        cell = chain.levers[i]
+        load = (0.0 if cell.load is None else cell.load.force[0]) + more
+        chain = replace(
+            chain,
+            cells=[
+                replace(one, load=Load.constant(load)) if k == i else one
+                for k, one in enumerate(chain.levers)
+            ],
+        )
+    unloading = test.series.unloading
+    path = path_of(chain, unloading)
+    events = [event for event in path.events if event.kind is EventKind.SNAP]
+    if not events:
+        return math.nan, math.nan
+    event, way = events[0], -1.0 if unloading else 1.0
+    at = model.rig.at_machine(event.stroke, event.force_before, chain.full_stroke, unloading)
+    order = np.argsort(path.stroke, kind="stable")
+    ends = event.stroke - way * np.array([_BEFORE, 1e-6])
+    rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
+    return float(at), max(abs(float(rise)), _FLATTEST)
+
+
+def order_of(model: Model, test: PairTest, stiffness: float) -> tuple[str, ...]:
+    """Names of the cells in the order in which the model moves them."""
+    chain = model.applied(test.series.chain, lambda _: stiffness)
+    share = 1.0 - _EARLY if test.series.unloading else _EARLY
+    path = path_of(chain, test.series.unloading)
+    at: Floats = np.array([share - 0.01, share, share + 0.01]) * chain.full_stroke
+    first = int(mover(path, at)[0][1])
+    return tuple(chain.names[i] for i in (first, 1 - first))

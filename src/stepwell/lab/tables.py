@@ -1,0 +1,252 @@
+"""Bands, tested and calibrated, as tables of a design file, and their laws for a fit."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from stepwell.base import InputError, __version__, counted
+from stepwell.lab.bands.band import BandTest, band_test
+from stepwell.lab.bands.choice import NOTHING, Candidate, Choice, this_band
+from stepwell.lab.bands.halves import Estimate
+from stepwell.lab.calibration import Calibration
+from stepwell.lab.fit_samples import rubber_name
+from stepwell.lab.recordings.recording import LabError, Recording, setup_of
+from stepwell.lab.series import TENSION_TEST, counted_bands
+from stepwell.mechanism import Cubic, Table
+
+_ROWS = 13
+
+
+def band_table(
+    test: BandTest, estimate: Estimate, choice: Choice, law: str | None = None, source: str = ""
+) -> str:
+    """The `band` line of a design file, and above it in comments where it comes from.
+
+    Args:
+        test: the tension tests.
+        estimate: their stiffness.
+        choice: their force laws.
+        law: the law to write; by default the chosen one.
+        source: what the recordings are called.
+
+    Returns:
+        TOML to paste into [chain] or [[chain.cell]]; the rest length is left out where it is not
+        known, and a comment says so.
+
+    Raises:
+        ValueError: a law that is not known.
+    """
+    known = {candidate.law.name: candidate for candidate in choice.candidates}
+    if law is not None and law not in known:
+        raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
+    candidate = choice.chosen if law is None else known[law]
+    keys = _keys(candidate, test, estimate)
+    comments = _provenance(test, estimate, choice, candidate, source)
+    if choice.gauge is None:
+        comments += [
+            "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
+            "10 mm; measure the length at which your band begins to pull, and write it in.",
+        ]
+    else:
+        keys = {"rest_length_mm": (choice.gauge + candidate.fitted.onset) * 1e3} | keys
+    return "".join(f"# {line}\n" for line in comments) + band_line(keys)
+
+
+def band_line(keys: Mapping[str, float | list[list[float]]]) -> str:
+    """The line `band = { … }` of a design file, from numbers and rows of a table by their keys."""
+    return f"band = {{ {', '.join(f'{key} = {_text(value)}' for key, value in keys.items())} }}\n"
+
+
+def _text(value: float | list[Any]) -> str:
+    return f"[{', '.join(map(_text, value))}]" if isinstance(value, list) else f"{value:.5g}"
+
+
+def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str, Any]:
+    fitted = candidate.fitted
+    if candidate.law.name == "linear":
+        return {"stiffness_N_per_m": estimate.value}
+    if candidate.law.name == "cubic":
+        k, *over_k = fitted.coefficients
+        quadratic, cubic = (c / k for c in over_k)
+        return {
+            "stiffness_N_per_m": k,
+            "quadratic_per_mm": quadratic * 1e-3,
+            "cubic_per_mm2": cubic * 1e-6,
+        }
+    e = np.linspace(0.0, test.window[1] - fitted.onset, _ROWS)
+    rows = np.stack([e * 1e3, fitted.tension(fitted.onset + e)], axis=1)
+    return {"table_mm_N": rows.tolist()}
+
+
+def _provenance(
+    test: BandTest, estimate: Estimate, choice: Choice, candidate: Candidate, source: str
+) -> list[str]:
+    low, high = (edge * 1e3 for edge in test.window)
+    alone = this_band(test, choice)
+    if alone is None:
+        interval = (
+            f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
+            f"{estimate.spread:.3g}"
+        )
+    elif math.isnan(alone[0].low):
+        interval = "one sample and too few readings: its uncertainty is not known"
+    else:
+        interval = (
+            f"this band 95 % {alone[0].low:.4g} to {alone[0].high:.4g}; of others, one sample "
+            f"tells nothing"
+        )
+    tried = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
+    if choice.folds == NOTHING:
+        tried = "was tried on no other curve"
+    lengths: list[str] = []
+    if alone is not None and choice.gauge is not None and candidate is choice.chosen:
+        length = [(choice.gauge + edge) * 1e3 for edge in alone[1]]
+        lengths = ["Rest length {:.4g} mm (95 % {:.4g} to {:.4g}).".format(*length)]
+    ends = f"extensions of {max(low - candidate.fitted.onset * 1e3, 0.0):.3g}"
+    return [
+        *([f"From {source}, by stepwell {__version__}."] if source else []),
+        *(line for warning in test.warnings for line in wrap(f"WARNING: {warning}", 98)),
+        f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
+        f"{test.cycles[1]}, loading, {low:.5g} to {high:.5g} mm of stroke.",
+        f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
+        f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
+        f"and {tried}.",
+        *lengths,
+        f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
+    ]
+
+
+def calibrated_table(calibration: Calibration, source: str = "") -> str:
+    """The `band` line of a design file for each number of bands, the first of them ready to use.
+
+    Args:
+        calibration: the fit.
+        source: what the recordings are called.
+
+    Returns:
+        TOML: comments with provenance, errors and what a design cannot hold, then the band of
+        cells with the fewest bands; those of the others are commented out, and so are the weight
+        and the friction that cells of pairs carry.
+    """
+    loss, length = calibration["loss"], calibration["loss_length"]
+    friction, rest = calibration["friction"], calibration["rest_length"]
+    errors = "; ".join(
+        f"{_kind(n, pair)}: {calibration.mean_error(n, pair, left_out=False):.3f} fitted, "
+        f"{calibration.mean_error(n, pair):.3f} left out"
+        for n, pair in calibration.kinds
+    )
+    told = [
+        *([f"From {source}, by stepwell {__version__}."] if source else []),
+        f"Fitted to {counted(len(calibration.samples), 'curve')} of cells, law: {calibration.law}. "
+        f"Mean RMSE in k r, k = {calibration.reference:g} N/m a band, of a geometry: {errors}.",
+        f"Rest length between the anchors {rest.value * 1e3:.3g} mm "
+        f"({rest.low * 1e3:.3g} to {rest.high * 1e3:.3g}); from series to series bands differ by "
+        f"{calibration.scatter:.1%} (standard deviation).",
+        f"Not in this table: going back, a band pulls less by {loss.value:.0%} "
+        f"({loss.low:.0%} to {loss.high:.0%}), reached over {length.value * 1e3:.2g} mm; "
+        f"friction beyond the baseline {friction.value * 1e3:.2g} mN "
+        f"({friction.low * 1e3:.2g} to {friction.high * 1e3:.2g}).",
+    ]
+    if calibration.tied:
+        pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
+        told.append(f"These numbers are not told apart by the data: {pairs}.")
+    told += [f"Not told: {line}." for line in calibration.open]
+    text = "".join(f"# {line}\n" for one in told for line in wrap(one, 98))
+    for k, (bands, pair) in enumerate(calibration.kinds):
+        value = calibration[rubber_name(bands, pair)]
+        text += (
+            f"# Each band of {_kind(bands, pair)}: k = {value.value:.4g} N/m "
+            f"({value.low:.4g} to {value.high:.4g})\n"
+        )
+        text += f"{'# ' if k else ''}{band_line(_calibrated_keys(calibration, bands, pair))}"
+    if calibration.weight:
+        text += (
+            f"# In pairs each cell but the outermost carries the block beyond it:\n"
+            f"# load_N = {calibration.weight:.4g}\n"
+        )
+    for bands, pair in calibration.kinds:
+        if pair and calibration.joints:
+            friction_N = calibration.joints * calibration.tension(bands)
+            text += (
+                f"# Friction in the joints, {calibration.joints:.2%} of the tension; of "
+                f"{_kind(bands, pair)}, at mid-travel of d = (20, 0) mm:\n"
+                f"# friction_N = {friction_N:.3g}\n"
+            )
+    return text
+
+
+def _kind(bands: int, pair: bool) -> str:
+    return f"{'pairs' if pair else 'cells'} with {counted_bands(bands)}"
+
+
+def _calibrated_keys(calibration: Calibration, bands: int, pair: bool) -> dict[str, Any]:
+    band = calibration.band(bands, pair)
+    keys: dict[str, Any] = {"rest_length_mm": band.rest_length * 1e3}
+    if isinstance(band.law, Table):
+        pulls = band.stiffness * np.array(band.law.shape)
+        rows = np.stack([np.array(band.law.extension) * 1e3, pulls], axis=1)
+        return keys | {"table_mm_N": rows[:: 2 if len(rows) > _ROWS else 1].tolist()}
+    keys = {"stiffness_N_per_m": band.stiffness} | keys
+    if isinstance(band.law, Cubic):
+        keys["quadratic_per_mm"] = band.law.a2 * 1e-3
+        keys["cubic_per_mm2"] = band.law.a3 * 1e-6
+    return keys
+
+
+_POINTS, _TENSION_ROWS = 201, 25
+_TAUT = 0.02  # of the largest force, below which a band counts as slack
+
+
+def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
+    """The law of each set of tension tests: the mean loading curve of its usual bands.
+
+    Args:
+        recordings: of any kind; tension tests are told by their names.
+
+    Returns:
+        By the name of a folder of tests its law, tension over the stiffness at the largest
+        extension; where its bands are not of one kind, by the names of the runs. What gives no band
+        is left out.
+    """
+    groups: dict[str, list[Recording]] = defaultdict(list)
+    for one in recordings:
+        if setup_of(one.name) is None and TENSION_TEST.search(one.name):
+            groups[one.group].append(one)
+    found: dict[str, Table] = {}
+    for group, runs in groups.items():
+        name = group.replace("\\", "/").rpartition("/")[2].partition(".")[0]
+        try:
+            table = _table(runs)
+        except LabError:
+            # Bands of several kinds, or a run that cannot be used: each by itself.
+            for run in runs:
+                with suppress(LabError):
+                    found[run.name] = _table([run])
+        else:
+            found[name] = table
+    return found
+
+
+def _table(runs: Sequence[Recording]) -> Table:
+    """The mean loading curve of the usual bands, from where they are taut to where all reach."""
+    test = band_test(runs)
+    reach = min(float(np.max(loop.stroke)) for loop in test.used)
+    test = replace(test, window=(0.0, reach))
+    curves = [test.curve(sample) for sample in test.samples]
+    stroke = np.linspace(0.0, reach, _POINTS)
+    force = np.mean([np.interp(stroke, *curve) for curve in curves], axis=0)
+    force = np.maximum.accumulate(force - force[0])
+    slack = int(np.flatnonzero(force > _TAUT * force[-1])[0]) - 1
+    extension = np.linspace(0.0, reach - stroke[slack], _TENSION_ROWS)
+    tension = np.interp(extension, stroke[slack:] - stroke[slack], force[slack:])
+    tension[0] = 0.0
+    shape = tension * extension[-1] / tension[-1]
+    return Table(tuple(extension.tolist()), tuple(shape.tolist()))
