@@ -45,7 +45,7 @@ from stepwell.figures.motion.plan import instants
 from stepwell.figures.robots import bracket, draw_arena, in_world
 from stepwell.figures.robots.robot_parts import antenna_line, leg_parts, rectangle
 from stepwell.robot import Arena, Robot, Wall
-from stepwell.robot.gait import states
+from stepwell.robot.rounds import states
 
 # What moves in the first act, and the order of states before and after.
 ANCHOR_BEFORE, ANCHOR_AFTER = (0.020, 0.0), (0.005, 0.0)

@@ -33,7 +33,7 @@ from stepwell.design.margins.robustness import robustness
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Kind, Rule
 from stepwell.design.synthesis.region import Stock
-from stepwell.robot.gait import round as round_
+from stepwell.robot import rounds as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
 ROUTES: dict[str, tuple[int | None, Callable[[], Any]]] = {}

@@ -13,7 +13,7 @@ from stepwell.paper import Judgement
 from stepwell.paper.robots import LOSS, ROBOT, robot, sensitivity, steering, walk_of
 from stepwell.paper.robots.loss import forward_loss
 from stepwell.robot import Floor, other_layout, other_start
-from stepwell.robot.gait.states import TOLERANCE
+from stepwell.robot.rounds import TOLERANCE
 from stepwell.simulation import Outcome, maze, mazes
 
 THREE = ("wall 1", "wall 2", "wall 3")

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 
 import stepwell as sw
 from stepwell.robot import Antenna, Foot, Leg, Robot
-from stepwell.robot.gait.round import rounds
-from stepwell.robot.gait.slide import slide
+from stepwell.robot.rounds import rounds
+from stepwell.robot.slide import slide
 
 FORWARD, BACKWARD = "00>10>11>01>00", "00>01>11>10>00"
 VIA_01 = "00>01>11>01>00"

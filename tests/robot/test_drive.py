@@ -9,10 +9,9 @@ import stepwell as sw
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
-from stepwell.robot.gait import predicted_gaits, too_soft
-from stepwell.robot.gait.predict import drive_needs
-from stepwell.robot.gait.round import rounds
-from stepwell.robot.gait.spring import Spring, largest
+from stepwell.robot.prediction import drive_needs, predicted_gaits, too_soft
+from stepwell.robot.rounds import rounds
+from stepwell.robot.stance import Spring, largest
 
 # Without weight and lag the legs are their chains and nothing else.
 BARE = {"floor": Floor(gravity=0.0), "blocks": Blocks(damping=1e-9)}

@@ -13,8 +13,7 @@ import stepwell as sw
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, gaits, leg, motion, robot
 from sizes import examples
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Motion, PushEnd, Robot
-from stepwell.robot.gait.predict import TURNS, depths
-from stepwell.robot.gait.search import changes
+from stepwell.robot.prediction import TURNS, changes, depths
 from stepwell.statics import StaticsError
 
 designs = st.floats(0.002, 0.025)

@@ -8,13 +8,7 @@ from hypothesis import given, strategies as st
 
 from robot.robots import explorer, robot
 from stepwell.robot import Body, Floor, Foot
-from stepwell.robot.gait.standing import (
-    _without_feet,
-    feet_load,
-    feet_places,
-    leaning,
-    supports_load,
-)
+from stepwell.robot.stance import _without_feet, feet_load, feet_places, leaning, supports_load
 
 travels = st.lists(
     st.tuples(st.floats(0.0, 0.020), st.sampled_from([0.0, 0.0, 0.010])),

@@ -15,8 +15,7 @@ from stepwell.files.schema import arena as schema, fields, refused, slip_lines, 
 from stepwell.files.tables import drawn, part_of
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import SlipError
-from stepwell.robot import Arena, Cylinder, Goal, Wall
-from stepwell.robot.parts import of_arena
+from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
 _SUFFIXES = (".toml", ".txt")

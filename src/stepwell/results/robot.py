@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell.accounts import head
 from stepwell.base import Quantity, Schema, plain, record
 from stepwell.files import digest, dumps, provenance
-from stepwell.robot import Arena, Prediction, Robot
-from stepwell.robot.gait import depths
+from stepwell.robot import Arena, Prediction, Robot, depths
 from stepwell.statics import StaticsError
 
 if TYPE_CHECKING:

@@ -1,6 +1,9 @@
 """Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
 
-from stepwell.robot.gait import (
+from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
+from stepwell.robot.fit import of_arena, of_robot
+from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg, Profile
+from stepwell.robot.prediction import (
     DriveNeeds,
     Flip,
     LegPrediction,
@@ -8,25 +11,13 @@ from stepwell.robot.gait import (
     Prediction,
     Push,
     PushEnd,
+    depths,
     predict,
+    predicted_gaits,
+    too_soft,
 )
-from stepwell.robot.parts import (
-    Antenna,
-    Arena,
-    Blocks,
-    Body,
-    Cylinder,
-    Drive,
-    Floor,
-    Foot,
-    Goal,
-    Leg,
-    Profile,
-    Robot,
-    Wall,
-    other_layout,
-    other_start,
-)
+from stepwell.robot.robot import Robot
+from stepwell.robot.rounds import TOLERANCE, gait, states
 
 __all__ = [
     "Antenna",

@@ -32,7 +32,7 @@ from stepwell.figures.common import (
 from stepwell.figures.runs.walk_reading import gait_words, leg_colours
 
 if TYPE_CHECKING:
-    from stepwell.robot.gait import Prediction
+    from stepwell.robot import Prediction
 
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0

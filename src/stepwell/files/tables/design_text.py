@@ -10,8 +10,7 @@ from stepwell.files.schema import chain as chain_schema, robot as schema, table_
 from stepwell.files.tables.elements import element_lines
 from stepwell.files.text import Written, array, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Table, slips
-from stepwell.robot import Robot
-from stepwell.robot.parts import of_robot
+from stepwell.robot import Robot, of_robot
 
 
 class Common(NamedTuple):

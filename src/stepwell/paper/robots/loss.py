@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.robots.robot import walk_of
-from stepwell.robot.gait import TOLERANCE
+from stepwell.robot import TOLERANCE
 
 SHUT = 0.02  # a cell that has opened by less than this share of its travel is shut
 NEAR = 0.005  # of the end of the stroke: near 11 [m], as in the claim about the snaps

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepwell.base import ByValue
-from stepwell.robot import Prediction
-from stepwell.robot.gait import predicted_gaits, too_soft
+from stepwell.robot import Prediction, predicted_gaits, too_soft
 from stepwell.simulation.runs.walk import LOADED, Walk
 from stepwell.statics import StaticsError
 

@@ -21,8 +21,7 @@ from stepwell.base import (
     variables,
     write_netcdf,
 )
-from stepwell.robot import Arena, Robot
-from stepwell.robot.gait import gait, states
+from stepwell.robot import Arena, Robot, gait, states
 from stepwell.simulation.model import Settings, obstacle_names
 from stepwell.simulation.runs.engine import Run, RunSamples
 

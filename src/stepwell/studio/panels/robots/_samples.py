@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.robot.gait import states
+from stepwell.robot import states
 from stepwell.simulation import Walk
 from stepwell.studio.panels.robots._scene import Scene
 

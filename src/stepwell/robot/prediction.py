@@ -12,21 +12,42 @@ from itertools import product
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, Vec2, bisected
-from stepwell.robot.gait.round import (
-    ROUNDING,
-    Round,
-    go_round,
-    go_rounds,
-    rounds,
-    stances_beside,
-)
-from stepwell.robot.gait.search import changes
-from stepwell.robot.gait.slide import STEPS, Slide, slide
-from stepwell.robot.gait.spring import Spring, largest
-from stepwell.robot.gait.standing import leaning
-from stepwell.robot.gait.states import gait
-from stepwell.robot.parts import Leg, Robot
+from stepwell.robot.parts import Leg
+from stepwell.robot.robot import Robot
+from stepwell.robot.rounds import ROUNDING, Round, gait, go_round, go_rounds, rounds, stances_beside
+from stepwell.robot.slide import STEPS, Slide, slide
+from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
+
+HALVINGS = 8
+
+
+def changes(
+    answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
+) -> Iterator[tuple[float, str]]:
+    """Every value along `values` at which the answer changes, with the answer just past it.
+
+    Looks at each value in turn and then halves the stretch in which the answer changes; a change
+    that is undone between two neighbouring values goes unseen.
+
+    Args:
+        answer: what to ask at a value.
+        values: where to look, in order; the first one is where to start from.
+        halvings: of the stretch between two of them.
+    """
+    ask = cache(answer)
+
+    def same(known: str, value: float) -> bool:
+        return ask(value) == known
+
+    known, before = ask(values[0]), values[0]
+    for value in values[1:]:
+        while not same(known, value):
+            before = bisected(partial(same, known), before, value, halvings)[1]
+            known = ask(before)
+            yield before, known
+        before = value
+
 
 # A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
 WALKS = 0.1

@@ -8,16 +8,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, Drawn, InputError, Vec2, require
-from stepwell.robot.parts.antenna import Antenna
-from stepwell.robot.parts.arena import Arena, Floor
-from stepwell.robot.parts.body import Body
-from stepwell.robot.parts.drive import Drive
-from stepwell.robot.parts.fit import problems
-from stepwell.robot.parts.leg import Blocks, Foot, Leg
-from stepwell.robot.parts.slips import of_robot, refuse_slips
+from stepwell.robot.arena import Arena, Floor
+from stepwell.robot.fit import of_robot, problems, refuse_slips
+from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg
 
 if TYPE_CHECKING:
-    from stepwell.robot.gait import Prediction
+    from stepwell.robot.prediction import Prediction
     from stepwell.simulation import Maze, Settings, Walk
 
 Progress = Callable[[float, float], None]
@@ -172,7 +168,7 @@ class Robot(ByValue, Drawn):
         Raises:
             StaticsError: the engine could not go on; its text says what to do.
         """
-        from stepwell.robot.gait import predict
+        from stepwell.robot.prediction import predict
 
         return predict(self)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.robot.gait.round import Round
-from stepwell.robot.gait.standing import feet_places, supports_load, touch
-from stepwell.robot.parts import Robot
+from stepwell.robot.robot import Robot
+from stepwell.robot.rounds import Round
+from stepwell.robot.stance import feet_places, supports_load, touch
 
 STEPS = 320  # into which each way, out and back, is cut
 # Slides shorter than this share of a step count as none.

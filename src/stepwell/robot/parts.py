@@ -1,15 +1,190 @@
-"""A leg: a chain of cells behind the body, with its blocks and a foot at its outer end."""
+"""What a robot is made of: body, legs, antennas and the one actuator. Values only."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Vec2, check
+from stepwell.base import ByValue, Floats, InputError, Vec2, check, require
 from stepwell.mechanism import Chain
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Antenna(ByValue):
+    """A rod on a vertical hinge, coupled to the anchor p of one cell.
+
+    Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact
+    turns it back by up to `swing`, and the anchor moves with it, in proportion, by up to
+    `moves`.
+
+    Args:
+        name: what messages and figures call it.
+        pivot: (x, y) of the hinge [m] from the body's origin.
+        length: of the rod [m], > 0.
+        angle: from straight ahead at rest [rad], between 0 and π; the antenna whose tip points
+            to the right carries a negative one.
+        leg, cell: the leg and the cell (index, 0 for the innermost, or name) whose anchor it
+            moves.
+        moves: displacement of that anchor p at full swing [m], in the cell's frame.
+        swing: largest rotation [rad], > 0, towards the back.
+        hook: length of the bent tip [m], >= 0.
+        hook_angle: of the bent tip from the rod, towards the back [rad].
+        mass: of the rod [kg], > 0.
+        damping: of the hinge [N m s/rad], > 0.
+        friction: Coulomb's coefficient between rod and walls, >= 0.
+        connected: False leaves the rod but takes its lever off the anchor; a weak spring then
+            holds the rod at rest. The control experiment.
+
+    Raises:
+        ValueError: a value out of range.
+
+    Source: Kamp et al. 2024, Fig. 4, for the idea; the geometry is ours.
+    """
+
+    name: str
+    pivot: Vec2
+    length: float
+    angle: float
+    leg: str
+    moves: Vec2
+    cell: int | str = 0
+    swing: float = 1.2
+    hook: float = 0.0
+    hook_angle: float = 1.3
+    mass: float = 0.003
+    damping: float = 2e-4
+    friction: float = 0.15
+    connected: bool = True
+
+    def __post_init__(self):
+        check.fields(self, check.vector, pivot="m", moves="m")
+        check.fields(self, check.positive, length="m", swing="rad", mass="kg", damping="N m s/rad")
+        check.fields(self, check.not_negative, friction="1", hook="m")
+        check.fields(self, check.finite, angle="rad", hook_angle="rad")
+        if not 0 < abs(self.angle) < math.pi:
+            raise InputError(
+                f"angle = {math.degrees(self.angle):.6g} deg of antenna {self.name!r}: must be "
+                f"between 0 and 180 deg to the left, or their negatives to the right."
+            )
+        if math.hypot(*self.moves) == 0:
+            raise InputError(
+                f"moves = (0, 0) of antenna {self.name!r}: must be a displacement; to take the "
+                f"lever off, set connected = False."
+            )
+
+    @property
+    def side(self) -> int:
+        """+1 for an antenna whose tip points to the left, -1 to the right."""
+        return 1 if self.angle > 0 else -1
+
+    @property
+    def gear(self) -> float:
+        """Displacement of the anchor per rotation [m/rad]."""
+        return math.hypot(*self.moves) / self.swing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body(ByValue):
+    """A rigid body on a T-foot.
+
+    The origin lies at the height of the legs' pivots; x points forward, y to the left.
+
+    Args:
+        mass: without blocks, feet and antennas [kg], > 0.
+        centre: (x, y, z) of its centre of mass [m].
+        supports: (n, 2) points of the T-foot that touch the floor [m], n >= 3.
+        length, width: outline that meets walls [m], > 0, about the origin.
+        wall_friction: Coulomb's coefficient between walls and body or blocks, >= 0.
+
+    Raises:
+        ValueError: a value out of range, or too few supports to stand on.
+
+    Source: Kamp et al. 2024, Fig. 3, for the T-foot; the numbers are assumed.
+    """
+
+    mass: float = 0.260
+    centre: tuple[float, float, float] = (0.024, 0.0, 0.0)
+    supports: Sequence[Vec2] = ((-0.055, 0.0), (0.038, 0.045), (0.038, -0.045))
+    length: float = 0.100
+    width: float = 0.070
+    wall_friction: float = 0.2
+
+    def __post_init__(self):
+        check.fields(self, check.positive, mass="kg", length="m", width="m")
+        check.fields(self, check.not_negative, wall_friction="1")
+        x, y, z = self.centre
+        centre = tuple(check.finite("centre", value, "m") for value in (x, y, z))
+        object.__setattr__(self, "centre", centre)
+        supports = tuple(check.vector("supports", point) for point in self.supports)
+        object.__setattr__(self, "supports", supports)
+        require("supports", len(supports), "the body has")
+        if len(supports) < 3:
+            raise InputError(
+                f"supports has {len(supports)} points: must have 3 or more, or the body falls over "
+                f"when the feet lift."
+            )
+
+
+class Profile(StrEnum):
+    """How the command runs from 0 to the amplitude and back."""
+
+    TRIANGLE = "triangle"
+    SINE = "sine"
+    TRAPEZOID = "trapezoid"
+
+
+# A trapezoid rests at each end for this share of the period.
+REST = 0.125
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive(ByValue):
+    """The position command that all legs share.
+
+    Args:
+        amplitude: the stroke it goes out to [m], > 0.
+        period: of one cycle out and back [s], > 0.
+        profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth
+            of the period at both ends (trapezoid).
+        stiffness: of the actuator that follows it [N/m], > 0.
+
+    Raises:
+        ValueError: a value out of range.
+
+    Source: Kamp et al. 2024, for 0 to 40 to 0 mm; period and stiffness are assumed.
+    """
+
+    amplitude: float = 0.040
+    period: float = 2.0
+    profile: Profile = Profile.TRIANGLE
+    stiffness: float = 2000.0
+
+    def __post_init__(self):
+        check.fields(self, check.positive, amplitude="m", period="s", stiffness="N/m")
+        check.fields(self, check.one_of, profile=Profile)
+
+    def stroke(self, time: ArrayLike) -> Floats:
+        """The commanded stroke [m] at times [s] of any shape; 0 before time 0.
+
+        Args:
+            time: from the start of the first cycle [s].
+
+        Returns:
+            Strokes of the same shape, 0 .. `amplitude`.
+        """
+        time = np.asarray(time, float)
+        phase = np.where(time > 0, time / self.period % 1.0, 0.0)
+        out = 1.0 - np.abs(2.0 * phase - 1.0)
+        if self.profile is Profile.SINE:
+            out = (1.0 - np.cos(2.0 * np.pi * phase)) / 2.0
+        elif self.profile is Profile.TRAPEZOID:
+            out = np.clip((out - REST) / (1.0 - 2.0 * REST), 0.0, 1.0)
+        return self.amplitude * out
 
 
 @dataclass(frozen=True, slots=True, eq=False)

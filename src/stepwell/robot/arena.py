@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stepwell.base import ByValue, InputError, Vec2, check, require
-from stepwell.robot.parts.slips import of_arena, refuse_slips
+from stepwell.robot.fit import of_arena, refuse_slips
 
 # Declared before any run: what a start or a layout may differ by.
 PLACE = 0.040  # [m]
