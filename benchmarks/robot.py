@@ -10,7 +10,7 @@ import numpy as np
 import stepwell as sw
 from stepwell.robot import Robot
 from stepwell.simulation import Linkage, Settings, mjcf, sweep, walk
-from stepwell.simulation.model.simulator import mujoco, rollout
+from stepwell.simulation.simulator import mujoco, rollout
 
 CYCLES = 20
 TIMES = 5

@@ -51,8 +51,8 @@ def drawn(count: int) -> list[Robot]:
 
 def measured(robots: Sequence[Robot], name: str) -> list[tuple[str, str, str]]:
     """Speeds, and how often both say the same."""
-    from stepwell.simulation.runs.engine import Run
-    from stepwell.simulation.runs.worlds import Worlds, alike
+    from stepwell.simulation.engine import Run
+    from stepwell.simulation.worlds import Worlds, alike
 
     few = robots[:ALONE]
     one = stepped(len(few)) / timed(lambda: sweep(few, cycles=CYCLES, threads=1))

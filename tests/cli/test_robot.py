@@ -11,7 +11,7 @@ from cli.folders import written
 from stepwell import files
 from stepwell.cli.robots import viewer
 from stepwell.simulation import Settings, walk
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 
 @pytest.mark.slow
@@ -100,7 +100,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
     whole = json.loads(stepwell(*arguments, "--out", "whole").stdout)
 
     # One robot at a time, and no second one.
-    module = import_module("stepwell.simulation.runs.sweep")
+    module = import_module("stepwell.simulation.sweeps")
     monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module, "PER_CORE", 1)
     add, added = module._Kept.add, []

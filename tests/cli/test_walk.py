@@ -98,9 +98,7 @@ def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
 def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     stepwell, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(
-        import_module("stepwell.simulation.runs.video"), "SYSTEMS", ("no such system",)
-    )
+    monkeypatch.setattr(import_module("stepwell.simulation.videos"), "SYSTEMS", ("no such system",))
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
     assert result.stderr.startswith("No video: frames cannot be drawn off screen here.")

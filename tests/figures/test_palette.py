@@ -82,7 +82,7 @@ def test_twelve_cells_have_twelve_lines_in_the_legend():
 def test_a_robot_has_the_same_colours_in_a_picture_and_in_a_video(robot):
     pytest.importorskip("mujoco")
     from stepwell.figures.robots.robot_above import ANTENNA, FOOT, SUPPORT
-    from stepwell.simulation.model import parts
+    from stepwell.simulation import parts
 
     for name, colour in (
         ("FOOT", FOOT),

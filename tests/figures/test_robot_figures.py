@@ -9,7 +9,7 @@ from figures.robots import explorer, four_legs, three_cells, walker
 from stepwell import figures
 from stepwell.figures.robots.robot_parts import antenna_line, in_world, leg_parts
 from stepwell.simulation import spec
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 ROBOTS = {
     "two cells": walker(),

@@ -18,8 +18,8 @@ from stepwell.design import margin
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports import report
 from stepwell.simulation import TRIAL
-from stepwell.simulation.runs.sweep import Sweep, Trial
-from stepwell.simulation.runs.walk import SAMPLES
+from stepwell.simulation.sweeps import Sweep, Trial
+from stepwell.simulation.walks import SAMPLES
 
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 

@@ -9,7 +9,7 @@ import pytest
 from simulation.robots import explorer
 from stepwell.robot import Arena, Cylinder
 from stepwell.simulation import Linkage, Settings, maze, spec
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 
 def owners(model, kind: str) -> list[int]:

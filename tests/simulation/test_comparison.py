@@ -5,7 +5,7 @@ import pytest
 from simulation.robots import FORWARD, robot
 from stepwell.robot import Drive
 from stepwell.simulation import compare_gaits, walk
-from stepwell.simulation.runs.comparison import _same_cycle
+from stepwell.simulation.comparison import _same_cycle
 
 
 def test_a_walk_in_its_predicted_gait_says_so():

@@ -5,7 +5,7 @@ import pytest
 
 from simulation.robots import robot, walked
 from stepwell.simulation import Settings, convergence, walk
-from stepwell.simulation.model.sensors import sampled
+from stepwell.simulation.model import sampled
 
 TOLD: list[tuple[float, float]] = []
 

@@ -10,8 +10,7 @@ import pytest
 import stepwell as sw
 from simulation.robots import cell, robot
 from stepwell.robot import Body, Leg, Robot
-from stepwell.simulation import Linkage, Settings, Walk, walk
-from stepwell.simulation.runs import engine
+from stepwell.simulation import Linkage, Settings, Walk, engine, walk
 
 SAMPLED = (
     "x",

@@ -5,9 +5,8 @@ import pytest
 
 from simulation.robots import explorer, robot
 from stepwell.robot import Arena, Cylinder, Wall
-from stepwell.simulation import Linkage, Settings, spec, walk
-from stepwell.simulation.model.simulator import mujoco
-from stepwell.simulation.runs import engine
+from stepwell.simulation import Linkage, Settings, engine, spec, walk
+from stepwell.simulation.simulator import mujoco
 
 ARENA = Arena([Wall((0.5, -0.5), (0.5, 0.5))], [Cylinder((0.3, 0.3))])
 

@@ -6,7 +6,7 @@ import pytest
 from simulation.robots import explorer, leg_of_three, robot, walked
 from stepwell.robot import Robot
 from stepwell.simulation import Linkage, Settings, spec, walk
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 HINGES = Settings(linkage=Linkage.HINGES)
 

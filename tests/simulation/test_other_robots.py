@@ -10,7 +10,7 @@ import stepwell as sw
 from simulation.robots import FORWARD, cell, explorer, leg_of_three, robot
 from stepwell.robot import Body, Drive, Floor, Leg, Profile, Robot
 from stepwell.simulation import Linkage, Settings, mjcf, spec, walk
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 AIR = Floor(gravity=0.0)
 LINKAGES = [Settings(linkage=linkage) for linkage in Linkage]

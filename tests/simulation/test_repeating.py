@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from simulation.robots import explorer, mirrored, robot, walked
-from stepwell.simulation import Linkage, Settings, mjcf, spec, walk
-from stepwell.simulation.model.simulator import mujoco
-from stepwell.simulation.runs import engine
+from stepwell.simulation import Linkage, Settings, engine, mjcf, spec, walk
+from stepwell.simulation.simulator import mujoco
 
 READINGS = (
     *("time", "x", "y", "z", "yaw", "pitch", "roll", "stroke", "travel", "actuator_force"),

@@ -10,7 +10,7 @@ import stepwell as sw
 from simulation.robots import cell, explorer, leg_of_three, robot
 from stepwell.robot import Drive, Floor, Leg, Robot
 from stepwell.simulation import Linkage, Settings, spec, walk
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import mujoco
 
 AIR = Floor(gravity=0.0)
 

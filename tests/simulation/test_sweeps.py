@@ -8,7 +8,7 @@ import pytest
 import stepwell as sw
 from simulation.robots import cell, explorer, robot, walked
 from stepwell.simulation import sweep
-from stepwell.simulation.runs.sweep import Trial
+from stepwell.simulation.sweeps import Trial
 
 ANCHORS = (0.005, 0.015, 0.020)
 

@@ -11,7 +11,7 @@ import xarray as xr
 from simulation.robots import explorer, robot, walked
 from stepwell.robot import Drive
 from stepwell.simulation import Integrator, Linkage, Settings, Walk, walk
-from stepwell.simulation.runs.engine import RunSamples
+from stepwell.simulation.engine import RunSamples
 
 S = 0.020  # full travel of a cell, and u_max of a leg with one stepping cell [m]
 

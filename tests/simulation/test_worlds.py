@@ -15,14 +15,14 @@ from simulation.robots import cell, explorer, leg_of_three
 from stepwell.base import ExtraError
 from stepwell.robot import Arena, Goal, Robot, Wall
 from stepwell.simulation import Outcome, Settings, mazes, screen_mazes, screen_walks, sweep
-from stepwell.simulation.runs.engine import Run
+from stepwell.simulation.engine import Run
 
 pytest.importorskip("mujoco_warp", reason="worlds are not tested: mujoco-warp is not installed")
 
 import mujoco_warp
 import warp
 
-from stepwell.simulation.runs import worlds
+from stepwell.simulation import worlds
 
 # Coarse and short: what is compared is that both do the same.
 QUICK = Settings(time_step=2e-3, contact_time=4e-3, settle=0.05)

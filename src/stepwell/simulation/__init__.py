@@ -1,33 +1,19 @@
 """Robots simulated: their MuJoCo model, their walks, their way through an arena."""
 
-from stepwell.simulation.model import Integrator, Linkage, Settings, mjcf, spec
-from stepwell.simulation.runs import (
-    LOADED,
-    TOUCHED,
-    TRIAL,
-    Contact,
+from stepwell.simulation.comparison import (
     Convergence,
-    GaitChange,
     GaitComparison,
-    Maze,
-    Outcome,
     Resolution,
-    Sweep,
-    Trial,
-    VideoError,
-    Walk,
     compare_gaits,
     convergence,
-    device,
-    drawing_system,
-    maze,
-    mazes,
-    screen_mazes,
-    screen_walks,
-    sweep,
-    video,
-    walk,
 )
+from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
+from stepwell.simulation.model import HEIGHT, mjcf, obstacle_names, spec
+from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
+from stepwell.simulation.sweeps import TRIAL, Sweep, Trial, sweep
+from stepwell.simulation.videos import VideoError, drawing_system, video
+from stepwell.simulation.walks import LOADED, Walk, walk
+from stepwell.simulation.worlds import device, screen_mazes, screen_walks
 
 __all__ = [
     "GaitChange",

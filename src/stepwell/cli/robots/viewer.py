@@ -86,8 +86,7 @@ def command(robot: Robot, settle: float) -> Callable[[Any, Any], None]:
 
 def model(robot: Robot, arena: Arena | None) -> tuple[Any, Any]:
     """The compiled model, and its data standing at the start."""
-    from stepwell.simulation import spec
-    from stepwell.simulation.model import mujoco
+    from stepwell.simulation import mujoco, spec
 
     compiled = spec(robot, arena).compile()
     data = mujoco.MjData(compiled)
@@ -99,8 +98,7 @@ def _show(robot: Robot, arena: Arena | None) -> None:
     """Open the viewer, and come back when it is closed."""
     from importlib import import_module
 
-    from stepwell.simulation import Settings
-    from stepwell.simulation.model import mujoco
+    from stepwell.simulation import Settings, mujoco
 
     viewer = import_module("mujoco.viewer")
     compiled, data = model(robot, arena)

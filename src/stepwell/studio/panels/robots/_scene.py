@@ -9,8 +9,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.robot import Arena, Robot
-from stepwell.simulation import spec
-from stepwell.simulation.model import HEIGHT, mujoco, obstacle_names
+from stepwell.simulation import HEIGHT, mujoco, obstacle_names, spec
 
 _MM = 1e3
 _SHAPES = {

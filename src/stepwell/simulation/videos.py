@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError, StepwellError, most, need, problem, write_atomic
-from stepwell.simulation.model import mujoco, spec
-from stepwell.simulation.runs import render
-from stepwell.simulation.runs.maze import Maze
-from stepwell.simulation.runs.walk import Walk
+from stepwell.simulation import render
+from stepwell.simulation.mazes import Maze
+from stepwell.simulation.model import spec
+from stepwell.simulation.simulator import mujoco
+from stepwell.simulation.walks import Walk
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -165,7 +166,7 @@ def _environment(system: str) -> dict[str, str]:
 
 def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        [sys.executable, "-m", "stepwell.simulation.runs.render", str(model), str(run)],
+        [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=_environment(system),

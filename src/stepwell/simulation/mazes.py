@@ -15,9 +15,10 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, InputError, brief
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run
-from stepwell.simulation.runs.walk import Walk, recorded
+from stepwell.simulation.engine import Run
+from stepwell.simulation.model import obstacle_names
+from stepwell.simulation.simulator import Settings
+from stepwell.simulation.walks import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
 PRESSED = 0.05  # an antenna turned by more than this share of its swing is pressed

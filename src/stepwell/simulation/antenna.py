@@ -7,9 +7,9 @@ from typing import Any
 
 from stepwell.base import InputError
 from stepwell.robot import Antenna, Robot
-from stepwell.simulation.model import parts
-from stepwell.simulation.model.leg import in_body, places
-from stepwell.simulation.model.settings import Settings
+from stepwell.simulation import parts
+from stepwell.simulation.leg import in_body, places
+from stepwell.simulation.simulator import Settings
 
 ROD = 0.0015  # radius [m]
 LAYER = 0.006  # from the plane of one antenna to that of the next: crossed, they pass [m]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from stepwell.robot import Leg, Robot
-from stepwell.simulation.model import hinges, parts
-from stepwell.simulation.model.parts import TOP, Place, Vec3
-from stepwell.simulation.model.settings import Linkage, Settings
+from stepwell.simulation import hinges, parts
+from stepwell.simulation.parts import TOP, Place, Vec3
+from stepwell.simulation.simulator import Linkage, Settings
 
 # The damping that keeps a lever's sideways swing quiet [N s/m]: small beside that of a travel.
 SIDEWAYS = 0.02

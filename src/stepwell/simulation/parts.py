@@ -10,8 +10,7 @@ import numpy as np
 from stepwell.base import InputError
 from stepwell.mechanism import Band, Cubic, Linear
 from stepwell.robot import Robot
-from stepwell.simulation.model.settings import Settings
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.simulator import Settings, mujoco
 
 Vec3 = tuple[float, float, float]
 Colour = tuple[float, float, float, float]

@@ -28,9 +28,9 @@ from stepwell.base import (
 )
 from stepwell.kernels import cores
 from stepwell.robot import Robot
-from stepwell.simulation.model import Settings, mujoco, quietly, rollout
-from stepwell.simulation.runs.engine import Run
-from stepwell.simulation.runs.walk import Walk, recorded
+from stepwell.simulation.engine import Run
+from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
+from stepwell.simulation.walks import Walk, recorded
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from stepwell.mechanism import Cell
 from stepwell.robot import Leg, Robot
-from stepwell.simulation.model import parts
-from stepwell.simulation.model.parts import Place, Vec3
+from stepwell.simulation import parts
+from stepwell.simulation.parts import Place, Vec3
 
 if TYPE_CHECKING:
-    from stepwell.simulation.model.leg import LegModel
+    from stepwell.simulation.leg import LegModel
 
 APART = 0.012  # the two levers of a cell, along the chain [m]
 # Levers and links are light beside blocks and feet, of whose mass theirs is a part, so that the

@@ -10,17 +10,8 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, InputError, require
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model import (
-    Settings,
-    columns,
-    contacts,
-    mujoco,
-    quietly,
-    rod_names,
-    rollout,
-    sampled,
-    spec,
-)
+from stepwell.simulation.model import columns, contacts, rod_names, sampled, spec
+from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 STRETCHED = 1e-3  # a rod that is off its length by this [m] has come apart

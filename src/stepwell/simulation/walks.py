@@ -22,8 +22,9 @@ from stepwell.base import (
     write_netcdf,
 )
 from stepwell.robot import Arena, Robot, gait, states
-from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, RunSamples
+from stepwell.simulation.engine import Run, RunSamples
+from stepwell.simulation.model import obstacle_names
+from stepwell.simulation.simulator import Settings
 
 if TYPE_CHECKING:
     import xarray as xr

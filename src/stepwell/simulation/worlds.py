@@ -18,10 +18,10 @@ import numpy as np
 
 from stepwell.base import ExtraError, InputError, need
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model import Model, Settings, mujoco
-from stepwell.simulation.runs.engine import Run
-from stepwell.simulation.runs.maze import Judge, Outcome
-from stepwell.simulation.runs.sweep import Trial, walked
+from stepwell.simulation.engine import Run
+from stepwell.simulation.mazes import Judge, Outcome
+from stepwell.simulation.simulator import Model, Settings, mujoco
+from stepwell.simulation.sweeps import Trial, walked
 
 T = TypeVar("T")
 

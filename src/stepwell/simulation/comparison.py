@@ -1,0 +1,238 @@
+"""A walk against the predicted gait, and how far it depends on the time step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, brief
+from stepwell.robot import Prediction, Robot, predicted_gaits, too_soft
+from stepwell.simulation.simulator import Settings
+from stepwell.simulation.walks import LOADED, Walk, walk
+from stepwell.statics import StaticsError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GaitComparison(ByValue):
+    """The gait of every leg in the last cycle of a walk, against the predicted one.
+
+    Attributes:
+        predicted: for each leg the predicted gait; empty where statics gives none.
+        same: whether all legs have their predicted gaits; None without a whole cycle, or where
+            statics gives none.
+        text: one line: that they are the same, or which differ and why, as far as it is known.
+    """
+
+    predicted: tuple[str, ...]
+    same: bool | None
+    text: str
+
+
+def compare_gaits(walk: Walk) -> GaitComparison:
+    """Compare the last cycle of a walk with the gait that statics predicts.
+
+    A cycle counts as the same wherever in it the command begins. Every reason that is given was
+    computed; where there is none, the text has the margin of the prediction.
+
+    Args:
+        walk: on a bare floor; antennas that obstacles press are not in the prediction.
+    """
+    robot = walk.robot
+    try:
+        predicted = predicted_gaits(robot)
+    except StaticsError as error:
+        return GaitComparison((), None, f"statics predicts no gait: {error}")
+    if not walk.cycles:
+        return GaitComparison(predicted, None, "no whole cycle to compare with the prediction")
+    walked = tuple(walk.gait(leg.name, walk.cycles - 1) for leg in robot.legs)
+    off = [
+        i for i, gaits in enumerate(zip(walked, predicted, strict=True)) if not _same_cycle(*gaits)
+    ]
+    why = too_soft(robot)
+    if not off:
+        return GaitComparison(predicted, True, f"as predicted{f': {why}' if why else ''}")
+    differ = ", ".join(
+        f"{robot.legs[i].name} goes {walked[i] or 'through no state'} and not {predicted[i]}"
+        for i in off
+    )
+    prediction = robot.predict()
+    reasons = [why] if why else []
+    reasons += [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
+    found = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
+    return GaitComparison(predicted, False, f"not as predicted: {differ}: {found}")
+
+
+def _same_cycle(one: str, other: str) -> bool:
+    """Whether two gaits are one round of states, wherever it begins."""
+    a, b = (gait.split(">") for gait in (one, other))
+    a, b = (
+        [*states[:-1]] if len(states) > 1 and states[0] == states[-1] else states
+        for states in (a, b)
+    )
+    return len(a) == len(b) and any(a[k:] + a[:k] == b for k in range(len(a)))
+
+
+def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Iterator[str]:
+    """Why a leg walked otherwise than predicted, each computed."""
+    robot, leg = walk.robot, prediction.legs[index]
+    last = walk.time >= walk.starts[-2]
+    if walk.cycles == 1 and leg.first_gait != leg.gait:
+        yield "it walked one cycle, and the predicted one comes after it"
+    if walk.antenna.size and float(walk.antenna.max()) > 0.0 and walk.touch.max() > 0.0:
+        yield "antennas were pressed, and the prediction is of none pressed"
+    if float(walk.foot_force[last, index].max()) < LOADED:
+        yield f"the foot of {leg.name} carries nothing in the last cycle"
+    least, most = walk.stroke[last].min(), walk.stroke[last].max()
+    low, high = prediction.strokes
+    near = 0.2 * min(robot.legs[index].chain.full_travels)
+    if abs(least - low) > near or abs(most - high) > near:
+        yield (
+            f"the carriage went from {least * 1e3:.1f} to {most * 1e3:.1f} mm where statics takes "
+            f"it from {low * 1e3:.1f} to {high * 1e3:.1f} mm"
+        )
+    others = {*leg.alternatives, *([leg.nearest] if leg.margin < leg.uncertainty else [])}
+    if any(_same_cycle(walked, other) for other in others):
+        yield f"statics cannot tell the two apart for {leg.name}"
+    shallow, deep = prediction.depths[index]
+    if not shallow < robot.foot.below < deep:
+        yield (
+            f"feet stand {robot.foot.below * 1e3:.2f} mm deep, and statics is sure of {leg.name} "
+            f"from {shallow * 1e3:.2f} to {deep * 1e3:.2f} mm only"
+        )
+
+
+def _unknown(prediction: Prediction) -> str:
+    """What is said where no reason was found: how sure the prediction is."""
+    least = min(prediction.legs, key=lambda leg: leg.margin - leg.uncertainty)
+    return (
+        f"no reason found; of the {least.margin * 1e3:.3g} mN that change the predicted gait of "
+        f"{least.name}, statics does not know {least.uncertainty * 1e3:.3g} mN"
+    )
+
+
+STEPS = (1e-3, 5e-4, 2.5e-4)
+JUMP = 0.2  # a floor force that changes by more than this share in one step jumps
+
+
+class Resolution(NamedTuple):
+    """A walk at one time step.
+
+    Attributes:
+        time_step: [s].
+        advance: displacement forward a cycle over u_max [1], after the first cycle.
+        turn: rotation to the left a cycle [rad], after the first cycle.
+        off: root mean square, over samples and contacts, of the difference of the floor's forces
+            from those at the finest time step, over the robot's weight [1].
+        jumps: share of the steps in which the force under a foot or support changes by more
+            than a fifth [1].
+    """
+
+    time_step: float
+    advance: float
+    turn: float
+    off: float
+    jumps: float
+
+    def __repr__(self):
+        return brief(self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Convergence(ByValue):
+    """A robot's walk at several time steps.
+
+    Attributes:
+        robot: which walked.
+        rows: a walk at each time step, coarsest first.
+    """
+
+    robot: Robot
+    rows: tuple[Resolution, ...]
+
+    def __repr__(self):
+        most = max(row.off for row in self.rows)
+        steps = ", ".join(f"{row.time_step * 1e3:g}" for row in self.rows)
+        advance = [row.advance for row in self.rows]
+        return (
+            f"Convergence(time steps {steps} ms: d/u_max {min(advance):.3f} to "
+            f"{max(advance):.3f}, floor forces off by up to {most * 100:.2f} % of the weight)"
+        )
+
+
+def convergence(
+    robot: Robot,
+    time_steps: Sequence[float] = STEPS,
+    *,
+    cycles: int = 2,
+    settings: Settings | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Convergence:
+    """Walk a robot at several time steps.
+
+    Args:
+        robot: any robot.
+        time_steps: two or more [s]; the settings' sample is a multiple of each.
+        cycles: of each walk, two or more, since the first is left out.
+        settings: of the simulation; their time step is replaced, the time constant of contacts
+            kept.
+        progress: called with (done, total), in parts of the work.
+
+    Returns:
+        What came out at each.
+
+    Raises:
+        ValueError: fewer than two time steps or cycles, a time step that does not divide the
+            sample, or a walk that ended early.
+        ModuleNotFoundError: MuJoCo is not installed.
+    """
+    settings = settings or Settings()
+    steps = sorted({float(step) for step in time_steps}, reverse=True)
+    if len(steps) < 2:
+        raise InputError(f"time_steps = {tuple(time_steps)}: must be two or more different ones.")
+    if cycles < 2:
+        raise InputError(f"cycles = {cycles}: must be >= 2; the first is left out.")
+    for step in steps:
+        count = settings.sample / step
+        if abs(count - round(count)) > 1e-6:
+            raise InputError(
+                f"time_steps: {step:g} s does not divide the sample of {settings.sample:g} s."
+            )
+    costs = [1 / step for step in steps]
+    walks: list[Walk] = []
+    forces: list[Floats] = []  # (n, contacts) of the floor in every step [N]
+    means: list[Floats] = []  # (samples, contacts) over each sample [N]
+    for i, step in enumerate(steps):
+
+        def tell(done: float, of: float, i: int = i) -> None:
+            if progress is not None:
+                progress(sum(costs[:i]) + done / of * costs[i], sum(costs))
+
+        fine = replace(settings, time_step=step, sample=step)
+        one = walk(robot, cycles, settings=fine, progress=tell)
+        if one.stopped:
+            text = f"time_steps: at {step:g} s it does not walk to the end. {one.stopped}"
+            raise InputError(text)
+        walks.append(one)
+        forces.append(np.concatenate([one.foot_force, one.support_force], axis=1))
+        every = round(settings.sample / step)
+        whole = len(forces[i]) // every
+        means.append(forces[i][: whole * every].reshape(whole, every, -1).mean(axis=1))
+    rows = tuple(
+        Resolution(
+            step,
+            float(one.advance[1:].mean()),
+            float(one.turn[1:].mean()),
+            float(np.sqrt(np.mean((mean - means[-1]) ** 2))) / robot.weight,
+            _jumps(force),
+        )
+        for step, one, force, mean in zip(steps, walks, forces, means, strict=True)
+    )
+    return Convergence(robot, rows)
+
+
+def _jumps(forces: Floats) -> float:
+    larger = np.maximum(np.maximum(forces[1:], forces[:-1]), LOADED)
+    return float((np.abs(np.diff(forces, axis=0)) > JUMP * larger).any(axis=1).mean())
