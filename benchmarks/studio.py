@@ -129,8 +129,7 @@ def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
 
 def answer(preset: str) -> tuple[str, str, str]:
     """A message about a design whose elements are all new, against one whose elements are kept."""
-    from stepwell.files import preset_text, tables_in
-    from stepwell.files.tables import elements
+    from stepwell.files import cells as elements, preset_text, tables_in
     from stepwell.studio.answering import answered
     from stepwell.studio.wire import message_of
 

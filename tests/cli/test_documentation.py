@@ -25,11 +25,10 @@ from stepwell.design import (
     survival,
     yields,
 )
-from stepwell.files.schema.arena import TABLES as ARENA_TABLES
+from stepwell.files.arena import TABLES as ARENA_TABLES
 from stepwell.files.schema.chain import TABLES, LeverKeys
-from stepwell.files.schema.elements import ElementKeys
+from stepwell.files.schema.elements import ElementKeys, LibraryKeys
 from stepwell.files.schema.keys import field_of, written
-from stepwell.files.schema.library import LibraryKeys
 from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain

@@ -8,8 +8,8 @@ from hypothesis import given, strategies as st
 
 from stepwell.base import InputError, Measure
 from stepwell.files import DesignError, dumps, load, loads, loads_program, preset, save
-from stepwell.files.schema import field_of, written
 from stepwell.files.schema.chain import TABLES
+from stepwell.files.schema.keys import field_of, written
 from stepwell.mechanism import LIBRARY, Band, Cell, Chain, Element
 from stepwell.robot import Leg
 

@@ -16,8 +16,8 @@ from stepwell.files import (
     preset_text,
     presets,
 )
+from stepwell.files.arena import TABLES as ARENA_TABLES
 from stepwell.files.schema import elements as schema
-from stepwell.files.schema.arena import TABLES as ARENA_TABLES
 from stepwell.files.schema.chain import TABLES, LeverKeys
 from stepwell.files.schema.elements import ElementKeys, LibraryKeys
 from stepwell.files.schema.robot import TABLES as ROBOT_TABLES

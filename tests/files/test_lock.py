@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from stepwell.files import BusyError, folder, manifest, staged_folder, write_atomic
-from stepwell.files.lock import only_writer
+from stepwell.files.folder import only_writer
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and flock")
 

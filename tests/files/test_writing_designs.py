@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from stepwell.files import DesignError, dumps, load, loads, save
-from stepwell.files.text.units import degrees, moved, radians, shortest, toml
+from stepwell.files.units import degrees, moved, radians, shortest, toml
 from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Cubic, Linear, Load, Table
 
 

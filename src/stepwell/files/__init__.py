@@ -22,6 +22,7 @@ from stepwell.files.design import (
     text_of,
 )
 from stepwell.files.folder import (
+    BusyError,
     IncompleteError,
     OverwriteError,
     check_folder,
@@ -29,10 +30,9 @@ from stepwell.files.folder import (
     manifest,
     staged_folder,
 )
-from stepwell.files.lock import BusyError
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
-from stepwell.files.schema import slips_text
-from stepwell.files.tables import WrittenProgram
+from stepwell.files.program import WrittenProgram
+from stepwell.files.schema.keys import slips_text
 from stepwell.files.text import DesignError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         loads_arena,
         loads_arena_tables,
     )
+    from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.rig import loads_rig, rig_toml
     from stepwell.files.robot_parameters import Given, key_unit, parameters, provenance, vary
     from stepwell.files.write import dumps, save, with_program
@@ -96,11 +97,31 @@ __all__ = [
     "write_atomic",
 ]
 
+# What reads robots and arenas and writes files opens when it is asked for.
+_LATE = {
+    "Given": "robot_parameters",
+    "arena_tables": "arena",
+    "arena_text": "arena",
+    "arenas": "arena",
+    "columns_of": "known",
+    "dumps": "write",
+    "key_unit": "robot_parameters",
+    "known_keys": "known",
+    "load_arena": "arena",
+    "loads_arena": "arena",
+    "loads_arena_tables": "arena",
+    "loads_rig": "rig",
+    "new_cells": "known",
+    "parameters": "robot_parameters",
+    "provenance": "robot_parameters",
+    "rig_toml": "rig",
+    "save": "write",
+    "vary": "robot_parameters",
+    "with_program": "write",
+}
+
 
 def __getattr__(name: str) -> Any:
-    # What reads robots and arenas and writes files opens when it is asked for.
-    for part in ("arena", "rig", "robot_parameters", "write") if name in __all__ else ():
-        offered = vars(import_module(f"stepwell.files.{part}"))
-        if name in offered:
-            return offered[name]
+    if name in _LATE:
+        return getattr(import_module(f"stepwell.files.{_LATE[name]}"), name)
     raise AttributeError(f"module 'stepwell.files' has no attribute {name!r}")

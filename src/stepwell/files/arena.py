@@ -1,21 +1,283 @@
-"""Arenas by name or from a file: tables in millimetres, or a map drawn with letters."""
+"""Arenas by name or from a file: their keys, tables in millimetres, or a map drawn with letters."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
+from collections.abc import Iterator
+from dataclasses import replace
+from decimal import Decimal
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from itertools import groupby, product
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
+from stepwell.base import limits
+from stepwell.files import units
 from stepwell.files.design import text_of
-from stepwell.files.schema import arena as schema, fields, refused, slip_lines, table_lines
-from stepwell.files.tables import drawn, part_of
-from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
+from stepwell.files.robots import part_of
+from stepwell.files.schema.keys import (
+    Keys,
+    Line,
+    Point,
+    Switch,
+    at_most,
+    bounded,
+    fields,
+    slip_lines,
+    table_lines,
+    tables_of,
+)
+from stepwell.files.schema.robot import Size
+from stepwell.files.schema.wording import refused
+from stepwell.files.text import (
+    DesignError,
+    did_you_mean,
+    in_decimals,
+    in_floats,
+    parsed,
+    value_text,
+)
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
+
+Heading = Annotated[Decimal, bounded("-1e6", "1e6")]
+
+
+class WallKeys(Keys):
+    """A straight wall."""
+
+    from_mm: Point
+    to_mm: Point
+    thickness_mm: Size | None = None
+
+
+class CylinderKeys(Keys):
+    """A cylinder."""
+
+    at_mm: Point
+    radius_mm: Size | None = None
+
+
+class GoalKeys(Keys):
+    """The goal."""
+
+    at_mm: Point
+    radius_mm: Size | None = None
+
+
+class ArenaKeys(Keys):
+    """A whole arena."""
+
+    title: Line = ""
+    start_mm: Point | None = None
+    heading_deg: Heading | None = None
+    unusual: Switch = False
+    goal: GoalKeys | None = None
+    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), at_most("obstacles")] = ()
+    cylinder: Annotated[tuple[CylinderKeys, ...], Field(strict=False), at_most("obstacles")] = ()
+
+
+# Where a reader may come from when a path holds one of these keys.
+TABLES = tables_of(ArenaKeys)
+
+
+CYLINDER_RADIUS = 0.025
+_HALF = Decimal("0.5")
+HEADINGS = {"S": 0.0, ">": 0.0, "^": math.pi / 2, "<": math.pi, "v": -math.pi / 2}
+_FIRST = re.compile(r"cell\s+([0-9.eE+-]+)\s*mm\s*")
+_LETTERS = "# (wall), o (cylinder), S > < ^ v (start), G (goal), a point or a space (floor)"
+
+Square = tuple[int, int]  # column and row, from the bottom left
+
+
+class _Rectangle(NamedTuple):
+    left: int
+    bottom: int
+    columns: int
+    rows: int
+
+    def squares(self) -> Iterator[Square]:
+        across = range(self.left, self.left + self.columns)
+        yield from product(across, range(self.bottom, self.bottom + self.rows))
+
+
+def drawn(text: str, name: str) -> Arena:
+    """The arena that a map shows; its origin is the map's lower left corner."""
+    lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
+    while lines and not lines[0]:
+        lines.pop(0)
+    size = _size(lines[0] if lines else "", name)
+    rest = lines[1:]
+    title = ""
+    if rest and rest[0].startswith("title "):
+        title = rest.pop(0).removeprefix("title ").strip()[:200]
+        title = "".join(letter for letter in title if letter.isprintable())
+    skipped = len(lines) - len(rest)
+    while rest and not rest[-1]:
+        rest.pop()
+    while rest and not rest[0]:
+        rest.pop(0)
+        skipped += 1
+    problems = _problems(rest, skipped)
+    if problems:
+        raise DesignError(name, problems)
+    found: dict[str, list[Square]] = {}
+    for j, line in enumerate(reversed(rest)):
+        for i, letter in enumerate(line):
+            found.setdefault(letter, []).append((i, j))
+    (start,) = [letter for letter in HEADINGS if letter in found]
+    goal = found.get("G")
+    try:
+        walls, posts = _walls(set(found.get("#", [])), size), found.get("o", [])
+        limits.require("obstacles", len(walls) + len(posts), "has")
+        # A map says the size of a letter, within bounds of its own.
+        made = Arena(
+            walls=walls,
+            cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
+            start=_middle(found[start][0], size),
+            heading=HEADINGS[start],
+            goal=Goal(_middle(goal[0], size)) if goal else None,
+            title=title,
+            unusual=True,
+        )
+        return replace(made, unusual=False)
+    except ValueError as error:
+        raise DesignError(name, str(error).split("\n")) from None
+
+
+def _size(line: str, name: str) -> Decimal:
+    """The side of a square in mm, from the first line."""
+    match = _FIRST.fullmatch(line)
+    try:
+        size = Decimal(match[1]) if match else None
+    except ArithmeticError:
+        size = None
+    if size is None or not size.is_finite() or not 1 <= size <= 10_000:
+        raise DesignError(
+            name,
+            [
+                f"line 1: {value_text(line)}: must be the size of one letter of the map, from 1 to "
+                f"10000 mm, as in: cell 100 mm"
+            ],
+        )
+    return size
+
+
+def _problems(rows: list[str], skipped: int) -> list[str]:
+    if not rows:
+        return [f"has no map below its first line: draw one with {_LETTERS}."]
+    letters = sum(map(len, rows))
+    if letters > limits.most("letters"):
+        return [f"has {limits.problem('letters', letters)} Or let a letter stand for more."]
+    problems = []
+    places: dict[str, list[str]] = {"start": [], "goal": []}
+    for j, line in enumerate(rows):
+        for i, letter in enumerate(line):
+            place = f"line {skipped + j + 1}, column {i + 1}"
+            if letter in HEADINGS:
+                places["start"].append(place)
+            elif letter == "G":
+                places["goal"].append(place)
+            elif letter not in "#o. ":
+                problems.append(f"{place}: {value_text(letter)}: must be one of {_LETTERS}.")
+    if not places["start"]:
+        problems.append("has no start: put S on the floor, or > < ^ v for where the robot faces.")
+    for what, found in places.items():
+        if len(found) > 1:
+            problems.append(f"{found[1]}: a second {what}: the first stands in {found[0]}.")
+    return problems
+
+
+def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
+    slanted, rest = _slanted(squares)
+    walls = [_wall(rectangle, size) for rectangle in _rectangles(rest)]
+    for first, last in slanted:
+        up = 1 if last[1] > first[1] else -1
+        start = _point(first[0], first[1] + (up < 0), size)
+        end = _point(last[0] + 1, last[1] + (up > 0), size)
+        walls.append(Wall(start, end, float(size) / 1e3 / math.sqrt(2.0)))
+    return walls
+
+
+def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Square]]:
+    """Lines of squares that touch at corners alone, by their left and right end; and the rest."""
+    beside = ((1, 0), (-1, 0), (0, 1), (0, -1))
+    alone = {(i, j) for i, j in squares if not any((i + a, j + b) in squares for a, b in beside)}
+    ends = []
+    free = set(alone)  # those in no line yet
+    for up in (1, -1):
+        for i, j in sorted(alone):
+            if (i, j) not in free or (i - 1, j - up) in free:
+                continue
+            n = 1
+            while (i + n, j + n * up) in free:
+                n += 1
+            if n > 1:
+                ends.append(((i, j), (i + n - 1, j + (n - 1) * up)))
+                free.difference_update((i + k, j + k * up) for k in range(n))
+    return ends, squares - (alone - free)
+
+
+def _rectangles(squares: set[Square]) -> list[_Rectangle]:
+    """Rectangles that together cover the squares, large ones first; they may overlap."""
+    flipped = {(j, i) for i, j in squares}
+    candidates = [
+        *_stacked(squares),
+        *(_Rectangle(r.bottom, r.left, r.rows, r.columns) for r in _stacked(flipped)),
+    ]
+    candidates.sort(key=lambda r: (-r.columns * r.rows, r))
+    left = set(squares)
+    chosen = []
+    for rectangle in candidates:
+        inside = set(rectangle.squares())
+        if inside & left:
+            chosen.append(rectangle)
+            left -= inside
+    return chosen
+
+
+def _stacked(squares: set[Square]) -> Iterator[_Rectangle]:
+    """Runs along rows; equal ones above each other are one rectangle."""
+    rows: dict[int, list[int]] = {}
+    for i, j in sorted(squares):
+        rows.setdefault(j, []).append(i)
+    begun: dict[tuple[int, int], int] = {}  # left and columns of a run: its first row
+    for j in range(min(rows, default=0), max(rows, default=-1) + 2):
+        runs = list(_runs(rows.get(j, [])))
+        for run in [run for run in begun if run not in runs]:
+            bottom = begun.pop(run)
+            yield _Rectangle(run[0], bottom, run[1], j - bottom)
+        for run in runs:
+            begun.setdefault(run, j)
+
+
+def _runs(columns: list[int]) -> Iterator[tuple[int, int]]:
+    for _, run in groupby(enumerate(columns), lambda place: place[1] - place[0]):
+        first, *others = (column for _, column in run)
+        yield first, 1 + len(others)
+
+
+def _wall(rectangle: _Rectangle, size: Decimal) -> Wall:
+    left, bottom, columns, rows = rectangle
+    thickness = units.moved(size * min(columns, rows), -3)
+    if columns >= rows:
+        y = bottom + rows * _HALF
+        return Wall(_point(left, y, size), _point(left + columns, y, size), thickness)
+    x = left + columns * _HALF
+    return Wall(_point(x, bottom, size), _point(x, bottom + rows, size), thickness)
+
+
+def _middle(square: Square, size: Decimal) -> tuple[float, float]:
+    return _point(square[0] + _HALF, square[1] + _HALF, size)
+
+
+def _point(x: Decimal | int, y: Decimal | int, size: Decimal) -> tuple[float, float]:
+    return units.moved(x * size, -3), units.moved(y * size, -3)
+
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
 _SUFFIXES = (".toml", ".txt")
@@ -102,9 +364,9 @@ def arena_tables(arena: Arena) -> dict[str, Any]:
 
 def _arena(tables: dict[str, Any], name: str) -> Arena:
     try:
-        keys = schema.ArenaKeys.model_validate(tables)
+        keys = ArenaKeys.model_validate(tables)
     except ValidationError as error:
-        raise refused(name, error, schema.TABLES) from None
+        raise refused(name, error, TABLES) from None
     problems: list[str] = []
     walls: list[Any] = [
         part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
@@ -126,13 +388,13 @@ def arena_toml(arena: Arena) -> str:
     """The file of an arena: start and goal first, then what stands in the way."""
     left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
     odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
-    text = [*odd, *table_lines(schema.ArenaKeys, arena, left_out), ""]
+    text = [*odd, *table_lines(ArenaKeys, arena, left_out), ""]
     if arena.goal is not None:
-        text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]
+        text += ["[goal]", *table_lines(GoalKeys, arena.goal), ""]
     for wall in arena.walls:
-        text += ["[[wall]]", *table_lines(schema.WallKeys, wall), ""]
+        text += ["[[wall]]", *table_lines(WallKeys, wall), ""]
     for cylinder in arena.cylinders:
-        text += ["[[cylinder]]", *table_lines(schema.CylinderKeys, cylinder), ""]
+        text += ["[[cylinder]]", *table_lines(CylinderKeys, cylinder), ""]
     return "\n".join(text).rstrip("\n") + "\n"
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import InputError, Measure, require
-from stepwell.files.schema import elements as schema, written
+from stepwell.files.schema import elements as schema
+from stepwell.files.schema.keys import written
 from stepwell.files.text import DesignError, inline, key_path, parsed, value_text
 from stepwell.mechanism import Element
 

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from stepwell.base import content_of, nearest_word
+from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
-from stepwell.files.schema import chain as schema, refused
-from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of
+from stepwell.files.program import WrittenProgram, program_of
+from stepwell.files.schema import chain as schema
+from stepwell.files.schema.wording import refused
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
 
@@ -283,8 +285,8 @@ def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProg
 def _robot(tables: dict[str, Any], name: str) -> Robot | None:
     """The robot of these tables; None where they are those of a chain."""
     # The keys of a robot are many: a chain does not wait for them.
+    from stepwell.files.robots import robot
     from stepwell.files.schema import robot as robot_schema
-    from stepwell.files.tables import robot
 
     if not robot_schema.is_robot(tables):
         return None

@@ -1,17 +1,37 @@
-"""The rig of a test machine from a file, and to one."""
+"""The rig of a test machine from a file, and to one: its keys and its text."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from decimal import Decimal
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import fields, refused, rig as schema, table_lines
+from stepwell.files.schema.keys import Keys, above_zero, bounded, fields, table_lines, tables_of
+from stepwell.files.schema.wording import refused
 from stepwell.files.text import parsed
 
 if TYPE_CHECKING:
     from stepwell.lab import Rig
+
+
+Start = Annotated[Decimal, bounded("-10", "10")]
+
+
+class RigKeys(Keys):
+    """What lies between a test machine and a mechanism."""
+
+    bar_mm: Annotated[Decimal, bounded("20", "1e6")] | None = None
+    stretch: Annotated[Decimal, above_zero("0.5", "2")] | None = None
+    start_loading_mm: Start | None = None
+    start_unloading_mm: Start | None = None
+    compliance_mm_per_N: Annotated[Decimal, bounded("0", "1e3")] | None = None
+    friction_N: Annotated[Decimal, bounded("0", "1e6")] | None = None
+
+
+TABLES = tables_of(RigKeys)
+
 
 _EMPTY = "is empty: a rig is what `stepwell lab calibrate` writes, as in stretch = 1.02"
 
@@ -31,13 +51,13 @@ def loads_rig(text: str, name: str = "rig") -> Rig:
     from stepwell.lab import Rig
 
     try:
-        keys = schema.RigKeys.model_validate(parsed(text, name, _EMPTY))
+        keys = RigKeys.model_validate(parsed(text, name, _EMPTY))
     except ValidationError as error:
-        raise refused(name, error, schema.TABLES) from None
+        raise refused(name, error, TABLES) from None
     return Rig(**fields(keys))
 
 
 def rig_toml(rig: Rig) -> str:
     """The file of a rig; an infinite bar is left out."""
-    lines = table_lines(schema.RigKeys, rig, ["bar_mm"] if math.isinf(rig.bar) else [])
+    lines = table_lines(RigKeys, rig, ["bar_mm"] if math.isinf(rig.bar) else [])
     return "\n".join(lines) + "\n"

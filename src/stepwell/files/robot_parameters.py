@@ -12,9 +12,12 @@ from pydantic import ValidationError
 
 from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads_robot
-from stepwell.files.schema import refused, robot as schema, unit_of
-from stepwell.files.tables import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
-from stepwell.files.text import DesignError, Item, Steps, find, spelled, value_text
+from stepwell.files.paths import Item, Steps, find, spelled
+from stepwell.files.robots import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
+from stepwell.files.schema import robot as schema
+from stepwell.files.schema.keys import unit_of
+from stepwell.files.schema.wording import refused
+from stepwell.files.text import DesignError, value_text
 from stepwell.robot import Robot
 
 _ITEM = r'(?:\."(?:[^"\\]|\\.)*"|\.[^.\[]+|\[\d+\])'

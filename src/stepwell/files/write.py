@@ -8,7 +8,8 @@ import re
 from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import arena_toml, loads_arena
 from stepwell.files.design import loads, loads_chain, loads_program
-from stepwell.files.tables import WrittenProgram, chain_text, robot_text
+from stepwell.files.design_text import chain_text, robot_text
+from stepwell.files.program import WrittenProgram
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot

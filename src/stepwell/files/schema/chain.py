@@ -8,7 +8,16 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, model_validator
 
 from stepwell.base import Measure, short
-from stepwell.files.schema.checks import (
+from stepwell.files.schema.elements import (
+    CsvName,
+    CurveKeys,
+    ElementKeys,
+    Friction,
+    Mobility,
+    PartKeys,
+    key_in,
+)
+from stepwell.files.schema.keys import (
     Keys,
     Line,
     Point,
@@ -21,15 +30,6 @@ from stepwell.files.schema.checks import (
     lengths,
     refuse,
     tables_of,
-)
-from stepwell.files.schema.elements import (
-    CsvName,
-    CurveKeys,
-    ElementKeys,
-    Friction,
-    Mobility,
-    PartKeys,
-    key_in,
 )
 from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
 

@@ -11,7 +11,8 @@ from pydantic import Field, PlainValidator, model_validator
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.chain import Stiffness
-from stepwell.files.schema.checks import (
+from stepwell.files.schema.elements import Friction
+from stepwell.files.schema.keys import (
     Keys,
     Line,
     Point,
@@ -24,7 +25,6 @@ from stepwell.files.schema.checks import (
     refuse,
     tables_of,
 )
-from stepwell.files.schema.elements import Friction
 from stepwell.files.text import did_you_mean
 from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
 

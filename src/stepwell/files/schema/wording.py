@@ -7,7 +7,7 @@ from pydantic_core import ErrorDetails
 
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
-from stepwell.files.schema.checks import Tables
+from stepwell.files.schema.keys import Tables
 from stepwell.files.text import MOST_LINES, DesignError, did_you_mean, key_path, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant

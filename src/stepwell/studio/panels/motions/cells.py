@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import StepwellError, told_in
-from stepwell.files.tables import columns_of, known_keys, new_cells
+from stepwell.files import columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
 from stepwell.studio.panels.motions.evaluate import units_of
 from stepwell.studio.wire import Ask, Design, View

@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import chain as chain_schema, robot as schema, table_lines, written
-from stepwell.files.tables.elements import element_lines
+from stepwell.files.cells import element_lines
+from stepwell.files.schema import chain as chain_schema, robot as schema
+from stepwell.files.schema.keys import table_lines, written
 from stepwell.files.text import Written, array, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Table, slips
 from stepwell.robot import Robot, of_robot

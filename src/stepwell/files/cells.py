@@ -1,19 +1,33 @@
-"""The tables of a design file about one element, as an element, and back."""
+"""The tables of a design file about its cells and elements, as values, and back."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
 
-from stepwell.base import Floats, InputError, Measure, told_in
-from stepwell.files.schema import elements as schema, fields, si, written
-from stepwell.files.text import Written, array, inline, lines, parsed
-from stepwell.mechanism import LIBRARY, Element, Sheet, value
+from stepwell.base import Floats, InputError, Measure, StepwellError, told_in
+from stepwell.files.schema import chain as chain_schema, elements as element_schema
+from stepwell.files.schema.keys import field_of, fields, key_of, si, slip_text, written
+from stepwell.files.text import Written, array, inline, lines, parsed, value_text
+from stepwell.mechanism import (
+    LIBRARY,
+    Band,
+    Cell,
+    Chain,
+    Cubic,
+    Element,
+    Load,
+    Sheet,
+    Slip,
+    SlipError,
+    Table,
+    value,
+)
 
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
 _NEAR = 1e-9
@@ -21,7 +35,7 @@ _NEAR = 1e-9
 _BESIDE = 1e-6
 
 
-def element_of(keys: schema.ElementKeys) -> Element:
+def element_of(keys: element_schema.ElementKeys) -> Element:
     """The element that a table describes.
 
     Raises:
@@ -30,10 +44,10 @@ def element_of(keys: schema.ElementKeys) -> Element:
     (form,) = keys.forms
     given = getattr(keys, form)
     stops = False if keys.stops is None else keys.stops
-    if isinstance(given, schema.ColumnKeys):
+    if isinstance(given, element_schema.ColumnKeys):
         x, y = (
             si(key, column)
-            for key, column in zip(schema.COLUMNS[given.measure], given.pair, strict=True)
+            for key, column in zip(element_schema.COLUMNS[given.measure], given.pair, strict=True)
         )
         options: dict[str, Any] = {"stops": stops, "measure": given.measure}
         if form == "table":
@@ -44,7 +58,7 @@ def element_of(keys: schema.ElementKeys) -> Element:
             "curve": Element.from_curve,
         }
         element = make[form](x, y, **options)
-    elif form in schema.LibraryKeys.model_fields:
+    elif form in element_schema.LibraryKeys.model_fields:
         element = LIBRARY[form.replace("_", "-")].make(**fields(given))
     elif form == "sheets":
         element = Element(_sheets(given), stops, measure=given[0].measure)
@@ -54,7 +68,7 @@ def element_of(keys: schema.ElementKeys) -> Element:
     return with_options(element, keys)
 
 
-def with_options(element: Element, keys: schema.ElementKeys) -> Element:
+def with_options(element: Element, keys: element_schema.ElementKeys) -> Element:
     """An element with what the table says beside its curve."""
     measure = element.measure
     options: dict[str, Any] = {"name": keys.name}
@@ -70,9 +84,9 @@ def with_options(element: Element, keys: schema.ElementKeys) -> Element:
     return replace(element, **options)
 
 
-def _of_measure(keys: schema.ElementKeys, word: str, measure: Measure) -> float | None:
+def _of_measure(keys: element_schema.ElementKeys, word: str, measure: Measure) -> float | None:
     """A force under the key that names its unit; ValueError where it names another one's."""
-    right = schema.key_in(word, measure.force_unit)
+    right = element_schema.key_in(word, measure.force_unit)
     for key in sorted(keys.model_fields_set):
         if key.startswith(f"{word}_") and key != right:
             raise InputError(
@@ -83,13 +97,13 @@ def _of_measure(keys: schema.ElementKeys, word: str, measure: Measure) -> float 
     return None if number is None else si(right, number)
 
 
-def _sheets(tables: tuple[schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
+def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
     measure = tables[0].measure
     if any(one.measure is not measure for one in tables):
         raise InputError("sheets: all must be of one kind of travel.")
     found: list[Sheet] = []
     for k, one in enumerate(tables):
-        joints = np.array([float(x) for x in getattr(one, schema.JOINTS[measure])])
+        joints = np.array([float(x) for x in getattr(one, element_schema.JOINTS[measure])])
         cubics = np.array([[float(c) for c in row] for row in one.cubics_SI])
         rows = np.column_stack([joints[:-1], cubics])
         rows.setflags(write=False)
@@ -171,7 +185,7 @@ def _written(element: Element) -> Written:
     sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
     keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"} | options
     if element.error_band:
-        key = schema.key_in("error_band", element.measure.force_unit)
+        key = element_schema.key_in("error_band", element.measure.force_unit)
         keys[key] = written(key, element.error_band)
     return keys
 
@@ -182,7 +196,7 @@ def _options(element: Element) -> Written:
     if low or high:
         keys["stops"] = "true" if low and high else array(written("", one) for one in (low, high))
     if element.friction:
-        key = schema.key_in("friction", element.measure.force_unit)
+        key = element_schema.key_in("friction", element.measure.force_unit)
         keys[key] = written(key, element.friction)
     for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(element, key) != 1.0:
@@ -214,12 +228,12 @@ def _as_columns(element: Element) -> Iterator[Written]:
 def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
     return {
         key: written(key, tuple(column.tolist()))
-        for key, column in zip(schema.COLUMNS[measure], (x, y), strict=True)
+        for key, column in zip(element_schema.COLUMNS[measure], (x, y), strict=True)
     }
 
 
 def _sheet(sheet: Sheet, measure: Measure) -> Written:
-    key = schema.JOINTS[measure]
+    key = element_schema.JOINTS[measure]
     keys = {
         key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
         "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:].tolist()))),
@@ -233,6 +247,143 @@ def _sheet(sheet: Sheet, measure: Measure) -> Written:
 def _reads_as(keys: Written, wanted: Element) -> bool:
     try:
         tables = parsed("\n".join(lines(keys)), "", "")
-        return element_of(schema.ElementKeys.model_validate(tables)) == wanted
+        return element_of(element_schema.ElementKeys.model_validate(tables)) == wanted
     except (ValidationError, InputError):
         return False
+
+
+class Shared(NamedTuple):
+    """What the cells of a chain share: fields of a cell, and keys of its band."""
+
+    cell: dict[str, Any]
+    band: dict[str, Any]
+
+    @classmethod
+    def of(cls, band: dict[str, Any], *tables: chain_schema.SharedKeys) -> Shared:
+        """What `band` says of all bands and the tables of all cells, the last one above all."""
+        given = {key: value for table in tables for key, value in table.given().items()}
+        names = given.keys() & {"lever_mm", "limit_deg", "unusual"}
+        return cls({field_of(key): si(key, given[key]) for key in names}, band)
+
+
+def cells_of(
+    tables: Sequence[chain_schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
+) -> tuple[Cell | Element, ...]:
+    """The cells of a list; `problems` gets a line for all that is wrong with each."""
+    cells = [
+        (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
+        for i, one in enumerate(tables)
+    ]
+    return tuple(cell for cell in cells if cell)
+
+
+def chain_of(cells: Sequence[Cell | Element], keys: chain_schema.ChainKeys, title: str) -> Chain:
+    """The chain of these cells, with its actuator.
+
+    Raises:
+        ValueError: cells that are no chain, or an actuator in the units of another one.
+    """
+    rigid = Chain(cells, title=title)
+    right = chain_schema.ACTUATORS[rigid.measure]
+    for key in chain_schema.ACTUATORS.values():
+        stiffness = getattr(keys, key)
+        if stiffness is not None and key != right:
+            raise InputError(
+                f"{key} = {value_text(stiffness)}: this chain is of {rigid.measure.travel} and "
+                f"{rigid.measure.force}, so it must be {right}."
+            )
+    stiffness = getattr(keys, right)
+    return rigid if stiffness is None else Chain(cells, si(right, stiffness), title)
+
+
+def _element(
+    shared: Shared, keys: chain_schema.OneCellKeys, where: str, problems: list[str]
+) -> Element | None:
+    before = len(problems)
+    inside = getattr(keys, "inside", None)
+    cells = () if inside is None else cells_of(inside, shared, f"{where}.inside", problems)
+    if len(problems) > before:
+        return None
+    try:
+        if inside is None:
+            return element_of(keys)
+        return with_options(Element.from_chain(Chain(cells)), keys)
+    except StepwellError as error:
+        problems += [f"{where}: {line}" for line in str(error).split("\n")]
+        return None
+
+
+def _cell(
+    shared: Shared, keys: chain_schema.OneCellKeys, where: str, problems: list[str]
+) -> Cell | None:
+    before = len(problems)
+    own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
+    tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
+    if keys.bands is not None:
+        tables = [
+            merged(own, placed.given(), f"{where}.bands[{j}]", problems)
+            for j, placed in enumerate(keys.bands)
+        ]
+    if len(problems) > before:
+        return None
+    values = shared.cell | fields(keys, left_out=["p_mm", "q_mm", "band", "bands", "load_N"])
+    try:
+        if keys.load_N is not None:
+            values["load"] = Load.constant(float(keys.load_N))
+        elif keys.load_mm_N is not None:
+            values["load"] = Load(*zip(*values["load"], strict=True))
+        return Cell(tuple(map(_band, tables)), **values)
+    except SlipError as error:
+        for slip in error.slips:
+            band = None if slip.band is None else tables[slip.band]
+            at = f"{where}.bands[{slip.band}]" if keys.bands and band else where
+            problems.append(f"{at}.{slip_text(slip, _key(slip, keys, band))} {UNUSUAL}")
+        return None
+    except ValueError as error:
+        problems.append(f"{where}: {error}")
+        return None
+
+
+def _key(slip: Slip, cell: chain_schema.OneCellKeys, band: dict[str, Any] | None) -> str:
+    """The key of a cell, or of its band, that holds a size."""
+    if slip.name.startswith("load."):
+        constant = slip.name == "load.force" and cell.load_N is not None
+        return "load_N" if constant else "load_mm_N"
+    if band is None or slip.name not in ("extension", "tension"):
+        return key_of(slip)
+    return "table_mm_N" if "table_mm_N" in band else "shape_mm"
+
+
+UNUSUAL = "If it is meant so, set unusual = true in the table of the cell."
+
+
+def merged(
+    shared: dict[str, Any], own: dict[str, Any], where: str, problems: list[str]
+) -> dict[str, Any]:
+    """The shared band with its own keys over it; a law of its own replaces the shared law."""
+    kept = dict(shared)
+    if any(keys & own.keys() for keys in chain_schema.LAWS.values()):
+        for keys in chain_schema.LAWS.values():
+            for key in keys:
+                kept.pop(key, None)
+    if "table_mm_N" in own:
+        kept.pop("stiffness_N_per_m", None)
+    band = kept | own
+    if "table_mm_N" in band and "stiffness_N_per_m" in band:
+        value = value_text(band.pop("stiffness_N_per_m"))
+        problems.append(f"{where}.stiffness_N_per_m = {value}: {chain_schema.TABLE_OWNS_STIFFNESS}")
+    return band
+
+
+def _band(keys: dict[str, Any]) -> Band:
+    values = {field_of(key): si(key, value) for key, value in keys.items()}
+    table, shape = values.pop("table", ()), values.pop("shape", ())
+    cubic = values.pop("a2", None), values.pop("a3", None)
+    if shape:
+        values["law"] = Table(*zip(*shape, strict=True))
+    elif cubic != (None, None):
+        values["law"] = Cubic(*(number or 0.0 for number in cubic))
+    elif table:
+        measured = Band.from_table(values["p"], values["q"], 0.0, *zip(*table, strict=True))
+        values |= {"law": measured.law, "stiffness": measured.stiffness}
+    return Band(**values)

@@ -8,8 +8,10 @@ from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, told_in
-from stepwell.files.schema import chain as schema, si, written
-from stepwell.files.text import array, quoted, units, value_text
+from stepwell.files import units
+from stepwell.files.schema import chain as schema
+from stepwell.files.schema.keys import si, written
+from stepwell.files.text import array, quoted, value_text
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:

@@ -9,16 +9,9 @@ from functools import cache
 from typing import Any, get_args
 
 from stepwell.base import Measure
-from stepwell.files.schema import (
-    UNITS,
-    Within,
-    chain as schema,
-    elements,
-    field_of,
-    unit_of,
-    written,
-)
-from stepwell.files.tables.cells import merged
+from stepwell.files.cells import merged
+from stepwell.files.schema import chain as schema, elements
+from stepwell.files.schema.keys import UNITS, Within, field_of, unit_of, written
 from stepwell.mechanism import LIBRARY, Band, Cell, Element
 
 Table = Mapping[str, Any]

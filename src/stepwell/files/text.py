@@ -1,0 +1,188 @@
+"""The text of design files: TOML in and out, plain values, and what is wrong with a file."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from decimal import Decimal, InvalidOperation
+from typing import Any
+
+from stepwell.base import InputError, limits, nearest_word, printable
+
+MOST_LINES = 40
+
+
+class DesignError(InputError):
+    """A design file that cannot be used; `str` of it is what to show the user.
+
+    Args:
+        name: the file, as the user called it.
+        problems: one line each: where, what came, what is allowed, what was probably meant.
+        more: problems there are besides.
+    """
+
+    def __init__(self, name: str, problems: Iterable[str], more: int = 0):
+        self.name = printable(name)
+        self.problems = tuple(problems)
+        lines = [f"{self.name}: {problem}" for problem in self.problems[:MOST_LINES]]
+        if (unlisted := len(self.problems) + more - len(lines)) > 0:
+            lines.append(f"{self.name}: and {unlisted} more like these.")
+        super().__init__("\n".join(lines))
+
+
+def key_path(keys: Sequence[str | int]) -> str:
+    """("chain", "cell", 1, "q_mm") as chain.cell[1].q_mm."""
+    path = ""
+    for key in keys:
+        if isinstance(key, int):
+            path += f"[{key}]"
+            continue
+        bare = key.isascii() and key.replace("_", "").replace("-", "").isalnum()
+        shown = key if bare else json.dumps(key, ensure_ascii=False)
+        path += ("." if path else "") + _cut(printable(shown))
+    return path
+
+
+def value_text(value: Any) -> str:
+    """A value as the file would write it, on one short line."""
+    if isinstance(value, dict):
+        names = [key_path([str(key)]) for key in list(value)[:4]]
+        return _cut("{" + ", ".join(names + ["..."] * (len(value) > 4)) + "}")
+    if isinstance(value, list | tuple):
+        items = [value_text(item) for item in value[:4]]
+        return _cut("[" + ", ".join(items + ["..."] * (len(value) > 4)) + "]")
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int) and abs(value) >= 10**15:
+        return f"an integer of {value.bit_length()} bits"
+    if isinstance(value, Decimal):
+        if value.is_nan():
+            return "nan"
+        return "-inf" * value.is_signed() or "inf" if value.is_infinite() else _cut(str(value))
+    if isinstance(value, str):
+        return _cut(printable(json.dumps(value[:80], ensure_ascii=False)))
+    return _cut(printable(str(value)))
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """A sentence that names the nearest known word, or all of them where none is near."""
+    known = list(known)
+    near = nearest_word(word, known)
+    return f"Did you mean {near}?" if near else f"Known here: {', '.join(known)}."
+
+
+def _cut(text: str, most: int = 60) -> str:
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def in_decimals(value: Any, problems: list[str], keys: Sequence[str | int] = ()) -> Any:
+    """A value as a file holds it, its numbers the decimals that Python shows.
+
+    Args:
+        value: strings, numbers, booleans, and lists and dictionaries of them.
+        problems: gets a line for whatever else there is.
+        keys: where the value stands.
+    """
+    if isinstance(value, float):
+        return Decimal(repr(value))
+    if isinstance(value, str | int | Decimal):
+        return value
+    if len(keys) > limits.most("depth"):
+        problems.append(f"{key_path(keys[:1])}: is nested too deeply to be a design file.")
+    elif isinstance(value, dict):
+        return {
+            str(key): in_decimals(own, problems, (*keys, str(key))) for key, own in value.items()
+        }
+    elif isinstance(value, list | tuple):
+        return [in_decimals(own, problems, (*keys, i)) for i, own in enumerate(value)]
+    else:
+        shown = "null" if value is None else value_text(value)
+        problems.append(
+            f"{key_path(keys)} = {shown}: must be text, a number, true, false, a list or a table; "
+            f"leave the key out where nothing is meant."
+        )
+    return None
+
+
+def in_floats(value: Any) -> Any:
+    """A value of a file as JSON can hold it, its decimals as floats."""
+    if isinstance(value, Decimal):
+        return float(value)
+    if isinstance(value, dict):
+        return {key: in_floats(own) for key, own in value.items()}
+    if isinstance(value, list):
+        return [in_floats(own) for own in value]
+    return value
+
+
+# The keys of a table, each with its value as it stands in the file.
+Written = dict[str, str]
+
+# Where a key can begin; the reader below takes the square of its depth. Nothing is tried twice.
+_KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_BEGIN = r"(?:^|[\[{,])[ \t]*+"
+
+
+def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
+    """The tables of a file; DesignError where it is no TOML, or `empty` where it is empty."""
+    if not text.strip():
+        raise DesignError(name, [empty])
+    _refuse_deep(text, name)
+    # Counted before they are read, which takes far longer: every key has its sign.
+    if (keys := text.count("=")) > limits.most("keys"):
+        raise DesignError(name, [f"has {limits.problem('keys', keys)}"])
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"), parse_float=_decimal)
+    except RecursionError:
+        raise DesignError(name, ["is nested too deeply to be a design file."]) from None
+    except ValueError as error:
+        place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", str(error))
+        if not isinstance(error, tomllib.TOMLDecodeError):
+            raise DesignError(name, ["holds an integer of thousands of digits."]) from None
+        if place is None:
+            raise DesignError(name, [f"{error}."]) from None
+        last = text.count("\n") + 1
+        where = f"line {place[1]}, column {place[2]}" if place[1] else f"line {last}, at the end"
+        raise DesignError(name, [f"{where}: {str(error)[: place.start()]}."]) from None
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:  # an exponent past a billion billion
+        return Decimal(float(text))
+
+
+def _refuse_deep(text: str, name: str) -> None:
+    """DesignError where a key is of more names than any design has."""
+    most = limits.most("depth")
+    if text.count(".") <= most:
+        return
+    deep = re.search(rf"{_BEGIN}{_KEY}(?:[ \t]*+\.[ \t]*+{_KEY}){{{most},}}+", text, re.MULTILINE)
+    if deep:
+        line = text.count("\n", 0, deep.start()) + 1
+        names = len(re.findall(_KEY, deep[0]))
+        raise DesignError(name, [f"line {line}: has {limits.problem('depth', names)}"])
+
+
+def array(items: Iterable[str]) -> str:
+    """A list of what is written already."""
+    return f"[{', '.join(items)}]"
+
+
+def inline(keys: Mapping[str, str]) -> str:
+    """A table on one line."""
+    return "{ " + ", ".join(lines(keys)) + " }"
+
+
+def lines(keys: Mapping[str, str]) -> list[str]:
+    """A line for each key."""
+    return [f"{key} = {value}" for key, value in keys.items()]
+
+
+def quoted(text: str) -> str:
+    """Text in quotes."""
+    # JSON's escapes are TOML's, but TOML also wants the delete character escaped.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
