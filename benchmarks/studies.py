@@ -18,9 +18,18 @@ from typing import NamedTuple
 import numpy as np
 
 import stepwell as sw
-from stepwell.atlas import blocks
 from stepwell.concave import STROKE
-from stepwell.studies import Axis, Space, asked, begun, function_of, mapped_on, packed, sweep
+from stepwell.studies import (
+    Axis,
+    Space,
+    asked,
+    atlas_blocks as blocks,
+    begun,
+    function_of,
+    mapped_on,
+    packed,
+    sweep,
+)
 from stepwell.studies.blocks import block_row
 from stepwell.studies.fill import columns_of
 

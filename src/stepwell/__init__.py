@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stepwell import (
-        atlas,
         base,
         cards,
         concave,
@@ -134,7 +133,7 @@ _DOORS = {
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
 # and commands are nobody's to call.
 _ROOMS = (
-    *("atlas", "base", "cards", "concave", "design", "figures", "files", "lab"),
+    *("base", "cards", "concave", "design", "figures", "files", "lab"),
     *("mechanism", "paper", "reports", "results", "robot", "sequences", "simulation", "statics"),
     *("studies", "studio"),
 )

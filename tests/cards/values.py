@@ -10,10 +10,9 @@ import numpy as np
 import stepwell as sw
 from golden.recordings import bands, cells, rubber
 from stepwell import lab, simulation
-from stepwell.atlas import Atlas, Machine, Sampled
 from stepwell.base import StepwellError
 from stepwell.design import USUAL, share_of
-from stepwell.studies import Axis
+from stepwell.studies import Atlas, Axis, Machine, Sampled
 
 
 def _refused(ask: Any) -> StepwellError:

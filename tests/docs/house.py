@@ -26,7 +26,6 @@ STOREYS = {
         (
             "files",
             "studies",
-            "atlas",
             "results",
             "cards",
             "figures",

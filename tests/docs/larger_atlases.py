@@ -13,10 +13,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from stepwell.atlas import Atlas, charted, find
 from stepwell.base import counted, number
 from stepwell.files import write_atomic
-from stepwell.studies import opened
+from stepwell.studies import Atlas, charted, find, opened
 
 ROOT = Path(__file__).parents[2]
 PAGE, FILE = ROOT / "docs" / "atlas.md", ROOT / "docs" / "atlases.json"

@@ -271,7 +271,7 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
 
     from stepwell import studies
     from stepwell.cli.studies import sweep
-    from stepwell.studies.ranking import ranked
+    from stepwell.studies.screen import ranked
 
     record, page = antennas.records(), antennas.PAGE.read_text("utf-8")
     monkeypatch.chdir(tmp_path)
@@ -313,9 +313,8 @@ def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch)
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
     from typer.testing import CliRunner
 
-    from stepwell.atlas import atlas as rooms
     from stepwell.cli import app
-    from stepwell.studies import asked
+    from stepwell.studies import asked, atlas as rooms
 
     begun = []
 

@@ -132,7 +132,7 @@ def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp
 
 
 def test_an_atlas_has_no_report_of_a_study(tmp_path):
-    from stepwell.atlas import atlas
+    from stepwell.studies import atlas
 
     cell = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
     found = atlas(sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr")

@@ -496,7 +496,7 @@ def test_the_best_of_a_study_are_a_list_that_another_study_takes(tmp_path):
 
 
 def test_designs_are_ranked_by_value_then_by_the_next_column_and_never_without_a_value():
-    from stepwell.studies.ranking import ranked
+    from stepwell.studies.screen import ranked
 
     share, time = [0.5, 1.0, math.nan, 1.0, 0.5, 1.0], [3.0, 9.0, 1.0, math.nan, 3.0, 2.0]
     columns = {"share": np.array(share), "time": np.array(time)}

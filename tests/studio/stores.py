@@ -6,8 +6,7 @@ from pathlib import Path
 
 import stepwell as sw
 from stepwell import files
-from stepwell.atlas import blocks
-from stepwell.studies import Axis, How, Space, Study, asked, begun, opened
+from stepwell.studies import Axis, How, Space, Study, asked, atlas_blocks as blocks, begun, opened
 from stepwell.studies.fill import fill
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from chromium import nothing_found
-from stepwell import atlas, studies
+from stepwell import studies
 from stepwell.design import parameter
 from stepwell.mechanism import Chain
 from stepwell.results import study_record
@@ -30,8 +30,8 @@ def study(home: Path) -> Study:
 
 
 @pytest.fixture(scope="module")
-def charted(home: Path) -> atlas.Atlas:
-    return atlas.charted(small_atlas(home / "studies" / "two.zarr"))
+def charted(home: Path) -> studies.Atlas:
+    return studies.charted(small_atlas(home / "studies" / "two.zarr"))
 
 
 def opened_study(page: Page, study: Study) -> None:
@@ -128,7 +128,7 @@ def opened_atlas(page: Page) -> None:
     expect(output(page, "machine")).to_be_visible(timeout=SLOW)
 
 
-def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: atlas.Atlas):
+def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: studies.Atlas):
     opened_atlas(page)
     known = {one.name: one for one in charted.machines}
     expect(output(page, "machine")).to_have_text(charted.machines[0].name)
@@ -153,13 +153,13 @@ def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: at
 
 
 def test_a_query_lights_up_what_python_finds_and_a_wrong_one_is_told(
-    page: Page, charted: atlas.Atlas
+    page: Page, charted: studies.Atlas
 ):
     opened_atlas(page)
     query = page.get_by_label("Which machine")
     query.fill("reaches every state")
     query.press("Enter")
-    found = {one.name for one in atlas.find(charted, "reaches every state")}
+    found = {one.name for one in studies.find(charted, "reaches every state")}
     assert 0 < len(found) < 3
     expect(output(page, "found")).to_contain_text(f"{len(found)} of 3 machines")
     lit = page.locator(".machine.found")
@@ -171,7 +171,7 @@ def test_a_query_lights_up_what_python_finds_and_a_wrong_one_is_told(
     expect(lit).to_have_count(0)
 
 
-def test_nobody_is_kept_out(page: Page, study: Study, charted: atlas.Atlas, axe: str):
+def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, axe: str):
     opened_study(page, study)
     page.get_by_role("application", name=re.compile("^Designs over")).press("ArrowRight")
     page.get_by_text("Where it is, and how a terminal does the same").click()

@@ -16,7 +16,7 @@ import pytest
 
 import stepwell as sw
 from golden.running import invoke
-from stepwell import atlas, base, files, studies
+from stepwell import base, files, studies
 from stepwell.files import loads_tables, preset_text, tables_in
 from stepwell.results import atlas_record, study_record
 from stepwell.studies import Axis, How, Space, Study, Workshop, asked, begun
@@ -370,8 +370,8 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     header, _ = unpacked(answered(Message("atlas", 1, None, {"name": "two.zarr"}, 0, two)))
     study = studies.opened(two / "two.zarr")
-    found = atlas.charted(study)
-    record = json.loads(json.dumps(atlas_record(found, borders=atlas.borders(study, found))))
+    found = studies.charted(study)
+    record = json.loads(json.dumps(atlas_record(found, borders=studies.borders(study, found))))
     del record["cycles"], record["schema"]
     shown = header["machines"]
     for one, of in zip(shown, record.pop("machines"), strict=True):
@@ -385,7 +385,7 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     query = {"name": "two.zarr", "query": "reaches every state and not snaps", "yield_percent": 90}
     told, _ = unpacked(answered(Message("atlas", 2, None, query, 0, two)))
     assert told["found"] == [
-        one.name for one in atlas.find(found, "reaches every state and not snaps", 0.9)
+        one.name for one in studies.find(found, "reaches every state and not snaps", 0.9)
     ]
     wrong, _ = unpacked(answered(Message("atlas", 3, None, query | {"query": "count"}, 0, two)))
     assert "Did you mean 'counts'?" in wrong["problems"][0]["text"]
@@ -393,12 +393,12 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
 
 def test_machines_lie_within_the_picture_and_on_none_other(two: Path):
     study = studies.opened(two / "two.zarr")
-    found = atlas.charted(study, samples=2, checks=0)
+    found = studies.charted(study, samples=2, checks=0)
     names = [f"{k:08x}" for k in range(60)]
     renamed = [replace(found.machines[k % 3], name=name) for k, name in enumerate(names)]
     parameter = found.axes[0].name
     near = [
-        atlas.Border(names[k], parameter, 0.0, 1e-3 * (1 + k % 5), names[(k * k + 1) % 60])
+        studies.Border(names[k], parameter, 0.0, 1e-3 * (1 + k % 5), names[(k * k + 1) % 60])
         for k in range(50)
     ]
     places = np.array([*placed(found, near, renamed).values()])

@@ -17,7 +17,6 @@ from stepwell.results import (
 )
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas
     from stepwell.design import (
         Design,
         Impossible,
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
         Survival,
         Yield,
     )
+    from stepwell.studies import Atlas
 
 
 def _shares(found: Yield | Survival) -> dict[str, str]:

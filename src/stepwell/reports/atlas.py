@@ -12,7 +12,7 @@ from stepwell.reports.steps import Folder, Progress, bundle, pictured
 from stepwell.results import atlas_record
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas
+    from stepwell.studies import Atlas
 
 _CAPTION = "The most frequent machines, and the share and yield of all"
 

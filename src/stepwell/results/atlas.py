@@ -10,9 +10,9 @@ from stepwell.accounts import head
 from stepwell.base import Column, counted, number, told_in
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas, Border, Cycling, Machine
     from stepwell.design import Share
     from stepwell.mechanism import Chain
+    from stepwell.studies import Atlas, Border, Cycling, Machine
 
 
 def atlas_record(

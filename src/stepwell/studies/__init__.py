@@ -1,4 +1,7 @@
-"""Studies: something computed of many designs, into a store that loses nothing."""
+"""Studies: something computed of many designs, into a store; the atlas of their machines."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import (
@@ -14,10 +17,9 @@ from stepwell.studies.designs import (
     read_table,
     unit_in,
 )
-from stepwell.studies.fill import Estimate, estimate
+from stepwell.studies.fill import Estimate, Pace, estimate, pace
 from stepwell.studies.influence import Decided, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
-from stepwell.studies.pace import Pace, pace
 from stepwell.studies.run import (
     CancelledError,
     Status,
@@ -41,14 +43,35 @@ from stepwell.studies.store import (
 )
 from stepwell.studies.work import SCREEN_COLUMNS, WORKS, function_of
 
+if TYPE_CHECKING:
+    from stepwell.studies.charting import charted
+    from stepwell.studies.finding import QUERIES, THREE, Border, borders, find, understood
+    from stepwell.studies.machines import (
+        Atlas,
+        Cycling,
+        Machine,
+        Sampled,
+        atlas,
+        atlas_blocks,
+        canonical,
+        name_of,
+        possible,
+        proved_space,
+    )
+
 __all__ = [
     "DRIVES",
+    "QUERIES",
     "SCREEN_COLUMNS",
+    "THREE",
     "WORKS",
+    "Atlas",
     "Axis",
     "Block",
     "Blocks",
+    "Border",
     "CancelledError",
+    "Cycling",
     "Decided",
     "Designs",
     "Estimate",
@@ -56,8 +79,10 @@ __all__ = [
     "GapError",
     "How",
     "Influence",
+    "Machine",
     "Pace",
     "Packed",
+    "Sampled",
     "Screened",
     "Space",
     "Status",
@@ -68,24 +93,61 @@ __all__ = [
     "WorkerError",
     "Workshop",
     "asked",
+    "atlas",
+    "atlas_blocks",
     "begun",
+    "borders",
     "cancel",
+    "canonical",
     "changed",
+    "charted",
     "dashboard",
     "decided",
     "estimate",
     "extended",
+    "find",
     "function_of",
+    "gaps_text",
     "mapped",
     "mapped_on",
-    "gaps_text",
+    "name_of",
     "opened",
     "pace",
     "packed",
+    "possible",
+    "proved_space",
     "read_table",
     "resumed",
-    "status",
     "screened",
+    "status",
     "sweep",
+    "understood",
     "unit_in",
 ]
+
+# An atlas is made, charted and searched with more than a study needs.
+_LATE = {
+    "Atlas": "machines",
+    "Border": "finding",
+    "Cycling": "machines",
+    "Machine": "machines",
+    "QUERIES": "finding",
+    "Sampled": "machines",
+    "THREE": "finding",
+    "atlas": "machines",
+    "atlas_blocks": "machines",
+    "borders": "finding",
+    "canonical": "machines",
+    "charted": "charting",
+    "find": "finding",
+    "name_of": "machines",
+    "possible": "machines",
+    "proved_space": "machines",
+    "understood": "finding",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LATE:
+        return getattr(import_module(f"stepwell.studies.{_LATE[name]}"), name)
+    raise AttributeError(f"module 'stepwell.studies' has no attribute {name!r}")

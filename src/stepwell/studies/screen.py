@@ -1,4 +1,4 @@
-"""A screen: many designs looked at at once, and those that are worth it computed."""
+"""A screen: many designs looked at at once, ranked, and those that are worth it computed."""
 
 from __future__ import annotations
 
@@ -8,13 +8,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, need
+from stepwell.base import ByValue, Floats, InputError, need
 from stepwell.design import Share, share_of
 from stepwell.studies.designs import Subject
 from stepwell.studies.work import SCREENED, WARP, Screen, work_of
 
 if TYPE_CHECKING:
     from stepwell.studies.store import Study
+
+
+def ranked(columns: Mapping[str, Floats], by: Sequence[str]) -> list[int]:
+    """Designs from the best to the worst.
+
+    Args:
+        columns: by name, (n,) each.
+        by: names, each for its largest values first or, with - before it, its least; the next
+            decides where one has ties, and at last who stands first.
+
+    Returns:
+        Their numbers from 0; a design without a value in the first of `by` is none of them.
+    """
+    keys = [columns[one[1:]] if one.startswith("-") else -np.asarray(columns[one]) for one in by]
+    # A value that is missing sorts behind all others.
+    order = np.lexsort(keys[::-1])
+    return [int(k) for k in order if not np.isnan(keys[0][k])]
 
 
 def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, Any]:

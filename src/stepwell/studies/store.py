@@ -46,7 +46,7 @@ from stepwell.studies.designs import (
     Workshop,
     unit_in,
 )
-from stepwell.studies.ranking import ranked
+from stepwell.studies.screen import ranked
 from stepwell.studies.work import ONE_OF, SCREEN_COLUMNS, TEXT, Work, work_of
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled
 from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas
-    from stepwell.studies import Study
+    from stepwell.studies import Atlas, Study
 
 commands = typer.Typer(
     no_args_is_help=True,
@@ -84,9 +83,8 @@ def build(
     20 mm and y -15 to 15 mm, and the stiffness of one band up to two, 28.5 to 57 N/m. Counts go
     block by block into a store; whatever was killed, the same command goes on.
     """
-    from stepwell.atlas import atlas
     from stepwell.mechanism import Band, Cell, Chain
-    from stepwell.studies import DRIVES, Axis
+    from stepwell.studies import DRIVES, Axis, atlas
 
     if drive not in DRIVES:
         raise typer.BadParameter(f"{drive!r}: must be stroke or force.", param_hint="--drive")
@@ -165,7 +163,7 @@ def find(
     as_json: Json = False,
 ) -> None:
     """Find machines of a store by what they do, those that are built most surely first."""
-    from stepwell import atlas, files, results
+    from stepwell import files, results, studies
     from stepwell.cli.text import atlas as texts
 
     if out is not None and out.suffix != ".toml":
@@ -173,9 +171,9 @@ def find(
     yields = _percent(least)
     study = _opened(store)
     with usable("QUERY"):
-        atlas.understood(query)
+        studies.understood(query)
     chart = _charted(study, anchor, stiffness, rest_length, checks=0)
-    machines = atlas.find(chart, query, yields)
+    machines = studies.find(chart, query, yields)
     if out is not None and machines:
         files.save(machines[0].chain, out)
         show_lines(f"Written into {out}: {machines[0].name}.")
@@ -183,8 +181,7 @@ def find(
 
 
 def _opened(store: Path | None) -> Study:
-    from stepwell.atlas import THREE
-    from stepwell.studies import gaps_text, opened
+    from stepwell.studies import THREE, gaps_text, opened
 
     study = opened(store or THREE)
     if gaps := study.gaps():
@@ -209,7 +206,7 @@ def _charted(
     rest_length: float = 0.0,
     checks: int = 100,
 ) -> Atlas:
-    from stepwell.atlas import charted
+    from stepwell.studies import charted
 
     within = parts.tolerances(anchor, stiffness, rest_length, 0.0, 0.0)
     with usable("STORE"), progress("machines") as tell:
@@ -219,10 +216,10 @@ def _charted(
 def _show(
     study: Study, found: Atlas, as_json: bool, out: Path | None = None, force: bool = False
 ) -> None:
-    from stepwell import atlas, reports, results
+    from stepwell import reports, results, studies
     from stepwell.cli.text import atlas as texts
 
     # People look at neighbours in the studio.
-    near = atlas.borders(study, found) if as_json else ()
+    near = studies.borders(study, found) if as_json else ()
     write = partial(reports.write_atlas, found)
     finish(results.atlas_record(found, borders=near), texts.atlas, as_json, out, force, write)

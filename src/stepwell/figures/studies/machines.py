@@ -30,8 +30,8 @@ from stepwell.mechanism import Cell
 from stepwell.results import atlas_record, memory_words
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas
     from stepwell.mechanism import Chain
+    from stepwell.studies import Atlas
 
 # What a graph needs at least, by how many cells it has [mm].
 _WIDTHS = {1: 36.0, 2: 40.0, 3: 52.0, 4: 80.0}

@@ -8,7 +8,7 @@ from math import sqrt
 import networkx as nx
 import numpy as np
 
-from stepwell.atlas import Atlas, Border, Machine
+from stepwell.studies import Atlas, Border, Machine
 
 # In parts of the picture's width: circles of the rarest and the most frequent machine, and the
 # room between two.

@@ -6,10 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from stepwell import files
-from stepwell.atlas import QUERIES, THREE, Atlas, Border, borders, charted, find, understood
 from stepwell.base import need
 from stepwell.results import atlas_record
-from stepwell.studies import opened
+from stepwell.studies import (
+    QUERIES,
+    THREE,
+    Atlas,
+    Border,
+    borders,
+    charted,
+    find,
+    opened,
+    understood,
+)
 from stepwell.studio.panels.atlases._places import placed
 from stepwell.studio.panels.studies import store_named
 from stepwell.studio.wire import Ask, Design, View

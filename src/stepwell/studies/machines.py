@@ -1,16 +1,124 @@
-"""An atlas of machines: what a space of designs holds, as values; and how one is begun."""
+"""An atlas of machines: what a space of designs holds, as values, and what cannot occur in it."""
 
 from __future__ import annotations
 
+import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from itertools import permutations
+
+import numpy as np
 
 from stepwell.base import ByValue, Drawn, Shown, number
-from stepwell.concave import Way
+from stepwell.concave import STROKE, Simple, Way, concave_box, graph_by_ends, same_travel
 from stepwell.design import Share, Tolerances
 from stepwell.mechanism import Chain
-from stepwell.studies import Axis, Blocks, Status, packed, sweep
+from stepwell.sequences import TransitionGraph, TransitionKind
+from stepwell.studies.blocks import packed
+from stepwell.studies.designs import Axis, Blocks
+from stepwell.studies.run import Status, sweep
+
+_NAME = 8  # hex digits
+
+
+def ways_of(graph: TransitionGraph) -> tuple[Way, ...]:
+    """The ways of a graph: from, to, direction of the drive, whether it snaps."""
+    return tuple(
+        (a, b, one.direction, one.kind is TransitionKind.SNAP) for a, b, one in graph.transitions()
+    )
+
+
+def canonical(ways: Iterable[Way], cells: int) -> str:
+    """A text that two graphs share exactly if one is the other with its cells renumbered.
+
+    Of all numberings the one is taken whose text comes first.
+
+    Args:
+        ways: as `concave.closed_graph` gives them.
+        cells: how many there are.
+    """
+    return _canonical(frozenset(ways), cells)
+
+
+@lru_cache(4096)
+def _canonical(ways: frozenset[Way], cells: int) -> str:
+    best = ""
+    for places in permutations(range(cells)):
+        text = " ".join(sorted(_told(way, places) for way in ways))
+        if not best or text < best:
+            best = text
+    return best
+
+
+def _told(way: Way, places: tuple[int, ...]) -> str:
+    a, b, direction, snaps = way
+    return f"{_moved(a, places)}{'+' if direction > 0 else '-'}{'!' * snaps}{_moved(b, places)}"
+
+
+def _moved(label: str, places: tuple[int, ...]) -> str:
+    # What follows the cells tells nodes of one state apart.
+    return "".join(label[place] for place in places) + label[len(places) :]
+
+
+def name_of(text: str) -> str:
+    """The name of a graph by its canonical text: the first digits of its SHA-256."""
+    return hashlib.sha256(text.encode()).hexdigest()[:_NAME]
+
+
+# 4 cells have 105 orders, 5 have 945, each with 120 numberings.
+_MOST = 4
+
+
+@cache
+def possible(cells: int, drive: int) -> frozenset[str] | None:
+    """The canonical texts of all graphs that concave cells of one travel can have, proved.
+
+    Where end forces alone tell the graph, it is that of their order, and the orders can be listed:
+    every F1 is below its own F0, and which cell is which does not matter. Under a stroke that is so
+    of two cells; of more, a snap may land by forces in between, and None is returned. Chains with
+    a tie are none of these.
+
+    Args:
+        cells: how many.
+        drive: STROKE or FORCE.
+
+    Source: ours (theory page, "Graphs in closed form").
+    """
+    if cells > _MOST or (drive == STROKE and cells > 2):
+        return None
+    found: set[str] = set()
+    for order in permutations(range(2 * cells)):
+        ends = np.array(order, float).reshape(cells, 2)
+        rising = np.all(np.diff(ends[:, 0]) > 0)
+        if rising and np.all(ends[:, 1] < ends[:, 0]):
+            found.add(canonical(graph_by_ends(ends, drive), cells))
+    return frozenset(found)
+
+
+def proved_space(chain: Chain, axes: tuple[Axis, ...]) -> bool:
+    """Whether every design of a space has concave taut cells of one travel, proved.
+
+    Args:
+        chain: that is varied.
+        axes: what varies; anchors and stiffness, on which the proof does not hang.
+    """
+    numbers = packed(chain, [axis.name for axis in axes])
+    values = np.array([(axis.low, axis.high) for axis in axes])
+    ends = numbers.slopes[..., None] * values[:, None, None, :]
+    low = numbers.base + np.sum(np.min(ends, axis=-1), axis=0)
+    high = numbers.base + np.sum(np.max(ends, axis=-1), axis=0)
+    # ℓ0, r and θc are those of the drawing, and k > 0 scales both sides of the certificate.
+    if np.any(low[:, 3:] != high[:, 3:]) or np.any(low[:, 2] <= 0):
+        return False
+    travels = low[:, 4] * low[:, 5]
+    if not same_travel(np.max(travels), np.min(travels)):
+        return False
+    return all(
+        concave_box(Simple(*row), row[:2], top[:2]) for row, top in zip(low, high, strict=True)
+    )
+
 
 # Designs in a block: some tenths of a second of two cells, some seconds of three.
 _SIZES = {2: 1_000_000, 3: 100_000}
@@ -171,7 +279,7 @@ class Atlas(ByValue, Shown, Drawn):
         )
 
 
-def blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> Blocks:
+def atlas_blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> Blocks:
     """At least so many designs of a space, in blocks of a size for chains of so many cells.
 
     Raises:
@@ -212,7 +320,7 @@ def atlas(
         StudyError, SweepError, ExtraError: as for `sweep`.
     """
     packed(chain, [axis.name for axis in axes])  # or refused, before there is a store
-    of = blocks(len(chain), axes, designs, seed)
+    of = atlas_blocks(len(chain), axes, designs, seed)
     return sweep(
         chain, "atlas", of, folder,
         given={"drive": drive}, chunk=1, workers=workers, scheduler=scheduler, progress=progress,

@@ -16,11 +16,27 @@ from studies_bytes import bytes_of
 pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installed")
 
 from stepwell import figures, reports, results
-from stepwell.atlas import atlas, borders, canonical, charted, find, name_of, possible, proved_space
-from stepwell.atlas.canonical import ways_of
 from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
 from stepwell.design import Tolerances, parameter
-from stepwell.studies import Axis, Blocks, StudyError, changed, opened, packed, resumed, sweep
+from stepwell.studies import (
+    Axis,
+    Blocks,
+    StudyError,
+    atlas,
+    borders,
+    canonical,
+    changed,
+    charted,
+    find,
+    name_of,
+    opened,
+    packed,
+    possible,
+    proved_space,
+    resumed,
+    sweep,
+)
+from stepwell.studies.machines import ways_of
 
 CELL = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
 
@@ -215,8 +231,8 @@ def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
     (one,) = (
         m for m in charted(study, tolerances=wide, samples=200).machines if m.name == machine.name
     )
-    from stepwell.atlas.canonical import name_of, ways_of
     from stepwell.design import Draws
+    from stepwell.studies.machines import name_of, ways_of
 
     draws = Draws(one.chain, wide, 0)
     names = [name_of(canonical(ways_of(draws.sample(k).graph()), 2)) for k in range(200)]
@@ -306,7 +322,7 @@ def test_the_status_of_an_atlas_is_a_few_numbers(stores):
 
 def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
     """A block of it, taken away and computed again, has the same bytes."""
-    from stepwell.atlas import THREE
+    from stepwell.studies import THREE
 
     shutil.copytree(THREE, tmp_path / "three.zarr")
     for name in opened(THREE).columns:

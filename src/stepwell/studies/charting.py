@@ -10,15 +10,25 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.atlas.atlas import Atlas, Cycling, Machine, Sampled
-from stepwell.atlas.canonical import canonical, name_of, ways_of
-from stepwell.atlas.proofs import possible, proved_space
 from stepwell.base import InputError, StepwellError
 from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders, proved_ends
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import TransitionGraph
-from stepwell.studies import DRIVES, Blocks, Packed, Study, changed, packed
+from stepwell.studies.blocks import DRIVES, Packed, packed
+from stepwell.studies.designs import Blocks, changed
+from stepwell.studies.machines import (
+    Atlas,
+    Cycling,
+    Machine,
+    Sampled,
+    canonical,
+    name_of,
+    possible,
+    proved_space,
+    ways_of,
+)
+from stepwell.studies.store import Study
 
 # Designs of a graph whose yields are compared: those with the largest gap in their blocks.
 _CANDIDATES = 8
