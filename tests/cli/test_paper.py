@@ -8,7 +8,7 @@ from claims import committed
 from cli.folders import written
 from stepwell import paper
 from stepwell.paper import figures
-from stepwell.paper.claims.claim import Claim
+from stepwell.paper.claims import Claim
 
 
 @pytest.fixture

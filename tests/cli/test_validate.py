@@ -7,7 +7,7 @@ import pytest
 from claims import ROOT
 from stepwell import paper
 from stepwell.paper import Verdict
-from stepwell.paper.claims.claim import Claim
+from stepwell.paper.claims import Claim
 
 KNOWN = json.loads((ROOT / "docs" / "others.json").read_text("utf-8"))["claims"]
 

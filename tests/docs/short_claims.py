@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from stepwell.paper.claims.table import replaced as between
+from stepwell.paper.claims import replaced as between
 
 ROOT = Path(__file__).resolve().parents[2]
 BEGIN = "<!-- count of claims: written by `python tests/docs/short_claims.py`, not by hand -->"

@@ -3,7 +3,7 @@
 import pytest
 
 from claims import committed
-from stepwell.paper.claims.claim import Claim, Verdict
+from stepwell.paper.claims import Claim, Verdict
 
 
 @pytest.fixture(scope="session")

@@ -12,10 +12,8 @@ import pytest
 
 from claims import CLAIMS, ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement
-from stepwell.paper.claims import table
-from stepwell.paper.mechanisms import measured as _measured
-from stepwell.paper.robots import ROBOT, steering
+from stepwell.paper import Judgement, claims as table, measured as _measured, steering
+from stepwell.paper.walking import WALKING_CLAIMS as ROBOT
 
 # Written by commands of their own: from recordings, from many simulated runs, of others.
 APART = ("measured.md", "many-runs.md", "others.md")

@@ -10,8 +10,7 @@ from lab.machine import pair, saved, tension, unit
 from stepwell import lab, paper
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
-from stepwell.paper import Judgement
-from stepwell.paper.mechanisms import measured as _measured
+from stepwell.paper import Judgement, measured as _measured
 
 CELL = paper_cell()
 MM = CELL.with_anchors(q=(0.010, 0.0))

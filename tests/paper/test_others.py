@@ -4,8 +4,7 @@ import pytest
 
 from claims import ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement
-from stepwell.paper.claims import table
+from stepwell.paper import Judgement, claims as table
 
 FILE, PAGE = ROOT / "docs" / "others.json", ROOT / "docs" / "others.md"
 

@@ -10,9 +10,16 @@ import pytest
 from claims import ROOT
 from stepwell import Chain, Element
 from stepwell.paper.others import __main__ as designs
-from stepwell.paper.others.curves import straight
-from stepwell.paper.others.hysterons import canonical, graphs, reached, stations, way_to
-from stepwell.paper.others.pairs import graph_of, possible
+from stepwell.paper.others.elements import straight
+from stepwell.paper.others.pairs import (
+    canonical,
+    graph_of,
+    graphs,
+    possible,
+    reached,
+    stations,
+    way_to,
+)
 
 ROWS = json.loads((ROOT / "docs" / "pairs.json").read_text("utf-8"))
 MADE = [row for row in ROWS if row["elements"]]

@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from stepwell.paper import Judgement
-from stepwell.paper.robots import antennas as _antennas
+from stepwell.paper import Judgement, steering as _antennas
 from stepwell.sequences import Pathway
 
 
 def verdict(q_mm: int):
-    (claim,) = (claim for claim in _antennas.CLAIMS if claim.id == f"antennas-bench-{q_mm}")
+    (claim,) = (claim for claim in _antennas.ANTENNA_CLAIMS if claim.id == f"antennas-bench-{q_mm}")
     return claim.judge()
 
 

@@ -9,9 +9,14 @@ import pytest
 
 from sizes import SIZE
 from stepwell import files, paper
-from stepwell.paper import Judgement
-from stepwell.paper.robots import LOSS, ROBOT, robot, sensitivity, steering, walk_of
-from stepwell.paper.robots.loss import forward_loss
+from stepwell.paper import Judgement, sensitivity, steering
+from stepwell.paper.walking import (
+    LOSS_CLAIMS as LOSS,
+    WALKING_CLAIMS as ROBOT,
+    forward_loss,
+    robot,
+    walk_of,
+)
 from stepwell.robot import Floor, other_layout, other_start
 from stepwell.robot.rounds import TOLERANCE
 from stepwell.simulation import Outcome, maze, mazes
@@ -43,7 +48,7 @@ def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
     heavy = robot("forward")
     heavy = replace(heavy, floor=Floor(drag=5.0))
     monkeypatch.setattr(
-        import_module("stepwell.paper.robots.robot"), "walk_of", lambda name: heavy.walk(3)
+        import_module("stepwell.paper.walking"), "walk_of", lambda name: heavy.walk(3)
     )
     verdict = found(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.DIFFERS
@@ -67,7 +72,7 @@ def test_a_step_that_were_lost_near_11_would_agree(monkeypatch):
     walk = walk_of("forward")
     late = walk.stroke > walk.robot.drive.amplitude - 0.003
     monkeypatch.setattr(
-        "stepwell.paper.robots.loss.walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late)
+        "stepwell.paper.walking.walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late)
     )
     assert found(LOSS, "robot-forward-loss").judge().verdict is Judgement.AGREES
 
@@ -76,7 +81,7 @@ def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
     def missing(name):
         raise ModuleNotFoundError("no", name="mujoco")
 
-    monkeypatch.setattr(import_module("stepwell.paper.robots.robot"), "walk_of", missing)
+    monkeypatch.setattr(import_module("stepwell.paper.walking"), "walk_of", missing)
     verdict = found(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.NEEDS_MUJOCO
     assert "pip install" in verdict.reason

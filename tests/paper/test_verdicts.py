@@ -9,16 +9,16 @@ import pytest
 
 from stepwell import paper
 from stepwell.mechanism import Band
-from stepwell.paper import Judgement
-from stepwell.paper.claims.claim import judged
-from stepwell.paper.mechanisms import (
+from stepwell.paper import (
+    Judgement,
     cells as _cells,
-    designs,
-    map,
-    misprints,
+    cells as designs,
+    cells as misprints,
     pathways,
-    wells as _wells,
+    pathways as _wells,
+    pathways as map,
 )
+from stepwell.paper.claims import judged
 from stepwell.sequences import Pathway
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from stepwell.base import write_atomic
 from stepwell.paper.claims import markdown, replaced
-from stepwell.paper.mechanisms import IDS
-from stepwell.paper.robots import MANY_RUNS
+from stepwell.paper.measured import IDS
 from stepwell.paper.run import record, run, validate
+from stepwell.paper.steering import MANY_RUNS
 
 USAGE = """usage: python -m stepwell.paper [--data PATH | --all | --others] FILE.json [PAGE.md ...]
 

@@ -19,7 +19,7 @@ import numpy as np
 from stepwell.base import write_atomic
 from stepwell.design import Tolerances, design
 from stepwell.paper.claims import replaced
-from stepwell.paper.mechanisms import SPREAD, WANTED
+from stepwell.paper.order import SPREAD, WANTED
 from stepwell.sequences import Sequence
 
 BEGIN = "<!-- any cycle: written by `python -m stepwell.paper.any_cycle`, not by hand -->"

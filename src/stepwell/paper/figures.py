@@ -12,13 +12,7 @@ import numpy as np
 from stepwell import figures
 from stepwell.base import have
 from stepwell.design import boundaries, transition_map
-from stepwell.paper.mechanisms import (
-    PAIRS,
-    monostable_pair,
-    outer_anchor,
-    pair_cycle,
-    six_cells,
-)
+from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.sequences import Cycle, Pathway
 
 if TYPE_CHECKING:
@@ -68,7 +62,7 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 
 def gaits() -> Figure:
     """Where the paper's four robots go (Figs. 3C to 3E)."""
-    from stepwell.paper.robots import walk_of
+    from stepwell.paper.walking import walk_of
 
     names = {
         "forward: q_out = 20 mm": "forward",
@@ -82,7 +76,7 @@ def gaits() -> Figure:
 def three_walls() -> Figure:
     """A robot with antennas past three walls, from above and over time (Fig. 4D)."""
     from stepwell import files
-    from stepwell.paper.robots import robot
+    from stepwell.paper.walking import robot
     from stepwell.simulation import maze
 
     run = maze(robot("explorer"), files.load_arena("three-walls"))
@@ -91,7 +85,7 @@ def three_walls() -> Figure:
 
 def tornado() -> Figure:
     """The results about the robot against every number that is assumed."""
-    from stepwell.paper.robots import sensitivities
+    from stepwell.paper.sensitivity import sensitivities
 
     return figures.tornado(sensitivities())
 

@@ -11,25 +11,16 @@ from typing import TYPE_CHECKING, Any
 from stepwell import files
 from stepwell.accounts import head
 from stepwell.base import InputError, nearest_word, need
+from stepwell.paper.cells import CELL_CLAIMS, MISPRINT_CLAIMS
 from stepwell.paper.claims import Claim, Verdict
-from stepwell.paper.mechanisms import (
-    CELLS,
-    MAP,
-    MISPRINTS,
-    MORE_CELLS,
-    ORDER,
-    PATHWAYS,
-    WELLS,
-    measured_claims,
-)
-from stepwell.paper.others import (
-    BALLOONS,
-    COUNTERSNAPPING,
-    KRESLING,
-    PAIRS,
-    TRILINEAR,
-)
-from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
+from stepwell.paper.measured import claims as measured_claims
+from stepwell.paper.order import MORE_CELLS_CLAIMS, ORDER_CLAIMS
+from stepwell.paper.others.elements import BALLOON_CLAIMS, COUNTERSNAPPING_CLAIMS, KRESLING_CLAIMS
+from stepwell.paper.others.pairs import PAIR_CLAIMS
+from stepwell.paper.others.trilinear import TRILINEAR_CLAIMS
+from stepwell.paper.pathways import MAP_CLAIMS, PATHWAY_CLAIMS, WELL_CLAIMS
+from stepwell.paper.steering import ANTENNA_CLAIMS, MANY_RUNS, STEERING_CLAIMS
+from stepwell.paper.walking import LOSS_CLAIMS, WALKING_CLAIMS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,18 +40,18 @@ def claims(
     Source: Kamp et al. 2024.
     """
     return (
-        *CELLS,
-        *PATHWAYS,
-        *ORDER,
-        *WELLS,
-        *MAP,
-        *MISPRINTS,
+        *CELL_CLAIMS,
+        *PATHWAY_CLAIMS,
+        *ORDER_CLAIMS,
+        *WELL_CLAIMS,
+        *MAP_CLAIMS,
+        *MISPRINT_CLAIMS,
         *measured_claims(data),
-        *ROBOT,
-        *LOSS,
-        *STEERING,
-        *ANTENNAS,
-        *MORE_CELLS,
+        *WALKING_CLAIMS,
+        *LOSS_CLAIMS,
+        *STEERING_CLAIMS,
+        *ANTENNA_CLAIMS,
+        *MORE_CELLS_CLAIMS,
         *(MANY_RUNS if everything else ()),
     )
 
@@ -72,7 +63,13 @@ def others() -> tuple[Claim, ...]:
     2024, arXiv 2403.10721; Teunisse and van Hecke 2025, R. Soc. Open Sci. 12, 250753; Bhovad,
     Kaufmann and Li 2019, arXiv 1906.04091; Ducarme et al. 2025, PNAS 122, e2423301122.
     """
-    return (*TRILINEAR, *BALLOONS, *PAIRS, *KRESLING, *COUNTERSNAPPING)
+    return (
+        *TRILINEAR_CLAIMS,
+        *BALLOON_CLAIMS,
+        *PAIR_CLAIMS,
+        *KRESLING_CLAIMS,
+        *COUNTERSNAPPING_CLAIMS,
+    )
 
 
 def validate(progress: Callable[[int, int], None] | None = None) -> tuple[Verdict, ...]:

@@ -10,8 +10,17 @@ from typing import Any
 
 from stepwell.base import write_atomic
 from stepwell.paper.claims import replaced
-from stepwell.paper.others.hysterons import Graph, canonical, graphs, reached
-from stepwell.paper.others.pairs import design, folding, graph_of, pairs, possible
+from stepwell.paper.others.pairs import (
+    Graph,
+    canonical,
+    design,
+    folding,
+    graph_of,
+    graphs,
+    pairs,
+    possible,
+    reached,
+)
 
 BEGIN = "<!-- pairs: written by `python -m stepwell.paper.others`, not by hand -->"
 END = "<!-- end of pairs -->"

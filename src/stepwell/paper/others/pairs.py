@@ -1,19 +1,364 @@
-"""Claims about pairs of hysterons: how many graphs there are, and which of them chains make."""
+"""Claims about pairs of hysterons: which graphs there are, and which of them chains make."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
 
 import numpy as np
 
-from stepwell.mechanism import Chain
+from stepwell.base import Floats
+from stepwell.mechanism import Chain, Element
 from stepwell.paper.claims import Finding, claim, judged
-from stepwell.paper.others.curves import straight
-from stepwell.paper.others.hysterons import Graph, canonical, graphs, reached, way_to
-from stepwell.paper.others.inequalities import Inequalities, Points
 from stepwell.sequences import TransitionGraph
+
+# A graph as a sorted tuple of ways, such as "01+12": from 01 a rising drive flips cell 1, then 2.
+Graph = tuple[str, ...]
+# Where which field is: row of a state, place of a cell.
+_Fields = dict[str, tuple[int, int]]
+
+_STATES = ("00", "01", "10", "11")
+_WAYS = tuple(
+    (state, sign)
+    for state in _STATES
+    for sign, leaves in (("+", "0"), ("-", "1"))
+    if leaves in state
+)
+
+
+@cache
+def graphs() -> tuple[Graph, ...]:
+    """Every graph of two hysterons, of those that differ by the numbers of the cells one.
+
+    Only the order of the eight fields counts, so all orders are tried in which each of the four
+    states stands at some drive. An avalanche that comes back to a state where it was, or in which
+    two hysterons are past their fields at once, has no graph.
+
+    Source: the model is that of van Hecke 2021, Phys. Rev. E 104, 054608, and of Teunisse and van
+    Hecke 2025, R. Soc. Open Sci. 12, 250753; the enumeration is ours.
+    """
+    found = {graph for fields in _orders() if (graph := _graph(fields)) is not None}
+    return tuple(sorted({canonical(graph) for graph in found}))
+
+
+def canonical(graph: Graph) -> Graph:
+    """The one of a graph and the same with its cells renumbered that comes first."""
+    return min(graph, _renumbered(graph))
+
+
+def reached(graph: Graph) -> Graph:
+    """A graph without its Gardens of Eden, the states that no drive leads to from 00."""
+    seen, waiting = {"00"}, ["00"]
+    while waiting:
+        state = waiting.pop()
+        targets = {stations(way)[-1] for way in graph if way.startswith(state)}
+        waiting += targets - seen
+        seen |= targets
+    return tuple(way for way in graph if way[:2] in seen)
+
+
+def stations(way: str) -> tuple[str, ...]:
+    """The states through which a way leads, from the first to the last."""
+    found = [way[:2]]
+    for cell in way[3:]:
+        found.append(_flipped(found[-1], int(cell) - 1))
+    return tuple(found)
+
+
+def way_to(state: str, sign: str, first: int, end: str) -> str:
+    """The way from one state to another on which this cell flips first; 0 is the inner one.
+
+    Two cells take turns, so where an avalanche ends tells how often they did.
+    """
+    way, cell = f"{state}{sign}", first
+    for _ in range(3):
+        way += str(cell + 1)
+        if stations(way)[-1] == end:
+            return way
+        cell = 1 - cell
+    raise AssertionError(f"no way from {state} to {end}")
+
+
+def _orders() -> Iterator[_Fields]:
+    """Fields in every order in which each state stands at some drive."""
+    for order in permutations(range(8)):
+        fields = {state: (order[2 * k], order[2 * k + 1]) for k, state in enumerate(_STATES)}
+        # Only 01 and 10 have both an up and a down field.
+        if fields["01"][1] < fields["01"][0] and fields["10"][0] < fields["10"][1]:
+            yield fields
+
+
+def _graph(fields: _Fields) -> Graph | None:
+    ways: list[str] = []
+    for state, sign in _WAYS:
+        flips = _avalanche(fields, state, sign)
+        if flips is None:
+            return None
+        ways.append(f"{state}{sign}{flips}")
+    return tuple(sorted(ways))
+
+
+def _avalanche(fields: _Fields, state: str, sign: str) -> str | None:
+    """The cells that flip when a state ends, in their order; None where the model is silent."""
+    row = fields[state]
+    leaving = [cell for cell in (0, 1) if state[cell] == ("0" if sign == "+" else "1")]
+    cell = (min if sign == "+" else max)(leaving, key=row.__getitem__)
+    drive, seen, flips = row[cell], {state}, ""
+    while True:
+        state, flips = _flipped(state, cell), flips + str(cell + 1)
+        if state in seen:
+            return None
+        seen.add(state)
+        past = [
+            i
+            for i in (0, 1)
+            if (drive > fields[state][i] if state[i] == "0" else drive < fields[state][i])
+        ]
+        if not past:
+            return flips
+        if len(past) > 1:
+            return None
+        (cell,) = past
+
+
+def _flipped(state: str, cell: int) -> str:
+    other = "1" if state[cell] == "0" else "0"
+    return state[:cell] + other + state[cell + 1 :]
+
+
+def _renumbered(graph: Graph) -> Graph:
+    swap = str.maketrans("12", "21")
+    return tuple(sorted(way[1::-1] + way[2] + way[3:].translate(swap) for way in graph))
+
+
+# A sum of unknown numbers: which, and how often.
+_Sum = dict[int, float]
+Points = tuple[tuple[float, float], ...]
+
+# Numbers of all: how much room the inequalities leave [mm], and the least compliance [mm/N].
+_ROOM, _COMPLIANCE = 0, 1
+_REACH = 10.0  # largest travel [mm]
+# Points on a straight piece: a curve that folds back is smooth through its points.
+_DENSE = 8
+
+
+def straight(corners: Sequence[tuple[float, float]], scale: float = 1.0) -> Element:
+    """An element whose curve is straight between corners by arc, and may fold back.
+
+    Args:
+        corners: travel [mm] and force [N].
+        scale: of the forces.
+    """
+    if all(a[0] < b[0] for a, b in pairwise(corners)):
+        return Element.from_points([1e-3 * s for s, _ in corners], [scale * f for _, f in corners])
+    given = np.array(corners)
+    places = np.linspace(0.0, len(given) - 1.0, _DENSE * (len(given) - 1) + 1)
+    travel, force = (np.interp(places, np.arange(len(given)), column) for column in given.T)
+    return Element.from_curve((1e-3 * travel).tolist(), (scale * force).tolist())
+
+
+# Beyond the outermost forces at which phases end, curves go straight on [N], soft [mm/N].
+_LAST, _SOFT = 3.0, 8.0
+# Room of other inequalities as a part of that between lengths.
+_FOLD, _TURN, _LOSS = 0.5, 0.1, 0.3
+
+
+class Inequalities:
+    """Between the travels [mm] of two elements in both phases at a grid of forces [N]."""
+
+    def __init__(self, graph: Graph, forces: Floats, ends: tuple[int, int, int, int]):
+        """What a graph says of the order of valleys and peaks, and of travels nothing.
+
+        Args:
+            graph: of two hysterons.
+            forces: (n,) rising.
+            ends: where in `forces` the lower and the higher valley and peak are.
+        """
+        self.graph, self.forces = graph, forces
+        up, down = (_first(graph, way) for way in ("00+", "11-"))
+        # What goes up first has the lower peak, what goes down first the higher valley.
+        self.ends = (
+            {up: ends[2], 1 - up: ends[3]},
+            {down: ends[1], 1 - down: ends[0]},
+        )
+        self.size = 2
+        self.rows: list[tuple[_Sum, float]] = []
+        self.travel = {
+            (cell, phase): dict(zip(places, self.numbers(len(places)), strict=True))
+            for cell in (0, 1)
+            for phase, places in (
+                (0, range(self.ends[0][cell] + 1)),
+                (1, range(self.ends[1][cell], len(forces))),
+            )
+        }
+
+    def numbers(self, count: int) -> range:
+        """So many more unknown numbers."""
+        self.size += count
+        return range(self.size - count, self.size)
+
+    def below(self, small: _Sum, large: _Sum, room: float = 1.0, by: float = 0.0) -> None:
+        """Require of two sums: small + so much of the room + by <= large."""
+        self.rows.append((_sum(_sum(small, large, -1.0), {_ROOM: room}), -by))
+
+    def rise(self) -> None:
+        """Travel rises with force in every phase."""
+        for there in self.travel.values():
+            for (a, x), (b, y) in pairwise(there.items()):
+                step = float(self.forces[b] - self.forces[a])
+                self.below({x: 1.0, _COMPLIANCE: step}, {y: 1.0}, 0.0)
+
+    def fall(self, cell: int, *, alone: bool) -> None:
+        """The second phase begins beyond the end of the first, with a straight fall between them.
+
+        Args:
+            cell: which.
+            alone: nothing in series holds the element in its fall: in both of its phases the other
+                one gives way faster, from where the fall begins at either end.
+        """
+        (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
+        self.below({p: 1.0}, {q: 1.0}, _FOLD if alone else 0.0)
+        other = 1 - cell
+        for phase, place in product((0, 1), (self.ends[0][cell], self.ends[1][cell])):
+            there = self.travel[other, phase]
+            for k, number in there.items() if alone and place in there else ():
+                force, begin = float(self.forces[k]), float(self.forces[place])
+                if down <= force <= up and k != place:
+                    part = (force - begin) / (up - down)
+                    gives = _sum({number: 1.0}, {there[place]: 1.0}, -1.0)
+                    fallen = {q: part, p: -part}
+                    self.below(*((fallen, gives) if part > 0.0 else (gives, fallen)), _TURN)
+
+    def fold(self, cell: int) -> None:
+        """The curve folds back, by a straight unstable stretch between its phases.
+
+        Next to it both phases are less steep than it is, and at either fold less energy is on the
+        other phase. E_k(s) = max over λ of G_k(λ) + λ s, with G' = -travel; the stretch tells by
+        how much G differs.
+        """
+        (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
+        self.below({q: 1.0}, {p: 1.0}, _FOLD)
+        first, second = (list(self.travel[cell, phase].items()) for phase in (0, 1))
+        for (a, x), (b, y), other, sign in ((*first[-2:], q, 1.0), (*second[:2], p, -1.0)):
+            slope = float(self.forces[b] - self.forces[a]) / (up - down)
+            near, edge = (x, y) if sign > 0 else (y, x)
+            # slope · (p - q) <= the travel of the phase's last piece.
+            self.below({edge: sign * (slope - 1.0), other: -sign * slope, near: sign}, {}, _TURN)
+        half = (up - down) / 2.0
+        for area, force in _areas(second, self.forces, self._end(cell, 1)[1]):
+            self.below(_sum({p: force - up + half, q: half}, area, -1.0), {}, _LOSS)
+        for area, force in _areas(first[::-1], self.forces, up):
+            self.below(_sum({q: force - down - half, p: -half}, area, -1.0), {}, _LOSS)
+
+    def make(self, *, spring: bool) -> None:
+        """The lengths at which states end are in the order that the graph wants.
+
+        Args:
+            spring: lengths are those of a drive behind a spring, with whatever it gives.
+        """
+        given = self.numbers(len(self.forces)) if spring else ()
+        for x, y in pairwise(given):
+            self.below({x: 1.0}, {y: 1.0}, 0.0)
+        for way in self.graph:
+            states, cells = stations(way), [int(cell) - 1 for cell in way[3:]]
+            length = self._length(states[0], way[2], given)[1]
+            for state, cell in zip(states[1:], cells[1:], strict=False):
+                sign = "+" if state[cell] == "0" else "-"
+                leaving, end = self._length(state, sign, given)
+                if leaving != cell:
+                    # The other one leaves its phase first at any length.
+                    self.below({}, {})
+                self.below(*((end, length) if sign == "+" else (length, end)))
+            for sign, leaves in (("+", "0"), ("-", "1")):
+                if leaves in states[-1]:
+                    end = self._length(states[-1], sign, given)[1]
+                    self.below(*((length, end) if sign == "+" else (end, length)))
+
+    def hold(self) -> bool:
+        """Whether there are travels for which all hold."""
+        return self._solved(_ROOM, (0.0, 1.0), (0.0, 0.0)) is not None
+
+    def solution(self, room: float) -> Floats | None:
+        """Travels for which all hold with some room [mm], in phases as compliant as can be."""
+        return self._solved(_COMPLIANCE, (room, room), (0.0, None))
+
+    def _solved(
+        self, goal: int, room: tuple[float, float], compliance: tuple[float, float | None]
+    ) -> Floats | None:
+        from scipy.optimize import linprog
+
+        matrix, right = np.zeros((len(self.rows), self.size)), np.zeros(len(self.rows))
+        for k, (row, bound) in enumerate(self.rows):
+            matrix[k, list(row)] = list(row.values())
+            right[k] = bound
+        bounds = [room, compliance, *[(-_REACH, _REACH)] * (self.size - 2)]
+        found = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
+        return found.x if found.status == 0 and found.x[goal] > _LEAST else None
+
+    def points(self, cell: int, found: Floats) -> Points:
+        """The curve of an element of a solution, straight between points by arc [mm, N]."""
+        phases = [
+            [(float(found[number]), float(self.forces[k])) for k, number in there.items()]
+            for there in (self.travel[cell, 0], self.travel[cell, 1])
+        ]
+        (s, force), (t, high) = phases[0][0], phases[1][-1]
+        begin = (s - _SOFT * (force + _LAST), -_LAST)
+        end = (t + _SOFT * (_LAST - high), _LAST)
+        return tuple(_corners([begin, *phases[0], *phases[1], end]))
+
+    def _end(self, cell: int, phase: int) -> tuple[int, float]:
+        """The travel where a phase ends, and the force."""
+        place = self.ends[phase][cell]
+        return self.travel[cell, phase][place], float(self.forces[place])
+
+    def _length(self, state: str, sign: str, spring: range | tuple[()]) -> tuple[int, _Sum]:
+        """Which cell leaves its phase first in a state, and the length at which it does."""
+        phase, first = (0, min) if sign == "+" else (1, max)
+        cells = [cell for cell in (0, 1) if state[cell] == str(phase)]
+        leaving = first(cells, key=self.ends[phase].__getitem__)
+        place = self.ends[phase][leaving]
+        given = {spring[place]: 1.0} if spring else {}
+        return leaving, {self.travel[i, int(state[i])][place]: 1.0 for i in (0, 1)} | given
+
+
+# What is below this is none: of rooms [mm], and of compliances [mm/N].
+_LEAST = 1e-6
+
+
+def _first(graph: Graph, begin: str) -> int:
+    """The cell that flips first on the way that begins like this."""
+    return next(int(way[3]) - 1 for way in graph if way.startswith(begin))
+
+
+def _areas(there: list[tuple[int, int]], forces: Floats, start: float) -> list[tuple[_Sum, float]]:
+    """∫ travel dλ from the first of some places to each of them, and the force there."""
+    area: _Sum = {}
+    found = [(area, start)]
+    for (a, x), (b, y) in pairwise(there):
+        step = float(forces[b] - forces[a]) / 2.0
+        area = _sum(area, {x: step, y: step})
+        found.append((area, float(forces[b])))
+    return found
+
+
+def _sum(one: _Sum, other: _Sum, times: float = 1.0) -> _Sum:
+    total = dict(one)
+    for number, by in other.items():
+        total[number] = total.get(number, 0.0) + times * by
+    return total
+
+
+def _corners(points: list[tuple[float, float]]) -> Iterator[tuple[float, float]]:
+    """Points without those in the middle of a straight piece."""
+    yield points[0]
+    for (s, f), (t, g), (u, h) in zip(points, points[1:], points[2:], strict=False):
+        # Where travel or force turns there is a corner too.
+        flat = abs((t - s) * (h - g) - (u - t) * (g - f)) <= 1e-6
+        if not (flat and (t - s) * (u - t) > 0.0):
+            yield t, g
+    yield points[-1]
+
 
 WHERE = "Teunisse and van Hecke 2025"
 OURS = f"ours, of the graphs of {WHERE}"
@@ -21,7 +366,7 @@ OURS = f"ours, of the graphs of {WHERE}"
 ENDS = (-1.0, -0.8, 0.8, 1.0)
 # Of its curves: straight pieces between two of them, how far they are designed beyond the outermost
 # [N], and the room between lengths [mm].
-_STEPS, _BEYOND, _ROOM = 4, (0.25, 0.5, 0.75), 0.5
+_STEPS, _BEYOND, _SHARE_OF_ROOM = 4, (0.25, 0.5, 0.75), 0.5
 # A spring behind which pairs are driven [N/m].
 SPRING = 10e3
 
@@ -65,7 +410,7 @@ def design(graph: Graph) -> tuple[Points, Points] | None:
                 asked.fold(cell)
             else:
                 asked.fall(cell, alone=True)
-        found = asked.solution(_ROOM)
+        found = asked.solution(_SHARE_OF_ROOM)
         if found is not None:
             return asked.points(0, found), asked.points(1, found)
     return None
@@ -207,7 +552,7 @@ def _share(made: set[Graph]) -> str:
     return f"{len(made)} of {len(graphs())}, {_seen(made)} of {_seen(graphs())}"
 
 
-CLAIMS = (
+PAIR_CLAIMS = (
     two_hysterons,
     two_hysterons_reached,
     pairs_under_force,

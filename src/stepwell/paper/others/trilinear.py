@@ -187,4 +187,9 @@ def _listed(numbers: tuple[int, ...]) -> str:
     return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
 
 
-CLAIMS = (trilinear_branches, trilinear_hard_device, trilinear_soft_device, trilinear_spinodal)
+TRILINEAR_CLAIMS = (
+    trilinear_branches,
+    trilinear_hard_device,
+    trilinear_soft_device,
+    trilinear_spinodal,
+)

@@ -1,15 +1,57 @@
-"""Claims about unit cells: force and energy against the lever angle (Figs. 1D and 1E)."""
+"""Claims about unit cells (Figs. 1D and 1E), the paper's designs, and what is misprinted."""
 
 import math
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
 from stepwell.base import Floats, bisected
 from stepwell.concave import certify, simple
-from stepwell.mechanism import Cell
+from stepwell.files import preset
+from stepwell.mechanism import Cell, Chain
 from stepwell.paper.claims import Claim, Finding, claim, judged
-from stepwell.paper.mechanisms.designs import six_cells
+from stepwell.sequences import Cycle, Pathway
+
+# Names of the presets, by their anchor q [mm].
+CELLS = {
+    "(10, 0)": "paper-cell-10-0",
+    "(0, 0)": "paper-cell-0-0",
+    "(20, 0)": "paper-cell-20-0",
+    "(10, -15)": "paper-cell-10-m15",
+    "(20, 15)": "paper-cell-20-15",
+    "(0, -15)": "paper-cell-0-m15",
+}
+PAIRS = {
+    Pathway.CLOCKWISE: "paper-forward",
+    Pathway.COUNTERCLOCKWISE: "paper-counterclockwise",
+    Pathway.VIA_01: "paper-via-01",
+    Pathway.VIA_10: "paper-via-10",
+}
+
+
+@cache
+def six_cells() -> dict[str, Cell]:
+    """The unit cells of Figs. 1D and 1E, by their anchor q [mm]."""
+    return {q: preset(name).cells[0] for q, name in CELLS.items()}
+
+
+@cache
+def pair_cycle(pathway: Pathway) -> Cycle:
+    """The cycle of the pair of cells that shows a pathway in Fig. 2."""
+    return preset(PAIRS[pathway]).cycle()
+
+
+def outer_anchor(pathway: Pathway) -> tuple[float, float]:
+    """Anchor q [m] of the outer cell of that pair; the inner one has (10, 0) mm in all."""
+    return pair_cycle(pathway).chain.levers[1].bands[0].q
+
+
+@cache
+def monostable_pair() -> Cycle:
+    """The inner cell of all pairs with the one monostable unit cell outside of it."""
+    inner = pair_cycle(Pathway.CLOCKWISE).chain.cells[0]
+    return Chain((inner, six_cells()["(0, -15)"]), title="Outer cell monostable").cycle()
+
 
 # F0/(k r) and F1/(k r) that the paper's equations and parameters give, by q [mm].
 _FORCES = {
@@ -131,7 +173,7 @@ def bistable() -> Finding:
     )
 
 
-CLAIMS = (
+CELL_CLAIMS = (
     *(
         Claim(
             f"force-{q.strip('()').replace(', ', '-').replace('--', '-m')}",
@@ -148,3 +190,40 @@ CLAIMS = (
     theta_max,
     bistable,
 )
+
+
+_FORCE_OF_FIG_1D = 0.967  # F0/(k r) of q = (10, 0)
+
+
+@claim("Eq. 5", "-2 sin θc", "exact")
+def eq_5_sign() -> Finding:
+    """The stroke of two cells is r (sin θ of one + sin θ of the other) and a constant."""
+    cells = pair_cycle(Pathway.CLOCKWISE).chain.levers
+    r, limit = cells[0].lever, cells[0].limit
+    moved = r * 2 * math.sin(-limit)
+    printed, ours = (moved + sign * 2 * r * math.sin(limit) for sign in (-1, 1))
+    return judged(
+        abs(printed) < 1e-12 * r,
+        f"+2 sin θc: u = {abs(ours) * 1e3:.0f} mm there",
+        otherwise=f"The paper starts at θ = -θc with u = 0. There the printed sign gives "
+        f"u = {printed * 1e3:.0f} mm, a plus gives {abs(ours) * 1e3:.0f} mm.",
+    )
+
+
+@claim("anchors of the unit cells", "cm", "0.001 in F0/(kr)")
+def anchor_unit() -> Finding:
+    """The unit printed with p and with some q."""
+    cell = six_cells()["(10, 0)"]
+    band, scale = cell.bands[0], cell.bands[0].stiffness * cell.lever
+    (px, py), (qx, qy) = band.p, band.q
+    in_cm = cell.with_anchors(p=(10 * px, 10 * py), q=(10 * qx, 10 * qy))
+    as_mm, as_cm = cell.force_0 / scale, in_cm.force_0 / scale
+    return judged(
+        abs(as_cm - _FORCE_OF_FIG_1D) <= 0.001,
+        "mm",
+        otherwise=f"Read as mm the numbers give F0/(kr) = {as_mm:.3f} for q = (10, 0), as in "
+        f"Fig. 1D; read as cm they give {as_cm:.1f}.",
+    )
+
+
+MISPRINT_CLAIMS = (eq_5_sign, anchor_unit)

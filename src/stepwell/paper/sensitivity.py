@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell import files
-from stepwell.paper.robots.robot import BACKWARD, FORWARD, STANDS_STILL, TURN_DEG, robot
+from stepwell.paper.walking import BACKWARD, FORWARD, STANDS_STILL, TURN_DEG, robot
 from stepwell.robot import Robot
 
 if TYPE_CHECKING:
