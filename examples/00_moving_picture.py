@@ -21,8 +21,11 @@ from PIL import Image
 from PIL.Image import Image as Picture
 
 import stepwell as sw
-from stepwell.figures.cells import Drawing, LinkageDrawing, ground
-from stepwell.figures.common import (
+from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
+from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.common.marks import plain
+from stepwell.figures.common.sheet import blank, place
+from stepwell.figures.common.style import (
     BLOCK,
     BLUE,
     FAINT,
@@ -34,16 +37,19 @@ from stepwell.figures.common import (
     PURPLE,
     VERMILLION,
     YELLOW,
-    blank,
     pale,
-    place,
-    plain,
     styled,
-    write_gif,
 )
+from stepwell.figures.common.write import write_gif
 from stepwell.figures.motion.plan import instants
-from stepwell.figures.robots import bracket, draw_arena, in_world
-from stepwell.figures.robots.robot_parts import antenna_line, leg_parts, rectangle
+from stepwell.figures.robots.parts import (
+    antenna_line,
+    bracket,
+    draw_arena,
+    in_world,
+    leg_parts,
+    rectangle,
+)
 from stepwell.robot import Arena, Robot, Wall
 from stepwell.robot.rounds import states
 

@@ -13,8 +13,11 @@ from matplotlib.figure import Figure
 
 import stepwell as sw
 from stepwell import figures
-from stepwell.figures.cells import Drawing, LinkageDrawing, ground
-from stepwell.figures.common import (
+from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
+from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.common.marks import along_y, plain
+from stepwell.figures.common.sheet import blank, place, text_at
+from stepwell.figures.common.style import (
     BLOCK,
     BLUE,
     COLUMN,
@@ -25,15 +28,10 @@ from stepwell.figures.common import (
     MM,
     UNLOADING,
     VERMILLION,
-    along_y,
-    blank,
     cell_colours,
     hollow,
     pale,
-    place,
-    plain,
     styled,
-    text_at,
 )
 
 # 640 by 400 pixels.

@@ -20,7 +20,7 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.figures.graphs.transition_graph import MOST_STATES
+from stepwell.figures.graphs import MOST_STATES
 from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
 from stepwell.robot import Arena, Body, Cylinder, Wall

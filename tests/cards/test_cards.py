@@ -14,7 +14,7 @@ from stepwell import cards, figures
 from stepwell.accounts import ACCOUNTS
 from stepwell.base import Drawn, InputError, Shown, brief, headed
 from stepwell.cards.cards import _CARDS as _OLD
-from stepwell.figures.common.page import PageFigure
+from stepwell.figures.common.sheet import PageFigure
 from stepwell.figures.usual import _USUAL
 
 _CARDS = {**_OLD, **ACCOUNTS}

@@ -26,20 +26,11 @@ from stepwell import studies
 from stepwell.base import number, percent
 from stepwell.design import share_of
 from stepwell.figures import svg
-from stepwell.figures.common import (
-    BLUE,
-    INK,
-    MM,
-    ORANGE,
-    PAGE as WIDE,
-    blank,
-    legends,
-    place,
-    plain,
-    scale_bar,
-    styled,
-)
-from stepwell.figures.robots import draw_arena, frame, in_world
+from stepwell.figures.common import legends
+from stepwell.figures.common.marks import plain, scale_bar
+from stepwell.figures.common.sheet import blank, place
+from stepwell.figures.common.style import BLUE, INK, MM, ORANGE, PAGE as WIDE, styled
+from stepwell.figures.robots.parts import draw_arena, frame, in_world
 from stepwell.robot import Arena, other_layout, other_start
 
 ROOT = Path(__file__).parents[2]

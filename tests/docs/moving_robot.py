@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, write_atomic
-from stepwell.figures.common import (
+from stepwell.figures.common.style import (
     BLOCK,
     BLUE,
     FAINT,
@@ -20,9 +20,8 @@ from stepwell.figures.common import (
     PHASE,
     cell_colours,
 )
-from stepwell.figures.motion.smil import Round, short
-from stepwell.figures.robots import in_world
-from stepwell.figures.robots.robot_parts import antenna_line, bracket, leg_parts, rectangle
+from stepwell.figures.motion.moving import Round, short
+from stepwell.figures.robots.parts import antenna_line, bracket, in_world, leg_parts, rectangle
 from stepwell.robot import Robot
 from stepwell.simulation import Walk
 

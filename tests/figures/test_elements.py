@@ -14,8 +14,7 @@ from figures.drawn import legend_of, lines, marks, points, says, untidy
 from figures.shapes import boxes, ends
 from stepwell import figures
 from stepwell.base import Measure
-from stepwell.figures.cells.linkage import LinkageDrawing
-from stepwell.figures.cells.symbol import Symbol, rest_of
+from stepwell.figures.cells.linkage import LinkageDrawing, Symbol, rest_of
 from stepwell.figures.common.style import LOADING, UNLOADING
 
 

@@ -11,7 +11,7 @@ from matplotlib.patches import FancyBboxPatch
 from figures.drawn import collisions, legend_of, lines, marks, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.common.style import LOADING, UNLOADING
-from stepwell.figures.graphs.columns import heights
+from stepwell.figures.graph_layout import heights
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.sequences import Node, Transition, TransitionGraph, TransitionKind
 

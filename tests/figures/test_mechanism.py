@@ -10,8 +10,7 @@ from matplotlib.collections import PolyCollection
 
 from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
-from stepwell.figures.cells.drawing import Drawing
-from stepwell.figures.cells.linkage import LinkageDrawing
+from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.common.sheet import blank, place
 from stepwell.mechanism import Band, Cell, Chain
 

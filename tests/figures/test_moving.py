@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stepwell import figures, files
-from stepwell.figures.cells import LinkageDrawing
+from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.mechanism import Chain
 
 SVG = "{http://www.w3.org/2000/svg}"

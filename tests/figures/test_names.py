@@ -24,7 +24,8 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.figures.common.words import literal, names as _names
+from stepwell.figures.common import words as _names
+from stepwell.figures.common.words import literal
 from stepwell.lab.series import paper_cell
 from stepwell.studies import Axis, Decided, Influence, Space, sweep
 

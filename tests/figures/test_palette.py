@@ -81,7 +81,7 @@ def test_twelve_cells_have_twelve_lines_in_the_legend():
 @pytest.mark.parametrize("robot", [explorer(), three_cells(), files.preset("robot-explorer")])
 def test_a_robot_has_the_same_colours_in_a_picture_and_in_a_video(robot):
     pytest.importorskip("mujoco")
-    from stepwell.figures.robots.robot_above import ANTENNA, FOOT, SUPPORT
+    from stepwell.figures.robots.robot import ANTENNA, FOOT, SUPPORT
     from stepwell.simulation import parts
 
     for name, colour in (

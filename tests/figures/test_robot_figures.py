@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from figures.drawn import lines, points, says, untidy
 from figures.robots import explorer, four_legs, three_cells, walker
 from stepwell import figures
-from stepwell.figures.robots.robot_parts import antenna_line, in_world, leg_parts
+from stepwell.figures.robots.parts import antenna_line, in_world, leg_parts
 from stepwell.simulation import spec
 from stepwell.simulation.simulator import mujoco
 

@@ -11,7 +11,7 @@ from figures.drawn import collisions, cut_off, lines, points, says, untidy, word
 from stepwell import figures, files
 from stepwell.design import parameter_boundaries, parameter_map
 from stepwell.figures.common.style import INK, LOADING, PATHWAY, UNLOADING, pale
-from stepwell.figures.maps.between import PLACES
+from stepwell.figures.map_parts import PLACES
 
 X = ("outer.q.x", np.linspace(0.0, 0.020, 41))
 Y = ("outer.q.y", np.linspace(-0.015, 0.015, 61))

@@ -5,60 +5,42 @@ from stepwell.base import have, missing
 if not have("figures"):
     raise missing("figures")
 
-from stepwell.figures.cells import (
+from stepwell.figures.cells.cell_curves import (
     element_curve,
     element_curves,
-    force_plane,
-    labelled_cell,
-    labelled_chain,
-    mechanism,
     unit_cell_energy,
     unit_cell_force,
 )
-from stepwell.figures.common import PRINT_DPI, save, svg
+from stepwell.figures.cells.force_plane import force_plane
+from stepwell.figures.cells.labelled import labelled_cell, labelled_chain
+from stepwell.figures.cells.mechanism import mechanism
+from stepwell.figures.common.write import PRINT_DPI, save, svg
+from stepwell.figures.composing import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
 from stepwell.figures.graphs import transition_graph
-from stepwell.figures.maps import (
-    Effect,
-    Sensitivity,
-    margins,
-    tornado,
-    transition_map,
-    yield_bars,
-)
-from stepwell.figures.measured import (
-    band_laws,
-    calibration,
-    measured_energies,
-    measured_forces,
-    measured_pairs,
-    recording,
-)
-from stepwell.figures.motion import (
-    animation,
-    force_stroke,
-    landscape,
-    moving,
-    overview,
-    snap_motion,
-    standard,
-    standard_draws,
-    stroke_program,
-    travel_stroke,
-)
-from stepwell.figures.pages import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
-from stepwell.figures.robots import robot_above, robot_drawing, robot_side
-from stepwell.figures.runs import (
-    contacts,
-    gait,
-    maze,
-    maze_timeline,
-    prediction,
-    sweep,
-    trajectories,
-    trajectory,
-)
-from stepwell.figures.studies import influences, machines, outcomes
+from stepwell.figures.influences import influences
+from stepwell.figures.machines import machines
+from stepwell.figures.maps import transition_map
+from stepwell.figures.margins import margins
+from stepwell.figures.measured import measured_energies, measured_forces, measured_pairs
+from stepwell.figures.measured_bands import band_laws, calibration, recording
+from stepwell.figures.motion.animation import animation
+from stepwell.figures.motion.landscape import landscape
+from stepwell.figures.motion.moving import moving
+from stepwell.figures.motion.overview import overview, standard, standard_draws
+from stepwell.figures.motion.snap_motion import snap_motion
+from stepwell.figures.motion.stroke_program import stroke_program
+from stepwell.figures.motion.strokes import force_stroke, travel_stroke
+from stepwell.figures.outcomes import outcomes
+from stepwell.figures.robots.contacts import contacts
+from stepwell.figures.robots.gait import gait
+from stepwell.figures.robots.mazes import maze, maze_timeline
+from stepwell.figures.robots.predictions import prediction
+from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
+from stepwell.figures.robots.sweeps import sweep
+from stepwell.figures.robots.trajectory import trajectories, trajectory
+from stepwell.figures.tornado import Effect, Sensitivity, tornado
 from stepwell.figures.usual import plot
+from stepwell.figures.yield_bars import yield_bars
 
 __all__ = [
     "JOURNAL_WIDTHS",

@@ -15,25 +15,19 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import (
+from stepwell.figures.common import legends, words as told
+from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.sheet import blank, page_width, place, text_at
+from stepwell.figures.common.style import (
     COLUMN,
     FAINT,
     VERMILLION,
     YELLOW,
-    Label,
-    beside,
-    blank,
     cell_colours,
-    legends,
-    literal,
-    page_width,
     pale,
-    place,
-    shortened,
     styled,
-    text_at,
-    told,
 )
+from stepwell.figures.common.words import literal, shortened
 from stepwell.mechanism import Chain
 
 MOST_CELLS = 16

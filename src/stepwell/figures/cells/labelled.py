@@ -13,10 +13,12 @@ from matplotlib.patches import Polygon
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.cells.drawing import Drawing
-from stepwell.figures.cells.linkage import LinkageDrawing
+from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground
-from stepwell.figures.common import (
+from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
+from stepwell.figures.common.sheet import blank, place, root, text_at
+from stepwell.figures.common.style import (
     BLOCK,
     BLUE,
     COLUMN,
@@ -24,24 +26,11 @@ from stepwell.figures.common import (
     FIXED_BLOCK,
     INK,
     VERMILLION,
-    Label,
-    along_x,
-    along_y,
-    arrow,
-    beside,
-    blank,
     cell_colours,
     hollow,
-    limits,
-    literal,
-    mm,
-    mm_pair,
-    place,
-    plain,
-    root,
     styled,
-    text_at,
 )
+from stepwell.figures.common.words import literal
 from stepwell.mechanism import Band, Cell, Chain, Element
 
 # More than this have no room for their letters in a column.

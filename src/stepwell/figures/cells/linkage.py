@@ -1,4 +1,4 @@
-"""Where the blocks, levers, bands and elements of a chain are, drawn flat on the page."""
+"""Where the parts of a chain are, drawn flat on the page, and as artists that can be moved."""
 
 from __future__ import annotations
 
@@ -8,10 +8,88 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
 
-from stepwell.base import Bools, Floats
-from stepwell.figures.cells.symbol import Symbol
-from stepwell.mechanism import Cell, Chain, Element
+from stepwell.base import Bools, Floats, bisected
+from stepwell.figures.common.style import BLOCK, FAINT, FIXED_BLOCK, INK, cell_colours, hollow
+from stepwell.mechanism import Cell, Chain, Element, Phase
+
+_SAMPLES = 97
+# Between the curve and the box, as a share of the box.
+_EDGE = 0.14
+
+
+class Symbol:
+    """The force curve of an element in a square of side 1, travel to the right, force upwards.
+
+    Args:
+        element: any.
+        reached: (n,) travels [m] that are shown too, where they lie past an open end.
+
+    Attributes:
+        low: least travel that is shown [m].
+        curves: (m, 2) each sheet.
+        zero: height of the line of no force; NaN where that is outside.
+    """
+
+    def __init__(self, element: Element, reached: Sequence[float] | Floats = ()):
+        self.element = element
+        ends = [element.low, element.high, *(float(s) for s in reached)]
+        self.low, high = min(ends), max(ends)
+        samples: list[tuple[Floats, Floats]] = []
+        for number, sheet in enumerate(element.laws):
+            first = self.low if sheet.below is None and sheet.begin == element.low else sheet.begin
+            last = high if sheet.above is None and sheet.end == element.high else sheet.end
+            travel = np.linspace(first, last, _SAMPLES)
+            samples.append((travel, element.force_at(travel, number)))
+        # What lies past the ends of the curve does not set the scale.
+        inside = [f[(s >= element.low) & (s <= element.high)] for s, f in samples]
+        least, most = min(f.min() for f in inside), max(f.max() for f in inside)
+        self._origin = np.array([self.low, least])
+        self._size = np.array([high - self.low, (most - least) or 1.0])
+        self.curves = [self._inside(np.column_stack(curve)) for curve in samples]
+        zero = float(self._inside(np.array([self.low, 0.0]))[1])
+        self.zero = zero if 0.0 < zero < 1.0 else math.nan
+
+    def at(self, travel: float, sheet: int | None = None) -> Floats:
+        """(2,) where the element stands: on this sheet, else on the first that has the travel.
+
+        Raises:
+            ValueError: a travel past a stop.
+        """
+        laws, within = self.element.laws, min(max(travel, self.element.low), self.element.high)
+        holds = [k for k, one in enumerate(laws) if one.begin <= within <= one.end]
+        if sheet not in holds:
+            sheet = holds[0]
+        return self._inside(np.array([travel, float(self.element.force_at(travel, sheet))]))
+
+    def _inside(self, points: Floats) -> Floats:
+        share = np.clip((points - self._origin) / self._size, -_EDGE, 1.0 + _EDGE)
+        return _EDGE + (1.0 - 2.0 * _EDGE) * share
+
+
+def rest_of(element: Element, phase: Phase) -> float:
+    """Where an element stands in a phase without force, or with the least there is [m]."""
+    if phase.force_high < 0.0:
+        return phase.high
+    if phase.force_low > 0.0:
+        return phase.low
+
+    def force(travel: float) -> float:
+        return float(element.force_at(travel, phase.sheet))
+
+    low, high = max(phase.low, element.low), min(phase.high, element.high)
+    for end, limit, way in ((low, phase.low, -1.0), (high, phase.high, 1.0)):
+        if way * force(end) < 0.0:
+            if math.isfinite(limit):
+                return end
+            # Past an open end the curve goes on straight.
+            further = way * element.full_travel
+            return end - force(end) * further / (force(end + further) - force(end))
+    return bisected(lambda travel: force(travel) <= 0.0, low, high, 60)[0]
+
 
 # Of chains without levers, which have no size of their own: a lever, and the longest travel [m].
 _LEVER, _TRAVEL = 0.0141, 0.020
@@ -183,3 +261,127 @@ class LinkageDrawing:
 
 def _xy(x: float, y: float) -> Floats:
     return np.array([x, y])
+
+
+THINNEST, THICKEST = 0.7, 3.0
+SLACK_DASHES = (0, (2.0, 1.6))
+
+
+class Drawing:
+    """The artists of one chain in one place.
+
+    Args:
+        ax: axes in page units.
+        linkage: the chain and where its parts go.
+        origin: page position of the fixed block's joint midpoint.
+        scale: page units per metre.
+        weight: factor on all line widths.
+    """
+
+    def __init__(
+        self,
+        ax: Axes,
+        linkage: LinkageDrawing,
+        origin: tuple[float, float],
+        scale: float,
+        weight: float = 1.0,
+    ):
+        self.linkage, self.scale = linkage, scale
+        self.origin = np.array(origin)
+        self.weight = weight
+        self.strongest = linkage.greatest_tension()
+        cells = len(linkage.chain)
+        colours = np.array(cell_colours(cells))[linkage.owner]
+        self.posts = LineCollection([], colors=FIXED_BLOCK, linewidths=2.2 * weight, zorder=1)
+        self.blocks = PolyCollection(
+            [],
+            facecolors=[FIXED_BLOCK] + [BLOCK] * cells,
+            edgecolors=INK,
+            linewidths=0.6 * weight,
+            zorder=2,
+        )
+        self.levers = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=3)
+        self.bands = LineCollection([], colors=colours, zorder=5, capstyle="round")
+        joints = hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
+        (self.joints,) = ax.plot([], [], "o", **joints)
+        self.anchors = ax.scatter(
+            *np.zeros((2, len(colours) * 2)),
+            s=(2.6 * weight) ** 2,
+            c=np.repeat(colours, 2),
+            linewidths=0,
+            zorder=6,
+        )
+        for artist in (self.posts, self.blocks, self.levers, self.bands):
+            ax.add_collection(artist, autolim=False)
+        self._symbols = self._draw_symbols(ax) if linkage.symbols else ()
+
+    def _draw_symbols(self, ax: Axes) -> Sequence[Artist]:
+        """Rods, boxes, curves and marks of the elements."""
+        symbols, weight = self.linkage.symbols, self.weight
+        colours = cell_colours(len(self.linkage.chain))
+        curves = [colours[i] for i, symbol in symbols.items() for _ in symbol.curves]
+        self.rods = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=1.5)
+        look = {"facecolors": "white", "edgecolors": INK, "linewidths": 0.8 * weight}
+        self.boxes = PolyCollection([], **look, zorder=3, gid="elements")
+        self.zeros = LineCollection([], colors=FAINT, linewidths=0.4 * weight, zorder=3.5)
+        self.curves = LineCollection(
+            [], colors=curves, linewidths=1.6 * weight, capstyle="round", zorder=4
+        )
+        dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": INK}
+        (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
+        drawn = (self.rods, self.boxes, self.zeros, self.curves)
+        for artist in drawn:
+            ax.add_collection(artist, autolim=False)
+        return (*drawn, self.dots)
+
+    @property
+    def artists(self) -> Sequence[Artist]:
+        """From the lowest to the topmost."""
+        own = (self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors)
+        return (*own, *self._symbols)
+
+    def move(
+        self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
+    ) -> Pose:
+        """Put every part where it is at these travels (N,) [m]; sheets as for `pose`."""
+        pose = self.linkage.pose(travels, sheets)
+        self.blocks.set_verts(list(self._page(_corners(pose.blocks))))
+        if self._symbols:
+            self._move_symbols(pose)
+        self.posts.set_segments(list(self._page(pose.posts)))
+        levers = self._page(pose.levers)
+        self.levers.set_segments(list(levers))
+        self.joints.set_data(*levers.reshape(-1, 2).T)
+        bands = self._page(pose.bands)
+        self.bands.set_segments(list(bands))
+        share = np.abs(pose.tension) / self.strongest if self.strongest else pose.tension
+        self.bands.set_linewidth(list(self.weight * (THINNEST + (THICKEST - THINNEST) * share)))
+        self.bands.set_linestyle([SLACK_DASHES if s else "solid" for s in pose.slack])
+        self.anchors.set_offsets(bands.reshape(-1, 2))
+        return pose
+
+    def _move_symbols(self, pose: Pose) -> None:
+        self.rods.set_segments(list(self._page(pose.rods)))
+        self.boxes.set_verts(list(self._page(_corners(pose.boxes))))
+        curves: list[Floats] = []
+        zeros: list[Floats] = []
+        for symbol, (left, bottom, right, _) in zip(
+            self.linkage.symbols.values(), pose.boxes, strict=True
+        ):
+            corner, side = np.array([left, bottom]), right - left
+            curves += [self._page(corner + side * curve) for curve in symbol.curves]
+            line = np.array([(0.0, symbol.zero), (1.0, symbol.zero)])
+            zeros.append(self._page(corner + side * line))
+        self.curves.set_segments(curves)
+        self.zeros.set_segments(zeros)
+        self.dots.set_data(*self._page(pose.dots).T)
+
+    def _page(self, xy: Floats) -> Floats:
+        return self.origin + self.scale * xy
+
+
+def _corners(boxes: Floats) -> Floats:
+    """(n, 4, 2) of (n, 4) left, bottom, right, top."""
+    left, bottom, right, top = boxes.T
+    corners = np.stack([left, bottom, right, bottom, right, top, left, top], axis=1)
+    return corners.reshape(-1, 4, 2)

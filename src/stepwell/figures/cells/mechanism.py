@@ -12,23 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import InputError
-from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
-from stepwell.figures.cells.linkage import LinkageDrawing
-from stepwell.figures.cells.symbol import rest_of
-from stepwell.figures.common import (
-    INK,
-    MM,
-    PAGE,
-    canvas,
-    direction_colour,
-    legends,
-    marks,
-    page_width,
-    plain,
-    round_length,
-    styled,
-    told,
-)
+from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
+from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common.marks import plain, round_length
+from stepwell.figures.common.sheet import canvas, page_width
+from stepwell.figures.common.style import INK, MM, PAGE, direction_colour, styled
 from stepwell.mechanism import Chain, Element
 
 # More than this is too small to see on a page.

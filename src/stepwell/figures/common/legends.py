@@ -1,22 +1,140 @@
-"""Legends: what lines, marks and shades mean, and where that is written."""
+"""Legends, and labels put where they cover neither curves nor other text."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox, ScaledTranslation
 from matplotlib.typing import ColorType
 
-from stepwell.figures.common.sheet import in_panel, sheet_of, size_of
+from stepwell.base import Floats
+from stepwell.figures.common.sheet import in_panel, root, sheet_of, size_of
 from stepwell.figures.common.style import INK, cell_colours, cell_dashes
 from stepwell.figures.common.words import literal
+
+_DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
+_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 65.0)
+# From here on a label needs a line to its point [pt].
+_FAR = 13.0
+
+
+class Label(NamedTuple):
+    """A text for the point (x, y) in data units."""
+
+    x: float
+    y: float
+    text: str
+    colour: str = INK
+
+
+def beside(
+    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), leaders: bool = False
+) -> list[Annotation]:
+    """Write each label near its point, away from the lines of `ax`, other labels and its edges.
+
+    No label lies nearer to the point of another one than to its own, where that can be.
+
+    Args:
+        ax: axes with their final limits.
+        labels: in falling order of importance.
+        keep_clear: further boxes to stay out of [display units].
+        leaders: a thin line from each label that had to go away from its point.
+    """
+    labels = list(labels)
+    spots = ax.transData.transform([(label.x, label.y) for label in labels] or np.empty((0, 2)))
+    point = root(ax).dpi / 72.0
+    curves = _curves(ax, 2.0 * point)
+    frame = ax.get_window_extent().padded(-1.5 * point)
+    taken = list(keep_clear)
+    written: list[Annotation] = []
+    done: list[tuple[str, float, float]] = []
+    for label in labels:
+        here = ax.transData.transform((label.x, label.y))
+        others = spots[np.hypot(*(spots - here).T) > 1.0 * point]
+        # One label serves all points of that name around it.
+        if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
+            continue
+        done.append((label.text, *here))
+        look = {"ha": "center", "va": "center", "fontsize": 7.0, "color": label.colour}
+        at = (label.x, label.y)
+        text = ax.annotate(label.text, at, (0, 0), textcoords="offset points", zorder=9, **look)
+        text.set_in_layout(False)
+        box = text.get_window_extent().padded(0.8 * point)
+        best, best_cost, gap = (0.0, 0.0), np.inf, 0.0
+        for far in _DISTANCES:
+            for dx, dy in _DIRECTIONS:
+                # The gap is between the point and the nearest edge of the text.
+                x = dx * (far + box.width / point / 2)
+                y = dy * (far + box.height / point / 2)
+                moved = box.translated(x * point, y * point)
+                cost = _cost(moved, frame, taken, curves) + 0.02 * far
+                cost += 50.0 * (_distances(moved, others) <= _distances(moved, here[None])).any()
+                if cost < best_cost:
+                    best, best_cost, gap = (x, y), cost, far
+            if best_cost < 1.0:
+                break
+        text.xyann = best
+        taken.append(box.translated(best[0] * point, best[1] * point))
+        written.append(text)
+        own = float(_distances(taken[-1], here[None])[0])
+        if leaders and (gap >= _FAR or (_distances(taken[-1], others) < own + 2 * point).any()):
+            _lead(ax, text, taken[-1])
+    return written
+
+
+def inside(frame: Bbox, box: Bbox) -> bool:
+    """Whether a box lies within a frame."""
+    wide = frame.x0 <= box.x0 and box.x1 <= frame.x1
+    return wide and frame.y0 <= box.y0 and box.y1 <= frame.y1
+
+
+def _lead(ax: Axes, text: Annotation, box: Bbox) -> None:
+    """A line from the nearest edge of a label's box to its point."""
+    here = ax.transData.transform(text.xy)
+    edge = ax.transData.inverted().transform(np.clip(here, box.min, box.max))
+    props = {"arrowstyle": "-", "color": text.get_color(), "linewidth": 0.5}
+    look = {"arrowprops": props | {"shrinkA": 0, "shrinkB": 3}, "zorder": 7, "gid": "leader"}
+    ax.annotate("", text.xy, tuple(edge), **look)
+
+
+def _distances(box: Bbox, points: Floats) -> Floats:
+    """How far each point (n, 2) lies outside a box."""
+    return np.hypot(*(points - np.clip(points, box.min, box.max)).T)
+
+
+def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Floats) -> float:
+    covered = np.count_nonzero(
+        (curves[:, 0] > box.x0)
+        & (curves[:, 0] < box.x1)
+        & (curves[:, 1] > box.y0)
+        & (curves[:, 1] < box.y1)
+    )
+    return 1000.0 * (not inside(frame, box)) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
+
+
+def _curves(ax: Axes, step: float) -> Floats:
+    """Points every `step` pixels along every line of the axes, (n, 2)."""
+    found = [np.empty((0, 2))]
+    for line in ax.get_lines():
+        xy = line.get_transform().transform(np.column_stack(line.get_data()))
+        found.append(xy[np.isfinite(xy).all(axis=1)])
+        start, along = xy[:-1], np.diff(xy, axis=0)
+        drawn = np.isfinite(along).all(axis=1) & (line.get_linestyle() != "None")
+        start, along = start[drawn], along[drawn]
+        parts = np.ceil(np.hypot(*along.T) / step).astype(int)
+        which = np.repeat(np.arange(len(parts)), parts)
+        part = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
+        found.append(start[which] + along[which] * (part / parts[which])[:, None])
+    return np.concatenate(found)
 
 
 def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:

@@ -17,28 +17,24 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from stepwell.base import Floats, InputError, require
-from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
-from stepwell.figures.common import (
+from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
+from stepwell.figures.cells.mechanism import MOST_CELLS, ground
+from stepwell.figures.common import words as told
+from stepwell.figures.common.marks import plain
+from stepwell.figures.common.reading import path_of, phases
+from stepwell.figures.common.sheet import blank, place, text_at
+from stepwell.figures.common.style import (
     BLACK,
     INK,
     LOADING,
     MM,
     UNLOADING,
     YELLOW,
-    blank,
     cell_colours,
-    literal,
-    minus,
-    path_of,
-    phases,
-    place,
-    plain,
     styled,
-    text_at,
-    told,
-    write_gif,
 )
-from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.common.words import literal, minus
+from stepwell.figures.common.write import write_gif
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.plan import (
     Instant,
@@ -49,6 +45,7 @@ from stepwell.figures.motion.plan import (
     plan_of,
     windows_of,
 )
+from stepwell.figures.motion.strokes import force_stroke
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

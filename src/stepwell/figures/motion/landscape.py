@@ -14,26 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats
-from stepwell.figures.common import (
-    BLACK,
-    COLUMN,
-    FAINT,
-    MJ,
-    canvas,
-    cell_colours,
-    keep_inside,
-    literal,
-    marks,
-    page_width,
-    path_of,
-    place,
-    require_two_cells,
-    root,
-    snaps_of,
-    span,
-    styled,
-    told,
-)
+from stepwell.figures.common import marks, words as told
+from stepwell.figures.common.reading import path_of, require_two_cells, snaps_of, span
+from stepwell.figures.common.sheet import canvas, keep_inside, page_width, place, root
+from stepwell.figures.common.style import BLACK, COLUMN, FAINT, MJ, cell_colours, styled
+from stepwell.figures.common.words import literal
 from stepwell.mechanism import Cell, Chain, Element
 
 if TYPE_CHECKING:

@@ -11,17 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import (
-    COLUMN,
-    FAINT,
-    canvas,
-    cell_colours,
-    keep_inside,
-    legends,
-    literal,
-    styled,
-    told,
-)
+from stepwell.figures.common import legends, words as told
+from stepwell.figures.common.sheet import canvas, keep_inside
+from stepwell.figures.common.style import COLUMN, FAINT, cell_colours, styled
+from stepwell.figures.common.words import literal
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain

@@ -13,33 +13,14 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats
-from stepwell.figures.common import (
-    BLACK,
-    COLUMN,
-    PAGE,
-    Label,
-    beside,
-    blank,
-    curve,
-    inside,
-    keep_inside,
-    legends,
-    marks,
-    minus,
-    on_black,
-    page_width,
-    pale,
-    place,
-    root,
-    shortened,
-    snaps_of,
-    span,
-    styled,
-    told,
-    vertices,
-)
+from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common.legends import Label, beside, inside
+from stepwell.figures.common.reading import curve, snaps_of, span, vertices
+from stepwell.figures.common.sheet import blank, keep_inside, page_width, place, root
+from stepwell.figures.common.style import BLACK, COLUMN, PAGE, on_black, pale, styled
+from stepwell.figures.common.words import minus, shortened
 from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, plan_of, windows_of
-from stepwell.figures.motion.travel_stroke import lanes, name_lane
+from stepwell.figures.motion.strokes import lanes, name_lane
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program

@@ -1,0 +1,430 @@
+"""Force and energy of single cells, against lever angle and against travel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.base import Floats, InputError
+from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.marks import mm_pair
+from stepwell.figures.common.sheet import (
+    blank,
+    canvas,
+    keep_inside,
+    name_panel,
+    page_width,
+    place,
+    sheet_of,
+    text_at,
+)
+from stepwell.figures.common.style import (
+    COLUMN,
+    FAINT,
+    INK,
+    LOADING,
+    MJ,
+    PAGE,
+    PHASE,
+    UNLOADING,
+    cell_colours,
+    cell_dashes,
+    hollow,
+    on_white,
+    pale,
+    styled,
+)
+from stepwell.figures.common.words import literal, minus
+from stepwell.mechanism import Cell, Element, Phase
+
+_SAMPLES = 241
+# What is shown past an open end and past a stop, as shares of the full travel.
+_BEYOND, _WALL = 0.08, 0.03
+_BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
+_DOTS = (0, (1, 1.6))
+# What the axes of one element, and an entry of the key of several, need at least [mm].
+_LEAST, _ENTRY = 44.0, 30.0
+_COLOUR = cell_colours(1)[0]
+_PALE = pale(_COLOUR)
+_SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
+
+
+@styled
+def element_curve(element: Element, *, source: str = "", ax: Axes | None = None) -> Figure:
+    """Force and energy of an element against its travel, with phases and switching fields.
+
+    Phases are shaded, numbered and bold; between them the element stands under a prescribed
+    travel only. Circles are where it leaves a phase, with the force at which it does, friction
+    included. Past an open end the curve goes on straight, dotted; a stop is hatched. Where the
+    curve folds back, arrows lead from where a sheet ends to where the element lands.
+
+    Args:
+        element: any.
+        source: where its curve is from, to be written below.
+        ax: axes to draw the force into; by default a new figure of one column's width, with the
+            energy below.
+
+    Returns:
+        The figure, in the units of the element's measure.
+    """
+    own = ax is None
+    key = _key([element])
+    foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 2)
+    figure, ax = canvas(ax, (COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head))
+    drawn = _Curve(ax, element)
+    drawn.draw_force()
+    ax.set_ylabel(drawn.force.label)
+    legends.above(ax, key, 2)
+    if not own:
+        ax.set_xlabel(drawn.travel.label)
+        drawn.name_fields()
+        return figure
+    below = place(figure, 14.0, foot, COLUMN - 16.0, 25.0)
+    _Curve(below, element).draw_energy()
+    below.set(xlabel=drawn.travel.label, ylabel="Energy [mJ]")
+    ax.tick_params(labelbottom=False)
+    # Both are as narrow as the longer labels need.
+    for one, other in ((ax, below), (below, ax)):
+        keep_inside(one)
+        box, beneath = one.get_position(), other.get_position()
+        other.set_position((box.x0, beneath.y0, box.width, beneath.height))
+    drawn.name_fields()
+    if source:
+        text_at(figure, 2.0, 1.5, literal(source), color=FAINT)
+    return figure
+
+
+@styled
+def element_curves(elements: Mapping[str, Element]) -> Figure:
+    """The force curves of several elements, up to three in a row, each with axes of its own.
+
+    Args:
+        elements: what to show, by the name to write above it.
+
+    Returns:
+        A figure of two columns' width; all else as for `element_curve`.
+
+    Raises:
+        ValueError: nothing to show.
+    """
+    if not elements:
+        raise InputError("elements is empty: give one element or more, by name.")
+    page = page_width(PAGE)
+    across = min(max(1, int(page / _LEAST)), 3, len(elements))
+    each, tall, foot = page / across, 54.0, 7.0
+    rows = -(-len(elements) // across)
+    key = _key(elements.values())
+    columns = max(1, min(len(key), int(page / _ENTRY)))
+    foot += 3.8 * (-(-len(key) // columns) - 1)
+    figure = blank(page, rows * tall + foot)
+    for k, (name, element) in enumerate(elements.items()):
+        row, column = divmod(k, across)
+        left, bottom = column * each + 13.0, (rows - 1 - row) * tall + 11.0 + foot
+        ax = place(figure, left, bottom, each - 15.0, tall - 17.0)
+        drawn = _Curve(ax, element)
+        drawn.draw_force()
+        ax.locator_params(nbins=5)
+        ax.set(xlabel=drawn.travel.label, ylabel=drawn.force.label)
+        drawn.name_fields()
+        name_panel(ax, literal(name))
+    legends.below(figure, key, columns)
+    return figure
+
+
+class _Curve:
+    """An element on axes.
+
+    Attributes:
+        travel, force: how they are told.
+        left, right: between which travels it is shown [m].
+    """
+
+    def __init__(self, ax: Axes, element: Element):
+        self.ax, self.element = ax, element
+        self.travel, self.force = told.travel(element.measure), told.force(element.measure)
+        past = [(_WALL if stop else _BEYOND) * element.full_travel for stop in element.stopped]
+        self.left, self.right = element.low - past[0], element.high + past[1]
+        ax.set_xlim(self.left * self.travel.factor, self.right * self.travel.factor)
+
+    def draw_force(self) -> None:
+        """The force with all that belongs to it but the names of its fields."""
+        marks.zero_line(self.ax)
+        rubs, band = self.element.friction, self.element.error_band
+        for number, sheet in enumerate(self.element.laws):
+            travel = np.linspace(sheet.begin, sheet.end, _SAMPLES)
+            x, force = travel * self.travel.factor, self.element.force_at(travel, number)
+            if band:
+                low, high = ((force + sign * band) * self.force.factor for sign in (-1, 1))
+                look = {"color": _PALE, "zorder": 2, "gid": "error band"} | _SHADE
+                self.ax.fill_between(x, low, high, **look)
+            for sign, colour in ((1, LOADING), (-1, UNLOADING)) if rubs else ():
+                y = (force + sign * rubs) * self.force.factor
+                self.ax.plot(x, y, color=colour, linewidth=_THIN, zorder=2.5, gid="friction")
+            self._draw_jumps(number)
+        self._draw_law(self.element.force_at, self.force.factor)
+        for travel, force, colour in self.fields:
+            self.ax.plot(travel, force, "o", **_circle(colour), zorder=7, gid="fields")
+        low, high = self.ax.get_ylim()
+        # Room for the digits.
+        self.ax.set_ylim(low, high + 0.06 * (high - low))
+        self._number_phases()
+
+    def draw_energy(self) -> None:
+        """The energy, from where the curve begins."""
+        self._draw_law(self.element.energy_at, MJ)
+
+    @property
+    def fields(self) -> list[tuple[float, float, str]]:
+        """Where it leaves its phases, loading and unloading, as drawn, and in which colour."""
+        phases, rubs = self.element.phases, self.element.friction
+        found = [(phase.high, phase.force_high + rubs, LOADING) for phase in phases[:-1]]
+        found += [(phase.low, phase.force_low - rubs, UNLOADING) for phase in phases[1:]]
+        return [(s * self.travel.factor, f * self.force.factor, colour) for s, f, colour in found]
+
+    def name_fields(self) -> None:
+        """Their forces, beside their marks; on axes that have their final place."""
+        names = (
+            Label(x, force, minus(f"{force:.3g} {self.force.sign}"), colour)
+            for x, force, colour in self.fields
+        )
+        beside(self.ax, names)
+
+    def _draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
+        """A law of travel, bold in its phases, dotted past its ends; the phases shaded."""
+        element = self.element
+        low, high = element.low, element.high
+        heights: list[Floats] = []
+
+        def draw(sheet: int, begin: float, end: float, **look: Any) -> Floats:
+            kinks = element.laws[sheet].rows[:, 0]
+            inside = kinks[(kinks > begin) & (kinks < end)]
+            travel = np.unique(np.concatenate([np.linspace(begin, end, _SAMPLES), inside]))
+            y = law(travel, sheet) * factor
+            self.ax.plot(travel * self.travel.factor, y, color=_COLOUR, **look)
+            return y
+
+        for number, sheet in enumerate(element.laws):
+            ends = sheet.begin, sheet.end
+            heights.append(draw(number, *ends, linewidth=_THIN, zorder=3, gid="curve"))
+        for phase in element.phases:
+            begin, end = self._shown(phase)
+            self._shade(begin, end, {"facecolor": PHASE} | _SHADE, "phases")
+            draw(phase.sheet, max(begin, low), min(end, high), linewidth=_BOLD, zorder=4)
+            past = {"linewidth": _PAST, "linestyle": _DOTS, "zorder": 3, "gid": "goes on"}
+            if begin < low:
+                draw(phase.sheet, begin, low, **past)
+            if end > high:
+                draw(phase.sheet, high, end, **past)
+        wall = {"facecolor": "white", "edgecolor": FAINT, "hatch": "/////", "linewidth": 0}
+        below, above = element.stopped
+        for stop, inner, outer in ((below, low, self.left), (above, high, self.right)):
+            if stop:
+                self._shade(inner, outer, wall, "stop")
+                self.ax.axvline(inner * self.travel.factor, color=INK, linewidth=1.0, zorder=1.5)
+        # What lies past the ends does not set the scale.
+        least, most = min(y.min() for y in heights), max(y.max() for y in heights)
+        room = 0.2 * (most - least)
+        self.ax.set_ylim(least - room, most + room)
+
+    def _shown(self, phase: Phase) -> tuple[float, float]:
+        """The travels between which a phase is shown [m]."""
+        return max(phase.low, self.left), min(phase.high, self.right)
+
+    def _shade(self, begin: float, end: float, look: dict[str, Any], gid: str) -> None:
+        ends = sorted((begin * self.travel.factor, end * self.travel.factor))
+        self.ax.axvspan(*ends, **look, zorder=0, gid=gid)
+
+    def _draw_jumps(self, number: int) -> None:
+        """Arrows from the ends of a sheet to where the element lands at that travel."""
+        sheet = self.element.laws[number]
+        ends = (sheet.begin, sheet.below, UNLOADING), (sheet.end, sheet.above, LOADING)
+        for travel, leads, colour in ends:
+            if leads is not None:
+                x = travel * self.travel.factor
+                forces = (self.element.force_at(travel, k) for k in (number, leads))
+                start, end = (float(force) * self.force.factor for force in forces)
+                look = {"color": colour, "linestyle": marks.SNAP_DASHES, "linewidth": 1.1}
+                self.ax.plot([x, x], [start, end], **look, zorder=5, gid="jumps")
+                marks.head(self.ax, (x, start), (x, end), colour)
+
+    def _number_phases(self) -> None:
+        """The digit of every phase at the top, lower by a row where it overlaps the one before."""
+        look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        row, reached = 0, -np.inf
+        for digit, phase in enumerate(self.element.phases):
+            begin, end = self._shown(phase)
+            row = 1 - row if begin < reached else 0
+            reached = max(reached, end)
+            text = self.ax.annotate(
+                str(digit),
+                ((begin + end) / 2 * self.travel.factor, 1.0),
+                (0.0, -7.0 - 9.0 * row),
+                xycoords=("data", "axes fraction"),
+                **look,
+                zorder=9,
+                gid="digit",
+            )
+            text.set(fontweight="bold", bbox=on_white() | {"facecolor": PHASE})
+
+
+def _circle(colour: str) -> dict[str, Any]:
+    """The look of a switching field."""
+    return hollow(4.6, colour, markeredgewidth=1.2, clip_on=False)
+
+
+def _key(elements: Iterable[Element]) -> list[Artist]:
+    """What lines and marks mean, as far as they occur."""
+    shown = list(elements)
+    found: list[Artist] = [legends.shade("phase", PHASE, **_SHADE)]
+    if any(len(element.phases) > 1 for element in shown):
+        for word, colour in (("leaves, loading", LOADING), ("leaves, unloading", UNLOADING)):
+            found.append(legends.mark(word, **_circle(colour)))
+    if any(len(element.laws) > 1 for element in shown):
+        found.append(legends.line("jump", width=1.1, linestyle=marks.SNAP_DASHES))
+    if any(not all(element.stopped) for element in shown):
+        found.append(legends.line("goes on", _COLOUR, _PAST, linestyle=_DOTS))
+    if any(element.error_band for element in shown):
+        found.append(legends.shade("points within", _PALE, **_SHADE))
+    if any(element.friction for element in shown):
+        found.append(legends.line("friction", LOADING, _THIN))
+    return found
+
+
+Curve = Callable[[Cell, Floats], Floats]
+
+_ANGLES = 181
+# Narrower than this, names do not stand in two columns; between names and marks [mm].
+_TWO, _BETWEEN = 70.0, 0.3
+_END_0, _END_1, _PEAK = "<", ">", "D"
+_GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
+
+
+@styled
+def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
+    """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
+
+    k is the stiffness of the cell's stiffest band.
+
+    Args:
+        cells: any number; the legend calls each by its name, or else by its anchor.
+        ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
+
+    Source: Kamp et al. 2024, Fig. 1D.
+    """
+
+    def scaled(cell: Cell, theta: Floats) -> Floats:
+        return cell.force(theta) / (_stiffness(cell) * cell.lever)
+
+    return _curves(cells, scaled, ax, "Force $F/(kr)$", ends=True)
+
+
+@styled
+def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
+    """E/(k r²) of each cell against lever angle, with θmax marked.
+
+    k is the stiffness of the cell's stiffest band.
+
+    Args:
+        cells: any number; the legend calls each by its name, or else by its anchor.
+        ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
+
+    Source: Kamp et al. 2024, Fig. 1E.
+    """
+
+    def scaled(cell: Cell, theta: Floats) -> Floats:
+        return cell.energy(theta) / (_stiffness(cell) * cell.lever**2)
+
+    return _curves(cells, scaled, ax, "Energy $E/(kr^2)$", ends=False)
+
+
+def _curves(
+    cells: Sequence[Cell | Element], curve: Curve, ax: Axes | None, label: str, *, ends: bool
+) -> Figure:
+    if not cells:
+        raise InputError("cells is empty: give one cell or more.")
+    levers = [cell for cell in cells if isinstance(cell, Cell)]
+    if len(levers) < len(cells):
+        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
+        raise InputError(
+            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
+        )
+    # Names beside each other where there is room, the marks in a row of their own.
+    columns = 2 if page_width(COLUMN) >= _TWO else 1
+    rows = math.ceil(len(levers) / columns)
+    top = 8.0 + 3.75 * rows
+    own = ax is None
+    figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
+    looks = list(zip(cell_colours(len(levers)), cell_dashes(len(levers)), strict=True))
+    for cell, (colour, dashes) in zip(levers, looks, strict=True):
+        theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
+        ax.plot(np.degrees(theta), curve(cell, theta), color=colour, linestyle=dashes)
+        shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
+        if abs(cell.peak_angle) < cell.limit:
+            shown.append((cell.peak_angle, _PEAK))
+        for angle, mark in shown:
+            at = np.array([angle])
+            look = _look(mark, colour) | {"clip_on": False, "gid": _GIDS[mark]}
+            ax.plot(np.degrees(at), curve(cell, at), mark, zorder=4, **look)
+    if ends:
+        marks.zero_line(ax)
+    ax.set(xlabel="Lever angle $\\theta$ [°]", ylabel=label)
+    widest = math.degrees(max(cell.limit for cell in levers))
+    ax.set_xlim(-1.08 * widest, 1.08 * widest)
+    ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
+    words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
+    legends.above(
+        ax,
+        [
+            legends.mark(word, mark, **_look(mark, INK))
+            for mark, word in words.items()
+            if ends or mark == _PEAK
+        ],
+    )
+    lower = ax.get_legend()
+    assert lower is not None
+    ax.add_artist(lower)
+    # In mm, for the axes may have to make room for more rows.
+    high = lower.get_window_extent().y1 - ax.get_window_extent().y1
+    over = 25.4 * high / sheet_of(ax).dpi + _BETWEEN
+    handles = [
+        legends.line(name, colour, linestyle=dashes)
+        for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
+    ]
+    legends.above(ax, handles, columns, lift=over, handlelength=2.6)
+    if own:
+        keep_inside(ax)
+    return figure
+
+
+def _look(mark: str, colour: str) -> dict[str, Any]:
+    if mark == _PEAK:
+        return hollow(4.0, colour, color=colour)
+    return {"markersize": 4.0, "color": colour}
+
+
+def _stiffness(cell: Cell) -> float:
+    return max(band.stiffness for band in cell.bands)
+
+
+def _names(cells: Sequence[Cell]) -> list[str]:
+    same_p = len({cell.bands[0].p for cell in cells}) == 1
+    found: list[str] = []
+    for i, cell in enumerate(cells):
+        band = cell.bands[0]
+        anchor = f"${'q' if same_p else 'd'}$ = {mm_pair(band.q if same_p else band.d)} mm"
+        unnamed = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
+        found.append(literal(cell.name) if cell.name else unnamed)
+    return found

@@ -1,0 +1,194 @@
+"""What figures say: names that are safe to draw, quantities with units, texts made to fit."""
+
+from __future__ import annotations
+
+import logging
+import math
+import re
+from functools import cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from matplotlib.font_manager import FontProperties, findfont, fontManager
+from matplotlib.ft2font import FT2Font
+
+from stepwell.base import Measure, Quantity, printable, told_in
+
+if TYPE_CHECKING:
+    from stepwell.mechanism import Chain
+
+
+def wrapped(text: str, most: int) -> list[str]:
+    """Lines of at most so many characters, broken after a blank, a > or a comma."""
+    lines = [""]
+    for word in re.split(r"(?<=[ >,])", text):
+        if lines[-1] and len(lines[-1]) + len(word.rstrip()) > most:
+            lines.append("")
+        lines[-1] += word
+    return [line.rstrip() for line in lines]
+
+
+def shortened(text: str, most: int, lines: int = 1) -> str:
+    """The text in at most so many lines of so many characters, the rest left out."""
+    found = [line if len(line) <= most else line[: most - 1] + "…" for line in wrapped(text, most)]
+    if len(found) > lines:
+        found[lines - 1] = found[lines - 1][: most - 1].rstrip(" …") + "…"
+    return "\n".join(found[:lines])
+
+
+def sequence_words(text: str, most: int) -> str:
+    """A sequence of states; where that is too long, which cells load and unload, by number.
+
+    Args:
+        text: such as "00>10>11>01>00"; any other text stays as it is.
+        most: characters that there is room for.
+    """
+    if len(text) <= most or not re.fullmatch(r"\d+(>\d+)+", text):
+        return text
+    moves: list[tuple[str, str]] = []
+    for a, b in pairwise(text.split(">")):
+        cells = [k for k, (x, y) in enumerate(zip(a, b, strict=True), 1) if x != y]
+        way = "loads" if sum(map(int, b)) > sum(map(int, a)) else "unloads"
+        moves.append((way, "+".join(map(str, cells))))
+    words = ""
+    for (before, _), (way, cells) in pairwise([("", ""), *moves]):
+        words += f" {cells}" if way == before else f", {way} {cells}"
+    return words.removeprefix(", ")
+
+
+def minus(text: str) -> str:
+    """Numbers with a minus sign in place of every hyphen."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+_FONT = "DejaVu Sans"  # comes with matplotlib
+# Fonts with the letters of East Asia: of Linux, Windows, macOS.
+_MORE = (
+    *(f"Noto Sans CJK {region}" for region in ("JP", "SC", "TC", "KR")),
+    "Source Han Sans",
+    "WenQuanYi Micro Hei",
+    "WenQuanYi Zen Hei",
+    "IPAexGothic",
+    "IPAGothic",
+    "Droid Sans Fallback",
+    "Microsoft YaHei",
+    "Yu Gothic",
+    "Meiryo",
+    "Malgun Gothic",
+    "PingFang SC",
+    "Hiragino Sans",
+    "Hiragino Sans GB",
+    "Apple SD Gothic Neo",
+    "Arial Unicode MS",
+)
+_MISSING = "\N{WHITE SQUARE}"
+
+
+def literal(text: str) -> str:
+    """A name for matplotlib, which never takes it for mathematics nor leaves it out of a legend.
+
+    Letters that no font has are drawn as squares, and that is said once.
+    """
+    lines = text.split("\n")
+    shown = "\n".join("".join(map(_drawable, printable(line))) for line in lines)
+    shown = shown.replace("$", r"\$")
+    return f"\N{ZERO WIDTH SPACE}{shown}" if shown.startswith("_") else shown
+
+
+@cache
+def families() -> tuple[str, ...]:
+    """The font of every figure, and after it those found here that have more letters."""
+    found = {font.name for font in fontManager.ttflist}
+    return (_FONT, *(name for name in _MORE if name in found))
+
+
+def _drawable(letter: str) -> str:
+    if letter.isascii() or any(ord(letter) in _letters(name) for name in families()):
+        return letter
+    _say_so(letter)
+    return _MISSING
+
+
+@cache
+def _letters(family: str) -> frozenset[int]:
+    return frozenset(FT2Font(findfont(FontProperties(family=[family]))).get_charmap())
+
+
+_said: set[str] = set()
+
+
+def _say_so(letter: str) -> None:
+    # A log record, and no warning: it must not become an error, and one line is enough.
+    if not _said:
+        logging.getLogger("stepwell").warning(
+            "Figures show %s for letters such as %s, which no font found here has: install one "
+            "that has them, such as Noto Sans CJK.",
+            _MISSING,
+            letter,
+        )
+    _said.add(letter)
+
+
+# Of a whole chain, of one cell, and of the force that both share.
+_SYMBOLS = {
+    Measure.TRAVEL: ("$u$", "$s$", "$F$"),
+    Measure.VOLUME: ("$V$", "$v$", "$p$"),
+    Measure.ANGLE: (r"$\Phi$", r"$\varphi$", "$T$"),
+}
+
+
+class Told(NamedTuple):
+    """A quantity as it is drawn: how many of its unit make one in SI is its factor."""
+
+    word: str
+    symbol: str
+    sign: str
+    factor: float
+
+    @property
+    def label(self) -> str:
+        """What an axis says."""
+        return " ".join(part for part in (self.word, self.symbol, f"[{self.sign}]") if part)
+
+    def value(self, number: float) -> str:
+        """What it is, in an equation."""
+        return f"{self.symbol} = {self.number(number)} {self.sign}"
+
+    def number(self, number: float) -> str:
+        """Three digits of it, or all before the point."""
+        told = number * self.factor
+        return minus(f"{told:.3g}" if abs(told) < 1000.0 else f"{told:.0f}")
+
+
+def stroke(measure: Measure) -> Told:
+    """What all cells of a chain give together."""
+    return _told(measure.stroke, _SYMBOLS[measure][0], measure.travel_unit)
+
+
+def travel(measure: Measure) -> Told:
+    """What one cell gives."""
+    return _told(measure.travel, _SYMBOLS[measure][1], measure.travel_unit)
+
+
+def force(measure: Measure) -> Told:
+    """What a cell resists with, and so the actuator."""
+    return _told(measure.force, _SYMBOLS[measure][2], measure.force_unit)
+
+
+def actuator(measure: Measure) -> Told:
+    """The force of the actuator, by its name alone."""
+    return force(measure)._replace(word=f"Actuator {measure.force}", symbol="")
+
+
+def drive(chain: Chain) -> Told:
+    """What the actuator prescribes."""
+    if chain.actuator_stiffness == 0:
+        return actuator(chain.measure)
+    if math.isinf(chain.actuator_stiffness):
+        return stroke(chain.measure)
+    return stroke(chain.measure)._replace(word="Actuator", symbol="")
+
+
+def _told(word: str, symbol: str, unit: str) -> Told:
+    told, factor = told_in(unit)
+    return Told(word.capitalize(), symbol, Quantity(word, told).sign, factor)

@@ -1,0 +1,299 @@
+"""Several figures as the panels of one, at the width of a journal's column."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import string
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import NamedTuple
+
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure, SubFigure
+
+from stepwell.base import InputError
+from stepwell.figures.common import legends
+from stepwell.figures.common.sheet import (
+    Draw,
+    Panel,
+    Size,
+    blank,
+    drawing,
+    measured,
+    size_of,
+    text_at,
+)
+from stepwell.figures.common.style import PAGE, styled
+from stepwell.figures.common.words import literal
+
+_MM = MappingProxyType({"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0})
+# Of pages [mm]: narrower has no room for one panel, wider is no page.
+NARROWEST, WIDEST = 40.0, 400.0
+
+
+class JournalWidth(NamedTuple):
+    """A width of figures [mm], what it is, and where its publisher says so."""
+
+    width: float
+    what: str
+    source: str
+
+
+def _columns(name: str, source: str, *widths: float) -> dict[str, JournalWidth]:
+    words = ("single", "double") if len(widths) == 2 else ("single", "middle", "double")
+    return {
+        f"{name}-{word}": JournalWidth(round(width, 1), f"{word} column", source)
+        for word, width in zip(words, widths, strict=True)
+    }
+
+
+WIDTHS: MappingProxyType[str, JournalWidth] = MappingProxyType(
+    _columns("nature", "Nature, research figure guide: figure sizing", 89.0, 183.0)
+    | _columns("science", "Science, preparing figures: 5.7, 12.1, 18.4 cm", 57.0, 121.0, 184.0)
+    | _columns("pnas", "PNAS, digital art guidelines: 8.7, 11.4, 17.8 cm", 87.0, 114.0, 178.0)
+    | _columns("aps", "American Physical Society, Physical Review: 8.6, 17.8 cm", 86.0, 178.0)
+    | _columns("acs", "American Chemical Society: 240, 504 pt", 240 * _MM["pt"], 504 * _MM["pt"])
+    | _columns("elsevier", "Elsevier, artwork sizing: 90, 140, 190 mm", 90.0, 140.0, 190.0)
+    | _columns("springer", "Springer, artwork: 84, 174 mm", 84.0, 174.0)
+    | _columns("wiley", "Wiley, figure sizes: 80, 180 mm", 80.0, 180.0)
+    | _columns("ieee", "IEEE, graphics sizing: 3.5, 7.16 in", 3.5 * 25.4, 7.16 * 25.4)
+    | _columns("rsc", "Royal Society of Chemistry: 8.3, 17.1 cm", 83.0, 171.0)
+)
+
+
+def length(text: str) -> float:
+    """A length with its unit, as "88mm", "3.5 in", "18cm" or "240pt", or a journal's name [mm].
+
+    Raises:
+        ValueError: no length, one without a unit, an unknown name, or no size of a page.
+    """
+    known = text.strip().lower()
+    if known in WIDTHS:
+        return WIDTHS[known].width
+    found = re.fullmatch(r"([\d.]+)\s*([a-z]*)", known)
+    try:
+        value, unit = (float(found[1]), found[2]) if found else (math.nan, "")
+    except ValueError:
+        value, unit = math.nan, ""
+    if math.isnan(value):
+        near = difflib.get_close_matches(known, [*WIDTHS, *(f"{k}-single" for k in WIDTHS)], n=1)
+        guess = f" Did you mean {near[0]}?" if near and near[0] in WIDTHS else ""
+        names = ", ".join(WIDTHS)
+        raise InputError(
+            f"{text!r}: must be a length such as 88mm, 8.8cm, 3.5in or 250pt, or one of {names}."
+            f"{guess}"
+        )
+    if unit not in _MM:
+        was = f"unknown unit {unit!r}" if unit else "has no unit"
+        raise InputError(f"{text!r}: {was}; write {value:g}mm, or use cm, in or pt.")
+    result = value * _MM[unit]
+    if not NARROWEST <= result <= WIDEST:
+        raise InputError(
+            f"{text!r} is {result:.4g} mm: must be {NARROWEST:g} to {WIDEST:g} mm, as pages are."
+        )
+    return result
+
+
+# What is composed: panels in reading order, rows of them, or rows by name.
+Panels = Sequence[Draw | Sequence[Draw]] | Mapping[str, Sequence[Draw]]
+
+# Between rows, between the panels of a row, and what a legend for all of them takes [mm].
+_BETWEEN, _LEGEND = 3.0, 5.0
+# A panel is about as wide as this, unless columns are given [mm].
+_USUAL = 75.0
+# The name of a row [mm].
+_NAME = 4.5
+# Lower than this, curves have no room [mm].
+_LOWEST = 38.0
+MOST_PANELS = 26
+LETTERS: dict[str, Callable[[str], str]] = {
+    "A": str.upper,
+    "a": str,
+    "(a)": "({})".format,
+    "none": lambda _: "",
+}
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A panel and its size [mm]."""
+
+    draw: Draw
+    size: Size
+
+
+@styled
+def compose(
+    panels: Panels,
+    *,
+    width: float = PAGE,
+    height: float | None = None,
+    columns: int | None = None,
+    letters: str = "A",
+) -> Figure:
+    """Several figures as the panels of one, with letters, and one legend for what they share.
+
+    Panels are drawn at the size they have on paper and never scaled: words have 7 pt and lines
+    their width, however wide the page is.
+
+    Args:
+        panels: what draws each, in reading order: a function of this room with its arguments, as
+            `partial(force_stroke, cycle)`. Several in a list make a row; of a mapping each
+            name is written above its row.
+        width: of the page [mm], at least 40 for each panel of a row.
+        height: of the page [mm]; by default what the panels want. Panels whose frame may have
+            any shape take or give what is missing.
+        columns: panels in a row where no rows are given; by default as many as have about 75 mm.
+            A figure that is two columns wide by itself has a row of its own.
+        letters: how panels are numbered: "A", "a", "(a)" or "none". One panel has no letter.
+
+    Returns:
+        The figure.
+
+    Raises:
+        ValueError: no panel or too many, a width or height that they cannot have, other letters.
+    """
+    titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
+    count = sum(1 if callable(one) else len(one) for one in given)
+    if not 0 < count <= MOST_PANELS:
+        raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
+    if letters not in LETTERS:
+        raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
+    panel = Panel(lettered=count > 1 and letters != "none")
+    rows = [_laid(row, width, panel) for row in _rows(given, width, columns, panel)]
+    share = sum(cell.size.keyed for row in rows for cell in row) > 1
+    legend: list[Artist] | None = [] if share else None
+    room = _LEGEND * share + _BETWEEN * (len(rows) - 1) + _NAME * len(titles)
+    rows = _stretched(rows, None if height is None else height - room)
+    tall = [max(cell.size.height for cell in row) for row in rows]
+    top = sum(tall) + room
+    figure = blank(width, top)
+    names = map(LETTERS[letters], string.ascii_lowercase)
+    for k, (row, high) in enumerate(zip(rows, tall, strict=True)):
+        if titles:
+            look = {"va": "top", "fontweight": "bold", "fontsize": 8.0}
+            text_at(figure, 0.5, top - 0.5, literal(titles[k]), **look)
+            top -= _NAME
+        _draw_row(figure, row, top, replace(panel, shared=legend), names)
+        top -= high + _BETWEEN
+    if legend:
+        legends.below(figure, legend, len(legend))
+    return figure
+
+
+def _draw_row(
+    figure: Figure, row: Sequence[_Cell], top: float, panel: Panel, names: Iterator[str]
+) -> None:
+    """Panels beside each other, each with its letter, under a height of the page [mm]."""
+    left = 0.0
+    for cell in row:
+        size = cell.size
+        onto = _part(figure, left, top - size.height, size)
+        own = replace(panel, width=size.width, onto=onto)
+        if not size.rigid:
+            own = replace(own, height=size.height)
+        if not size.keyed:
+            own = replace(own, shared=None)
+        with drawing(own):
+            cell.draw()
+        if panel.lettered:
+            look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
+            text_at(figure, left + 0.5, top - 0.5, next(names), **look)
+        left += size.width + _BETWEEN
+
+
+def _rows(
+    panels: Sequence[Draw | Sequence[Draw]], width: float, columns: int | None, panel: Panel
+) -> list[list[Draw]]:
+    """What stands beside each other."""
+    if columns is not None and not 1 <= columns <= MOST_PANELS:
+        raise InputError(f"columns = {columns}: must be 1 to {MOST_PANELS}.")
+    if not all(map(callable, panels)):
+        return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
+    most = columns or max(1, round(width / _USUAL))
+    each = (width - _BETWEEN * (most - 1)) / most
+    found: list[list[Draw]] = []
+    free = 0
+    for draw in panels:
+        assert callable(draw)
+        alone = columns is None and not _may_share(draw, each, panel)
+        if alone or not free:
+            found.append([])
+        found[-1].append(draw)
+        free = 0 if alone else (free or most) - 1
+    return found
+
+
+def _may_share(draw: Draw, width: float, panel: Panel) -> bool:
+    """Whether a panel is not two columns wide by itself, and can have this width [mm]."""
+    if measured(draw, panel).width >= PAGE:
+        return False
+    try:
+        return measured(draw, replace(panel, width=width)).width <= width + 1e-6
+    except InputError:
+        return False
+
+
+def _laid(row: list[Draw], width: float, panel: Panel) -> list[_Cell]:
+    """The panels of a row, each as wide as the others, all that can be as high as the highest."""
+    each = (width - _BETWEEN * (len(row) - 1)) / len(row)
+    if not each >= NARROWEST:
+        least = NARROWEST * len(row) + _BETWEEN * (len(row) - 1)
+        raise InputError(
+            f"width = {width:g} mm: {len(row)} panels beside each other need {least:g} mm or more."
+        )
+    cells = [_Cell(draw, measured(draw, replace(panel, width=each))) for draw in row]
+    for cell in cells:
+        if cell.size.width > each + 1e-6:
+            raise InputError(
+                f"width: one panel is {cell.size.width:g} mm wide whatever the page, and has "
+                f"{each:.4g} mm: give it a row of its own, or a wider page."
+            )
+    fixed = [cell.size.height for cell in cells if cell.size.rigid]
+    high = max(fixed or [cell.size.height for cell in cells])
+    return [_tall(cell, max(high, _LOWEST)) for cell in cells]
+
+
+def _tall(cell: _Cell, height: float) -> _Cell:
+    """The panel with another height, if it may have it; far higher than wide, it would be drawn
+    out to a row of lines.
+    """
+    if cell.size.rigid:
+        return cell
+    most = max(1.1 * cell.size.width, cell.size.height)
+    return replace(cell, size=cell.size._replace(height=min(height, most)))
+
+
+def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell]]:
+    """Rows that together have a height [mm], which those without a rigid panel make up."""
+    if height is None:
+        return rows
+    tall = [max(cell.size.height for cell in row) for row in rows]
+    loose = [not any(cell.size.rigid for cell in row) for row in rows]
+    fixed = sum(high for high, may in zip(tall, loose, strict=True) if not may)
+    rest = sum(tall) - fixed
+    least = fixed + _LOWEST * sum(loose)
+    if not rest or height < least:
+        more = sum(tall) if not rest else least
+        what = "these panels have a height of their own," if not rest else "these panels need"
+        raise InputError(f"height: {what} {more:.4g} mm; the page leaves them {height:.4g} mm.")
+    by = (height - fixed) / rest
+    return [
+        [replace(cell, size=cell.size._replace(height=high * by)) if may else cell for cell in row]
+        for row, high, may in zip(rows, tall, loose, strict=True)
+    ]
+
+
+def _part(figure: Figure, left: float, bottom: float, size: Size) -> SubFigure:
+    """A part of a page, at a place given in mm."""
+    wide, high = size_of(figure)
+    # The middle of three by three, because parts of a figure have shares of a grid for a place.
+    across = left, size.width, max(wide - left - size.width, 0.0)
+    down = max(high - bottom - size.height, 0.0), size.height, bottom
+    grid = figure.add_gridspec(3, 3, width_ratios=across, height_ratios=down)
+    part = figure.add_subfigure(grid[1, 1])
+    part.set_facecolor("none")
+    return part

@@ -1,0 +1,416 @@
+"""What a figure has to find in a transition graph, and where its states stand on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepwell.base import Bools, Floats, InputError
+from stepwell.figures.common.sheet import page_width
+from stepwell.figures.common.style import COLUMN, PAGE
+from stepwell.sequences import TransitionKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from stepwell.sequences import Program, TransitionGraph
+
+
+_SWEEPS = 12
+# Length counts too, but a crossing is worse than any.
+_LENGTH = 0.02
+
+
+def heights(
+    columns: Mapping[str, float],
+    fixed: Sequence[str],
+    lines: Sequence[tuple[str, str, float]],
+    *,
+    stay: bool = False,
+) -> dict[str, float]:
+    """The height of every node, between 0 and 1.
+
+    Nodes named in `fixed` share the height of their column evenly, in the order found; all
+    others float between those they are joined to. The same nodes always get the same heights.
+
+    Args:
+        columns: the column of each node.
+        fixed: nodes that need room for their names.
+        lines: pairs of nodes that are joined, and how much their distance counts.
+        stay: keep nodes in a column by their names, as they count up.
+    """
+    order: dict[float, list[str]] = {}
+    for name in fixed:
+        order.setdefault(columns[name], []).append(name)
+    sheet = _Crossings(columns, fixed, lines)
+    if stay:
+        return sheet.all(_slots({column: sorted(names) for column, names in order.items()}))
+    best, cost = _slots(order), np.inf
+    for sweep in range(_SWEEPS):
+        now = sheet.cost(_slots(order))
+        if now < cost:
+            best, cost = _slots(order), now
+        for column in sorted(order, reverse=bool(sweep % 2)):
+            wanted = sheet.means(_slots(order))
+            order[column].sort(key=lambda name: wanted[name])
+    for column in order:
+        order[column].sort(key=lambda name: best[name])
+    _swap(sheet, order, cost)
+    return sheet.all(_slots(order))
+
+
+def _slots(order: Mapping[float, Sequence[str]]) -> dict[str, float]:
+    return {
+        name: (k + 0.5) / len(names) for names in order.values() for k, name in enumerate(names)
+    }
+
+
+def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None:
+    """Exchange two nodes of a column as long as that helps."""
+    better = True
+    while better:
+        better = False
+        for names in order.values():
+            for i in range(len(names)):
+                for j in range(i + 1, len(names)):
+                    names[i], names[j] = names[j], names[i]
+                    now = sheet.cost(_slots(order))
+                    if now < cost - 1e-9:
+                        cost, better = now, True
+                    else:
+                        names[i], names[j] = names[j], names[i]
+
+
+class _Crossings:
+    """Nodes by number, so that a trial costs little."""
+
+    def __init__(
+        self,
+        columns: Mapping[str, float],
+        fixed: Sequence[str],
+        lines: Sequence[tuple[str, str, float]],
+    ):
+        self.fixed = list(fixed)
+        self.floating = sorted(set(columns) - set(fixed), key=lambda n: (columns[n], n))
+        self.names = self.fixed + self.floating
+        number = {name: k for k, name in enumerate(self.names)}
+        self.x = np.array([columns[name] for name in self.names])
+        self.ends = np.array([(number[a], number[b]) for a, b, _ in lines]).reshape(-1, 2)
+        self.weights = np.array([weight for *_, weight in lines])
+        joined = np.zeros((len(self.names),) * 2)
+        np.add.at(joined, (self.ends[:, 0], self.ends[:, 1]), self.weights)
+        self.joined = joined + joined.T
+        # A floating node joined to another one follows it: solve for all at once.
+        n = len(self.fixed)
+        share = self.joined / np.maximum(self.joined.sum(axis=1), 1e-12)[:, None]
+        loose = np.eye(len(self.floating)) - share[n:, n:]
+        self.follow = np.linalg.lstsq(loose, share[n:, :n], rcond=None)[0]
+        self.share = share
+        first, second = np.triu_indices(len(self.ends), 1)
+        a, b = self.ends[first], self.ends[second]
+        apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))
+        low_a, high_a = np.sort(self.x[a], axis=1).T
+        low_b, high_b = np.sort(self.x[b], axis=1).T
+        # Only lines that share a stretch of the page can cross.
+        near = apart & (np.minimum(high_a, high_b) > np.maximum(low_a, low_b))
+        self.pairs = a[near], b[near]
+
+    def _y(self, slots: Mapping[str, float]) -> Floats:
+        own = np.array([slots[name] for name in self.fixed])
+        return np.concatenate([own, self.follow @ own])
+
+    def cost(self, slots: Mapping[str, float]) -> float:
+        """Crossings of straight lines, and a little for their length."""
+        xy = np.column_stack([self.x, self._y(slots)])
+        (p, q), (r, s) = ((xy[ends[:, 0]], xy[ends[:, 1]]) for ends in self.pairs)
+        crossing = (_side(p, q, r) != _side(p, q, s)) & (_side(r, s, p) != _side(r, s, q))
+        rise = np.abs(np.diff(xy[self.ends, 1], axis=1)[:, 0])
+        return float(np.count_nonzero(crossing) + _LENGTH * (self.weights @ rise))
+
+    def means(self, slots: Mapping[str, float]) -> dict[str, float]:
+        """The mean height of what each node is joined to."""
+        return dict(zip(self.names, (self.share @ self._y(slots)).tolist(), strict=True))
+
+    def all(self, slots: Mapping[str, float]) -> dict[str, float]:
+        return dict(zip(self.names, self._y(slots).tolist(), strict=True))
+
+
+def _side(p: Floats, q: Floats, r: Floats) -> Bools:
+    """Whether r lies left of the line from p to q."""
+    (ux, uy), (vx, vy) = (q - p).T, (r - p).T
+    return ux * vy > uy * vx
+
+
+# Of the range of drives: closer ones are the same.
+_SLIP = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class FoldedTransition:
+    """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next.
+
+    Attributes:
+        source, target: labels of shown nodes.
+        direction: of the drive.
+        snaps: whether the chain snaps on the way.
+    """
+
+    source: str
+    target: str
+    direction: int
+    snaps: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FoldedGraph:
+    """Vertices, the half-way nodes from which there is a choice, and the ways between them.
+
+    Attributes:
+        shown: labels of these nodes.
+        ways: how they follow each other.
+        levels: of each shown node how many switches it is from all cells at 0, at least; a cell
+            half-way counts half.
+        last: the level of all cells in their last phases.
+    """
+
+    shown: tuple[str, ...]
+    ways: tuple[FoldedTransition, ...]
+    levels: Mapping[str, float]
+    last: int
+
+
+def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
+    """Fold every half-way node into the way that leads over it, if it offers no other.
+
+    A snap that lands half-way between two vertices offers one: turning back there leads to a
+    vertex that the chain did not come from.
+
+    Args:
+        graph: what to fold.
+        keep: labels of nodes to show in any case.
+    """
+    keep = set(keep)
+    landings = set(graph.nodes.labels(np.unique(graph.target[graph.snaps])))
+    shown = [label for label in graph if "-" not in label or label in landings | keep]
+    ways = _ways(graph, shown)
+    shown = [v for v in shown if "-" not in v or v in keep or _offers_a_choice(v, ways)]
+    levels = {label: _level(graph, label) for label in shown}
+    last = graph.cells if graph.chain is None else sum(map(int, graph.chain.last_state))
+    last = max([last, *(math.ceil(level) for level in levels.values())])
+    return FoldedGraph(tuple(shown), tuple(_ways(graph, shown)), levels, last)
+
+
+def _level(graph: TransitionGraph, label: str) -> float:
+    """The digits of a state added up, a cell half-way between two phases counting as such."""
+    node, state = graph.node(label), label.partition("#")[0]
+    total = 0.0
+    for i, digit in enumerate(state):
+        if digit != "-":
+            total += int(digit)
+        elif graph.chain is None:
+            total += 0.5
+        else:
+            travel = (node.travel_low[i] + node.travel_high[i]) / 2
+            total += sum(phase.high < travel for phase in graph.chain.phases[i]) - 0.5
+    return total
+
+
+def _offers_a_choice(label: str, ways: Sequence[FoldedTransition]) -> bool:
+    """Whether turning back there leads elsewhere than to where the chain came from."""
+    out = {way.direction: way.target for way in ways if way.source == label}
+    return any(out.get(-way.direction) != way.source for way in ways if way.target == label)
+
+
+def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition]:
+    known = set(shown)
+    found: list[FoldedTransition] = []
+    for source in shown:
+        for direction in (1, -1):
+            label, snaps = source, False
+            while step := graph.transition(label, direction):
+                label, transition = step
+                snaps = snaps or transition.kind is TransitionKind.SNAP
+                if label in known:
+                    found.append(FoldedTransition(source, label, direction, snaps))
+                    break
+    return found
+
+
+def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
+    """Labels of the nodes visited on each stroke of a program, both ends included.
+
+    A stroke that turns after a vertex has been passed smoothly might as well turn at the vertex,
+    and ends there.
+
+    Raises:
+        ValueError: a program of another chain, or one that begins in a state not in the graph.
+    """
+    another = graph.chain is not None and graph.chain != program.chain
+    if another or program.start not in graph:
+        raise InputError(
+            f"program: leads from {program.start} to {program.to} in another chain, or begins in a "
+            f"state that this graph does not have. Draw the graph of its own chain: "
+            f"program.chain.graph()."
+        )
+    points = program.turning_points
+    slip = _SLIP * (max(points) - min(points))
+    strokes: list[list[str]] = []
+    label = program.start
+    for before, after in pairwise(points):
+        direction = 1 if after > before else -1
+        stroke, snapped = [label], [True]
+        while step := graph.transition(label, direction):
+            left = direction * (after - step[1].drive)
+            enters = abs(left) <= slip and "-" in label and "-" not in step[0]
+            if left <= slip and not enters:
+                break
+            label = step[0]
+            stroke.append(label)
+            snapped.append(step[1].kind is TransitionKind.SNAP)
+        while "-" in stroke[-1] and not snapped[-1]:
+            stroke.pop()
+            snapped.pop()
+        strokes.append(stroke)
+        label = stroke[-1]
+    return strokes
+
+
+# Up to this many cells there is room for the names of half-way states.
+NAMED = 3
+# Half of the diameter of one without a name [mm].
+DOT = 0.75
+# A character and a line of 7 pt [mm].
+_CHARACTER, _LINE = 1.58, 2.6
+# Between the way up and the way down beside it [mm].
+_APART = 1.0
+_EDGE = 3.0
+# How much of the distance of two columns a box may take.
+_SHARE = 0.6
+_SAMPLES = 41
+# How far a way goes that comes round [mm].
+_ROUND = 7.0
+# How far a way past a whole column may be bent aside [mm].
+_BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
+
+
+class Layout:
+    """Nodes in columns by the sum of their digits, in mm from the lower left corner.
+
+    Args:
+        reduced: what is to be seen of a graph.
+        cells: how many its chain has.
+        size: width and height [mm] of a sheet on which states stand where those of every graph
+            of as many cells of two phases do; else few ways cross on a sheet of its own size.
+
+    Attributes:
+        width, height: of the sheet.
+        at: (x, y) of the middle of every shown node.
+        named: whether half-way states have their names.
+    """
+
+    def __init__(self, reduced: FoldedGraph, cells: int, size: tuple[float, float] | None = None):
+        wide, high = size or (page_width(COLUMN if cells <= NAMED else PAGE), None)
+        self.width, self.named = wide, size is None and cells <= NAMED
+        self._cells, last = cells, reduced.last
+        self._lines = self._count_lines(last)
+        shown, self._column = reduced.shown, reduced.levels
+        column = self._column
+        # All but those between two columns need a place of their own.
+        whole = [label for label in shown if column[label] % 1 == 0]
+        if size is not None:
+            whole = ["".join(digits) for digits in product("01", repeat=cells)]
+            column = {label: label.count("1") for label in whole} | dict(column)
+        # A smooth way is better short than a snap.
+        joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
+        y = heights(column, whole, joined, stay=size is not None)
+        most = max(list(column.values()).count(k) for k in range(last + 1))
+        tallest = max(2 * self.half(label)[1] for label in shown)
+        pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
+        if high is not None:
+            pitch = (high - 2 * _EDGE) / most
+        self.height = most * pitch + 2 * _EDGE
+        side = max(self.half(label)[0] for label in shown) + _EDGE
+        step = (self.width - 2 * side) / max(last, 1)
+        self.at = {
+            label: (side + step * column[label], _EDGE + most * pitch * y[label]) for label in shown
+        }
+        for k in range(last):
+            self._spread([label for label in shown if column[label] == k + 0.5])
+
+    def _count_lines(self, last: int) -> int:
+        """In how many lines a name is written, so that boxes leave room between columns."""
+        room = _SHARE * (self.width - 20.0) / max(last, 1)
+        return math.ceil(self._cells / max(3, int((room - 1.8) / _CHARACTER)))
+
+    def _spread(self, labels: list[str]) -> None:
+        """Move nodes that stand above each other apart."""
+        labels.sort(key=lambda label: self.at[label][1])
+        gap = 2.4 + 2 * max((self.half(label)[1] for label in labels), default=0.0)
+        moved = apart([self.at[label][1] for label in labels], gap)
+        self.at |= {v: (self.at[v][0], y) for v, y in zip(labels, moved, strict=True)}
+
+    def name(self, label: str) -> str:
+        """The label in as many lines as it takes."""
+        each = math.ceil(len(label) / self._lines)
+        return "\n".join(label[k : k + each] for k in range(0, len(label), each))
+
+    def half(self, label: str) -> tuple[float, float]:
+        """Half of the width and of the height of what stands for a node [mm]."""
+        lines = self.name(label).split("\n")
+        wide, high = _CHARACTER * len(lines[0]) / 2, _LINE * len(lines) / 2
+        if "-" not in label:
+            return wide + 0.9, high + 0.7
+        return (wide + 0.7, high + 0.2) if self.named else (DOT, DOT)
+
+    def curve(self, way: FoldedTransition) -> Floats:
+        """(n, 2) from the side of one node to the side of the next [mm]."""
+        (x0, y0), (x1, y1) = self.at[way.source], self.at[way.target]
+        shift = way.direction * _APART / 2
+        a = np.array([x0 + way.direction * self.half(way.source)[0], y0 + shift])
+        ahead = way.direction * (self._column[way.target] - self._column[way.source])
+        # To a node of the same column, or of one behind, a way comes round to its far side.
+        side = 1 if ahead > 0 else -1
+        b = np.array([x1 - side * way.direction * self.half(way.target)[0], y1 + shift])
+        far = max(0.45 * abs(b[0] - a[0]), 2.0 if ahead > 0 else _ROUND)
+        reach = np.array([far * way.direction, 0.0])
+        others = [label for label in self.at if label not in (way.source, way.target)]
+        curves = [
+            _bezier(a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b)
+            for bow in (_BOWS if ahead > 1 else _BOWS[:1])
+        ]
+        # The flattest of those that run through the fewest other nodes.
+        return min(curves, key=lambda curve: sum(self._meets(curve, v) for v in others))
+
+    def _meets(self, curve: Floats, label: str) -> bool:
+        """Whether a curve runs through a node."""
+        return bool(np.any(np.all(np.abs(curve - self.at[label]) < self.half(label), axis=1)))
+
+
+def apart(values: Sequence[float], gap: float) -> list[float]:
+    """Rising values moved so that no two are closer than the gap."""
+    moved: list[float] = []
+    for value in values:
+        moved.append(max(value, moved[-1] + gap) if moved else value)
+    shift = (sum(moved) - sum(values)) / max(len(moved), 1)
+    return [value - shift for value in moved]
+
+
+def head(curve: Floats, size: float) -> Floats:
+    """(3, 2) an arrow head at the end of a curve [mm]."""
+    tip = curve[-1]
+    far = np.hypot(*(curve - tip).T)
+    tail = curve[np.flatnonzero(far >= size)[-1]] if (far >= size).any() else curve[0]
+    along = (tip - tail) / max(float(np.hypot(*(tip - tail))), 1e-9)
+    across = 0.38 * size * np.array([-along[1], along[0]])
+    back = tip - size * along
+    return np.array([tip, back + across, back - across])
+
+
+def _bezier(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d

@@ -1,0 +1,208 @@
+"""What a map is drawn with: its key, names of its regions, what lies between its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+from matplotlib.typing import ColorType, LineStyleType
+from numpy.typing import NDArray
+
+from stepwell.base import Bools, Floats
+from stepwell.figures.common.marks import plain
+from stepwell.figures.common.sheet import sheet_of, size_of
+from stepwell.figures.common.style import FAINT, INK, on_white
+from stepwell.figures.common.words import literal, wrapped
+
+# Places along each axis: finer than a printed page shows.
+PLACES = 480
+# So many of the nodes that a boundary encloses have to agree, or it leaks and encloses nothing.
+_AGREE = 0.97
+
+
+def between(
+    nodes: NDArray[np.intp], x: Floats, y: Floats, curves: Sequence[Floats]
+) -> NDArray[np.intp]:
+    """(n, n) what is at fine places, as at the nodes that no curve parts them from.
+
+    Args:
+        nodes: (ny, nx) what is at each node, a number >= 0.
+        x, y: (nx,), (ny,) where the nodes are, between 0 and 1 on the page.
+        curves: (m, 2) each boundary, in the same measure.
+
+    Returns:
+        Rows from 0 to 1 along y, columns along x. What no node tells, because a boundary is open
+        or encloses none, is that of the nearest node.
+    """
+    from scipy import ndimage
+
+    rows, columns = (_index(one) for one in (y, x))
+    fine = np.linspace(0.0, 1.0, PLACES)
+    nearest = nodes[np.ix_(_nearest(y, fine), _nearest(x, fine))]
+    wall = np.zeros(nearest.shape, bool)
+    for curve in curves:
+        at = _drawn(curve)
+        wall[at[:, 1], at[:, 0]] = True
+    part, count = cast("tuple[NDArray[np.intp], int]", ndimage.label(~wall))
+    # How often each value occurs at the nodes of each part.
+    seen = np.zeros((count + 1, int(nodes.max()) + 1), int)
+    np.add.at(seen, (part[np.ix_(rows, columns)], nodes), 1)
+    most, total = seen.max(axis=1), seen.sum(axis=1)
+    agreed: Bools = (total > 0) & (most >= _AGREE * total)
+    agreed[0] = False
+    found = np.where(agreed[part], seen.argmax(axis=1)[part], nearest)
+    if not agreed.any():
+        return found
+    # A boundary itself belongs to what is beside it.
+    beside = cast(
+        "NDArray[np.intp]",
+        ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True),
+    )
+    return found[tuple(beside)]
+
+
+def _nearest(nodes: Floats, places: Floats) -> NDArray[np.intp]:
+    """The node that is nearest to each place."""
+    return np.searchsorted((nodes[1:] + nodes[:-1]) / 2, places)
+
+
+def _index(share: Any) -> NDArray[np.intp]:
+    """Which places these are, those outside at the edge."""
+    return np.clip(np.rint(np.asarray(share) * (PLACES - 1)), 0, PLACES - 1).astype(int)
+
+
+def _drawn(curve: Floats) -> NDArray[np.intp]:
+    """Column and row of every place on a curve, without a gap."""
+    steps = np.ceil(4 * PLACES * np.abs(np.diff(curve, axis=0)).max(axis=1, initial=0.0))
+    along = np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1.0))])
+    at = np.arange(along[-1] + 1.0)
+    points = np.column_stack([np.interp(at, along, column) for column in curve.T])
+    inside = np.all((points > -0.01) & (points < 1.01), axis=1)
+    return _index(points[inside])
+
+
+# Distance of two lines of text, and what a row has in addition [mm].
+_LINE, _GAP = 3.1, 1.5
+# Width of the sample before the text, and of a character [mm].
+_SAMPLE, _CHARACTER = 9.0, 1.5
+_EDGE = 3.0
+
+
+class Row(NamedTuple):
+    """One line of a key: a box with a letter, or a line with a number, and what it means."""
+
+    mark: str
+    text: str
+    shade: ColorType | None = None
+    line: tuple[str, LineStyleType] | None = None
+    hatched: bool = False
+
+
+class Key:
+    """Rows of a key, broken to a width [mm].
+
+    Attributes:
+        width, height: of all rows [mm].
+    """
+
+    def __init__(self, rows: list[Row], width: float):
+        most = int((width - _SAMPLE - 1.0) / _CHARACTER)
+        self._rows = [(row, wrapped(row.text, most)) for row in rows]
+        lines = sum(len(text) for _, text in self._rows)
+        self.width = width
+        self.height = 2 * _EDGE + _LINE * lines + _GAP * len(rows)
+
+    def draw(self, ax: Axes) -> None:
+        """Write the rows into axes, from the top."""
+        box, (wide, high) = ax.get_position(), size_of(sheet_of(ax))
+        wide, high = wide * box.width, high * box.height
+        plain(ax, (0.0, wide, 0.0, high))
+        y = high - _EDGE
+        for row, lines in self._rows:
+            middle = y - _LINE / 2
+            if row.line is not None:
+                colour, style = row.line
+                wide = 1.5 if row.mark else 0.8
+                ends = [0.0, _SAMPLE - 1.5]
+                ax.plot(ends, [middle] * 2, color=colour, linestyle=style, linewidth=wide)
+                if row.mark:
+                    badge(ax, sum(ends) / 2, middle, row.mark, colour)
+            else:
+                look = {"facecolor": row.shade or "white", "edgecolor": FAINT, "linewidth": 0.5}
+                hatch = "/////" if row.hatched else None
+                ax.add_patch(Rectangle((1.5, middle - 1.7), 4.4, 3.4, **look, hatch=hatch))
+                ax.text(3.7, middle, row.mark, ha="center", va="center_baseline", weight="bold")
+            for line in lines:
+                ax.text(_SAMPLE, y - _LINE / 2, literal(line), va="center_baseline", color=INK)
+                y -= _LINE
+            y -= _GAP
+
+
+def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
+    """A number on a curve."""
+    box = {"boxstyle": "circle,pad=0.12", "facecolor": "white", "edgecolor": colour}
+    return ax.text(
+        x,
+        y,
+        text,
+        ha="center",
+        va="center_baseline",
+        color=colour,
+        fontweight="bold",
+        bbox=box | {"linewidth": 0.8},
+        zorder=8,
+        gid="number",
+    )
+
+
+def name_regions(
+    ax: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    inside: NDArray[np.bool_],
+    forms: Sequence[str],
+    shade: ColorType,
+) -> list[Bbox]:
+    """Write a name in every connected region that has room for it.
+
+    Args:
+        ax: axes with their final limits, `x` and `y` at equal steps on the page.
+        x, y: (nx,), (ny,) nodes of the map, in data units.
+        inside: (ny, nx) which nodes belong to the regions of that name.
+        forms: ways to write the name, the best first.
+        shade: of the regions, behind the name.
+
+    Returns:
+        The boxes of what was written [display units].
+    """
+    from scipy import ndimage
+
+    number, count = cast("tuple[NDArray[np.intp], int]", ndimage.label(inside))
+    written: list[Bbox] = []
+    frame = ax.get_window_extent()
+    per_x, per_y = frame.width / len(x), frame.height / len(y)
+    for region in range(1, count + 1):
+        part = np.pad(number == region, 1)
+        for form in forms:
+            look = {"fontweight": "bold", "fontsize": 7, "linespacing": 0.95}
+            text = ax.text(0, 0, form, ha="center", va="center", **look)
+            box = text.get_window_extent()
+            # Text is wider than high: a region's best place is where that shape fits best.
+            shape = (per_y / box.height, per_x / box.width)
+            depth = np.asarray(ndimage.distance_transform_edt(part, sampling=shape))
+            # Of places as good as the best, the one in their middle.
+            best = np.argwhere(depth >= 0.98 * depth.max())
+            off = np.hypot(*(best - best.mean(axis=0)).T)
+            row, column = best[int(np.argmin(off))].tolist()
+            if float(depth[row, column]) >= 0.55:
+                text.set_position((float(x[column - 1]), float(y[row - 1])))
+                text.set_bbox(on_white(0.15) | {"facecolor": shade})
+                written.append(text.get_window_extent())
+                break
+            text.remove()
+    return written

@@ -1,0 +1,431 @@
+"""What a chain does for every value of two of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+from matplotlib.typing import ColorType, LineStyleType
+from numpy.typing import NDArray
+
+from stepwell.base import Bools, Floats, Quantity, told_in
+from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.sheet import BESIDE, blank, keep_inside, page_width, place, root
+from stepwell.figures.common.style import (
+    BLACK,
+    BLUE,
+    COLUMN,
+    FAINT,
+    GREEN,
+    INK,
+    LOADING,
+    ORANGE,
+    PAGE,
+    PATHWAY,
+    PURPLE,
+    SKY,
+    UNLOADING,
+    VERMILLION,
+    YELLOW,
+    on_white,
+    pale,
+    styled,
+)
+from stepwell.figures.common.words import literal, sequence_words
+from stepwell.figures.map_parts import PLACES, Key, Row, badge, between, name_regions
+from stepwell.sequences import Pathway
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from stepwell.design import Boundary
+
+
+# Of a map, as wide as it may be, and from which width of the page on the key stands beside it
+# [mm]; below it, if it is no higher than this share of the map.
+_SIDE, _WIDEST, _SHORT = 70.0, 110.0, 0.7
+# A key beside the map that is so much higher than the map is parted [mm].
+_LONG = 30.0
+# Characters that a row of the key has room for.
+_ROOM = 50
+# Pieces of a curve longer than this have their own number [pt], at one of these shares of it.
+_NUMBERED = 25.0
+_ALONG = np.array([0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82, 0.1, 0.9])
+# Between the names of a design and of a region [pt].
+_CLEAR = 5.0
+_SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
+_PARTS = {
+    "p.x": "$p_x$",
+    "p.y": "$p_y$",
+    "q.x": "$q_x$",
+    "q.y": "$q_y$",
+    "stiffness": "Stiffness",
+    "rest_length": "Rest length",
+    "lever": "Lever",
+    "limit": "Angle limit",
+    "friction": "Friction",
+    "force_scale": "Scale of force",
+    "travel_scale": "Scale of travel",
+}
+# By the kind of boundary: colour and line, as loading and unloading have them everywhere.
+_LINES: dict[str, tuple[str, LineStyleType]] = {
+    "LOADING_ORDER": (LOADING, "-"),
+    "UNLOADING_ORDER": (UNLOADING, (0, (3.2, 1.6))),
+    "BISTABLE": (INK, (0, (3, 1.5))),
+}
+_EDGE = "bistable up to here"
+_IN_TWO_LINES = {
+    "counterclockwise": "counter-\nclockwise",
+    "no mechanism": "no\nmechanism",
+    "no answer": "no\nanswer",
+}
+_EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no answer"}
+_EMPTY_NAMES = {"impossible": "no mechanism", "unsolved": "no answer"}
+
+
+_PATHWAYS = {pathway.value: pathway for pathway in Pathway}
+_DESIGN: dict[str, Any] = {"markersize": 4.6, "color": BLACK, "zorder": 8, "clip_on": False}
+_DESIGN |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
+
+
+class _Axis(NamedTuple):
+    """Values in drawn units, and what to write beside them."""
+
+    values: Floats
+    scale: float
+    name: str
+    is_log: bool
+
+
+class _Region(NamedTuple):
+    """All nodes with one sequence."""
+
+    name: str
+    sequence: str
+    inside: Bools
+    shade: ColorType
+
+
+@styled
+def transition_map(
+    dataset: Dataset,
+    boundaries: Iterable[Boundary] = (),
+    designs: Mapping[str, tuple[float, float]] | None = None,
+) -> Figure:
+    """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
+
+    Args:
+        dataset: what `design.transition_map` or `design.parameter_map` returns, in memory or read
+            back from a file.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
+        designs: the two parameters in SI of each design to be marked, by the name to write.
+
+    Returns:
+        The figure, one column wide, or two where its key is long: each region has a letter, or its
+        name where it is one of the four pathways of two cells, and each curve a number. Curves
+        across which only the loading order changes are blue, only the unloading order vermillion
+        and dashed, all others black; it is hatched where a cell whose parameter varies is stable
+        in one state only, up to a thin dashed line. Lengths in mm, angles in degrees.
+
+    Source: Kamp et al. 2024, Fig. 2C.
+    """
+    x, y = _axis(dataset, "x"), _axis(dataset, "y")
+    regions = _regions(dataset)
+    curves = _curves(boundaries)
+    rows = _rows(dataset, regions, curves)
+    aspect = _aspect(dataset, x, y)
+    # A long key stands beside the map; a short one, which would leave the page empty, below it.
+    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
+    page = page_width(PAGE if long else COLUMN)
+    aside = page >= BESIDE
+    side = _SIDE if aside else min(page - 18.0, _WIDEST)
+    tall = side * aspect
+    below = []
+    key = Key(rows, page - side - 24.0 if aside else page - 6.0)
+    if aside and key.height > _LONG + tall:
+        # Curves under the map: beside it their rows would leave half of the page empty.
+        below = [row for row in rows if row.line is not None]
+        key = Key([row for row in rows if row.line is None], key.width)
+    under = Key(below, side + 16.0)
+    left = 15.0 + tall + (under.height if below else 0.0)
+    height = max(left, key.height + 6.0) if aside else 15.0 + tall + key.height
+    figure = blank(page, height)
+    ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
+    walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
+    places = _places(x), _places(y)
+    shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
+    _draw_shades(ax, places, shown)
+    for axis, values in (("x", x), ("y", y)):
+        scale = "log" if values.is_log else "linear"
+        ax.set(**{f"{axis}scale": scale, f"{axis}lim": values.values[[0, -1]]})
+    _draw_hatches(ax, places, _between(dataset["monostable"].to_numpy().astype(int), x, y, walls))
+    ax.set(xlabel=x.name, ylabel=y.name)
+    keep_inside(ax)
+
+    taken = _draw_curves(ax, curves, (x.scale, y.scale))
+    marks: list[Label] = []
+    for name, (a, b) in (designs or {}).items():
+        marks.append(mark := Label(a * x.scale, b * y.scale, literal(name)))
+        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
+        spot = ax.transData.transform((mark.x, mark.y))
+        taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
+    # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
+    for text in beside(ax, marks, keep_clear=taken):
+        text.set_bbox(on_white(0.12, 0.8))
+        taken.append(text.get_window_extent().padded(_CLEAR * root(ax).dpi / 72))
+    free = _free(ax, *places, taken)
+    for region in shown:
+        if region.name:
+            forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
+            inside = region.inside & free
+            taken += name_regions(ax, *places, inside, forms, region.shade)
+    at = (
+        (22.0 + side, 0.0, page - side - 24.0, height)
+        if aside
+        else (4.0, 0.0, page - 6.0, key.height)
+    )
+    key.draw(place(figure, *at))
+    if below:
+        under.draw(place(figure, 4.0, height - left, side + 16.0, under.height))
+    return figure
+
+
+class _Curves(NamedTuple):
+    """Boundaries across which the same changes."""
+
+    number: str
+    words: str
+    line: tuple[str, LineStyleType]
+    points: list[Floats]
+
+
+def _axis(dataset: Dataset, name: str) -> _Axis:
+    coordinate = dataset[name]
+    values = coordinate.to_numpy().astype(float)
+    unit, scale = told_in(str(coordinate.attrs["units"]))
+    # A bare number has no unit to be told.
+    unit = f" [{Quantity('', unit).sign}]" if unit not in ("", "1") else ""
+    cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
+    words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
+    return _Axis(values * scale, scale, f"{words}{unit}", _is_geometric(values))
+
+
+def _is_geometric(values: Floats) -> bool:
+    """Whether values grow by one factor from each to the next, as those of np.geomspace."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+    factors = values[1:] / values[:-1]
+    return bool(np.ptp(factors) < 1e-6 * factors[0] and np.ptp(np.diff(values)) > 0)
+
+
+def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
+    """Height over width: true to scale where both are lengths, else square."""
+    if not all(dataset[name].attrs["units"] == "m" for name in "xy"):
+        return 1.0
+    ratio = np.ptp(y.values) / max(np.ptp(x.values), 1e-12)
+    return float(np.clip(ratio, 0.6, 1.5))
+
+
+def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
+    """Every sequence, or lack of one, that occurs, and (ny, nx) at which nodes."""
+    codes, notes = dataset["sequence"].to_numpy(), dataset["sequence"].attrs
+    names = str(notes["flag_meanings"]).split()
+    pairs = zip(names, np.atleast_1d(notes["flag_values"]).tolist(), strict=True)
+    return [(name, inside) for name, value in pairs if np.any(inside := codes == value)]
+
+
+def _regions(dataset: Dataset) -> list[_Region]:
+    """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name.
+
+    Letters run out after Z.
+    """
+    present = [pair for pair in _nodes(dataset) if pair[0] not in _EMPTY]
+    present.sort(key=lambda item: -int(np.sum(item[1])))
+    shades = _shades([name for name, _ in present], [inside for _, inside in present])
+    letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    found: list[_Region] = []
+    for (sequence, inside), shade in zip(present, shades, strict=True):
+        pathway = _PATHWAYS.get(sequence)
+        name = next(letters, "") if pathway is None else pathway.label
+        found.append(_Region(name, sequence, inside, shade))
+    return found
+
+
+def _shades(names: Sequence[str], parts: Sequence[Bools]) -> list[ColorType]:
+    """A pale colour for each region, no two neighbours with the same one if that can be."""
+    from scipy import ndimage
+
+    if all(name in PATHWAY for name in names):
+        return [pale(PATHWAY[name]) for name in names]
+    chosen: list[int] = []
+    for i, part in enumerate(parts):
+        wide = np.asarray(ndimage.binary_dilation(part), bool)
+        near = [chosen[j] for j in range(i) if np.any(wide & parts[j])]
+        counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
+        chosen.append(min(counts)[2])
+    return [pale(_SHADES[k]) for k in chosen]
+
+
+def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
+    """Boundaries by what changes across them; sequences on both sides are left to the regions."""
+    found: dict[tuple[str, str], list[Floats]] = {}
+    for boundary in boundaries:
+        words = boundary.changes.partition(": ")[0]
+        if boundary.kind.name == "BISTABLE":
+            words = _EDGE
+        found.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
+    # Limits of bistability come last, and need no number.
+    return [
+        _Curves("" if words == _EDGE else str(k), words, _LINES.get(kind, (INK, "-")), points)
+        for k, ((words, kind), points) in enumerate(found.items(), 1)
+    ]
+
+
+def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
+    """The key: sequences, what changes between them, what is missing."""
+    rows = [
+        Row(region.name if len(region.name) == 1 else "", _words(region.sequence), region.shade)
+        for region in regions
+        if region.name
+    ]
+    small = len(regions) - len(rows)
+    if small:
+        rows.append(Row("", f"{small} smaller regions"))
+    rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
+    if np.any(dataset["monostable"]):
+        rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
+    rows += [Row("", _EMPTY[name]) for name, _ in _nodes(dataset) if name in _EMPTY]
+    return rows
+
+
+def _words(sequence: str) -> str:
+    pathway = _PATHWAYS.get(sequence)
+    if pathway is not None:
+        return f"{pathway.label}: {sequence}"
+    return sequence_words(sequence, _ROOM)
+
+
+def _blanks(dataset: Dataset) -> list[_Region]:
+    """Places without a sequence, white and named by why."""
+    return [
+        _Region(_EMPTY_NAMES[name], "", inside, "white")
+        for name, inside in _nodes(dataset)
+        if name in _EMPTY
+    ]
+
+
+def _shares(points: Floats, x: _Axis, y: _Axis) -> Floats:
+    """Points (n, 2) of the map as shares of the width and the height of its axes."""
+    shares = []
+    for column, axis in zip(np.asarray(points, float).T, (x, y), strict=True):
+        low, high = axis.values[[0, -1]]
+        if axis.is_log:
+            column, low, high = np.log(np.maximum(column, low / 2)), np.log(low), np.log(high)
+        shares.append((column - low) / ((high - low) or 1.0))
+    return np.column_stack(shares)
+
+
+def _between(
+    nodes: NDArray[np.intp], x: _Axis, y: _Axis, walls: Sequence[Floats]
+) -> NDArray[np.intp]:
+    """What is at the nodes, and up to the boundaries between them."""
+    across, up = (_shares(np.column_stack([axis.values] * 2), axis, axis)[:, 0] for axis in (x, y))
+    return between(nodes, across, up, walls)
+
+
+def _places(axis: _Axis) -> Floats:
+    """At equal steps on the page."""
+    low, high = axis.values[[0, -1]]
+    return (np.geomspace if axis.is_log else np.linspace)(low, high, PLACES)
+
+
+def _spread(
+    regions: Sequence[_Region], x: _Axis, y: _Axis, walls: Sequence[Floats]
+) -> list[_Region]:
+    """The regions with all places inside, not only nodes."""
+    number = np.zeros((len(y.values), len(x.values)), int)
+    for k, region in enumerate(regions):
+        number[region.inside] = k
+    found = _between(number, x, y, walls)
+    return [region._replace(inside=found == k) for k, region in enumerate(regions)]
+
+
+def _draw_shades(ax: Axes, places: tuple[Floats, Floats], regions: Sequence[_Region]) -> None:
+    """The regions; what has no sequence stays white."""
+    number = np.ma.masked_all(regions[0].inside.shape, int)
+    for k, region in enumerate(regions):
+        if region.sequence:
+            number[region.inside] = k
+    ax.set_facecolor("white")
+    shades = ListedColormap([region.shade for region in regions])
+    look = {"vmin": -0.5, "vmax": len(regions) - 0.5, "shading": "nearest"}
+    ax.pcolormesh(*places, number, cmap=shades, rasterized=True, **look)
+
+
+def _draw_hatches(ax: Axes, places: tuple[Floats, Floats], monostable: NDArray[np.intp]) -> None:
+    if np.any(monostable):
+        look = {"colors": "none", "hatches": ["////"]}
+        hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
+        hatches.set(edgecolor=FAINT, linewidth=0.0)
+
+
+def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:
+    """The curves with their numbers; returns what the numbers cover."""
+    point = root(ax).dpi / 72.0
+    taken: list[Bbox] = []
+    for curve in curves:
+        colour, style = curve.line
+        found: list[tuple[float, Floats]] = []
+        for points in curve.points:
+            drawn = points * scale
+            width, gid = (1.5, "boundary") if curve.number else (0.8, "stability edge")
+            ax.plot(*drawn.T, color=colour, linestyle=style, linewidth=width, gid=gid)
+            found.append((_length(ax, drawn), drawn))
+        numbered = False
+        for length, drawn in sorted(found, key=lambda one: -one[0]) if curve.number else ():
+            x, y, crowded = _clear(ax, drawn, (3.5 + 2.0 * len(curve.number)) * point, taken)
+            # A short piece, or one without room, gets its number only where no other has it.
+            if not numbered or (length >= _NUMBERED * point and not crowded):
+                text = badge(ax, x, y, curve.number, colour)
+                taken.append(text.get_window_extent().padded(2.5 * point))
+                numbered = True
+    return taken
+
+
+def _length(ax: Axes, points: Floats) -> float:
+    """Of a curve on the page [pixels]."""
+    return float(np.sum(np.hypot(*np.diff(ax.transData.transform(points), axis=0).T)))
+
+
+def _clear(
+    ax: Axes, points: Floats, half: float, taken: Sequence[Bbox]
+) -> tuple[float, float, bool]:
+    """Where along a curve its number stands, and whether it covers another there.
+
+    That is half-way, or as near to it as others leave room.
+
+    `half` is that of the number's width [pixels].
+    """
+    on_page = ax.transData.transform(points)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
+    places = np.column_stack([np.interp(along[-1] * _ALONG, along, on_page[:, k]) for k in (0, 1)])
+    boxes = [Bbox([place - half, place + half]) for place in places]
+    crowd = [sum(box.overlaps(other) for other in taken) for box in boxes]
+    best = int(np.argmin(crowd))
+    x, y = ax.transData.inverted().transform(places[best])
+    return float(x), float(y), crowd[best] > 0
+
+
+def _free(ax: Axes, x: Floats, y: Floats, taken: Sequence[Bbox]) -> Bools:
+    """(ny, nx) which nodes lie outside these boxes."""
+    nodes = np.stack(np.meshgrid(x, y), axis=-1)
+    at = ax.transData.transform(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    free = np.ones(nodes.shape[:2], bool)
+    for box in taken:
+        free &= ~np.all((at > box.min) & (at < box.max), axis=-1)
+    return free

@@ -1,0 +1,300 @@
+"""Actuator force and travel of each cell against stroke, recordings behind them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.typing import LineStyleType
+
+from stepwell.base import Floats, InputError, Measure
+from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
+from stepwell.figures.common.sheet import canvas, keep_inside, root
+from stepwell.figures.common.style import (
+    BLACK,
+    COLUMN,
+    FAINT,
+    LOADING,
+    MM,
+    PAGE,
+    PHASE,
+    UNLOADING,
+    cell_colours,
+    pale,
+    styled,
+)
+from stepwell.figures.common.words import literal
+from stepwell.mechanism import Element
+
+if TYPE_CHECKING:
+    from stepwell.lab import Recording
+    from stepwell.sequences import Cycle
+    from stepwell.statics import Path
+
+
+# One a recording; the pale colours tell loading from unloading.
+_DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
+_WIDTH, _PALE = 1.0, 0.5
+
+
+def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -> list[Artist]:
+    """Measured force over stroke, each half in the pale colour of its direction.
+
+    Args:
+        ax: axes whose data are mm and N.
+        recordings: as many as lines can be told apart, 4.
+        measure: of the chain.
+
+    Returns:
+        What a legend should list: the name of each.
+
+    Raises:
+        ValueError: too many, or a chain whose travel is no length.
+    """
+    if recordings and measure is not Measure.TRAVEL:
+        raise InputError(
+            f"measured: recordings are forces over strokes [N, mm], and this chain has "
+            f"{measure.force} over {measure.stroke}."
+        )
+    if len(recordings) > len(_DASHES):
+        raise InputError(
+            f"measured has {len(recordings)} recordings: at most {len(_DASHES)} can be told apart."
+        )
+    found: list[Artist] = []
+    for one, dashes in zip(recordings, _DASHES, strict=False):
+        for half in one.halves:
+            loads = one.direction_of(half) == "loading"
+            colour = pale(LOADING if loads else UNLOADING, _PALE)
+            look = {"color": colour, "linewidth": _WIDTH, "linestyle": dashes, "zorder": 2}
+            ax.plot(one.stroke[half] * MM, one.force[half], **look, gid="measured")
+        name = f"measured: {literal(one.name)}"
+        found.append(legends.line(name, pale(FAINT, 0.1), _WIDTH, linestyle=dashes))
+    return found
+
+
+# Loading lies under unloading, so it is drawn wider where both take the same way.
+_WIDTHS = (2.2, 1.2)
+
+
+@styled
+def force_stroke(
+    result: Cycle | Path, *, measured: Sequence[Recording] = (), ax: Axes | None = None
+) -> Figure:
+    """Actuator force against stroke, loading and unloading, snaps as dashed jumps.
+
+    Args:
+        result: a cycle, or a path over any turning points.
+        measured: recordings to be drawn behind it in pale colours, four at most, as
+            `lab.read` returns them.
+        ax: axes to draw into; by default a new figure of one column's width, or of two for
+            more than four cells.
+
+    Returns:
+        The figure: force [N] against stroke [mm], or what they are in the chain's measure, with
+        the states between the branches named where there is room for their names.
+
+    Raises:
+        ValueError: too many recordings, or some for a chain of volumes or angles.
+    """
+    path = path_of(result)
+    own = ax is None
+    width = COLUMN if len(path.chain) <= 4 else PAGE
+    figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0), keyed=True)
+    x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
+    stroke, force = path.stroke * x.factor, path.force * y.factor
+    ax.set(xlabel=x.label, ylabel=y.label)
+    marks.zero_line(ax)
+    crowded = len(legs(path)) > marks.MOST_HEADS
+    loading, unloading = _WIDTHS
+    marks.trace(ax, path, stroke, force, (loading / (1 + crowded), unloading / (1 + crowded)))
+    marks.snaps(ax, snaps_of(path), stroke, force)
+    recorded = draw_recorded(ax, measured, path.chain.measure)
+    ax.margins(x=0.08, y=0.12)
+    ax.autoscale_view()
+    if own:
+        keep_inside(ax)
+    marks.legend(ax, path, _WIDTHS, more=recorded, fit=own)
+
+    marks.headings(ax, path, stroke, force)
+    rests = vertices(path)
+    at = [vertex.sample for vertex in rests]
+    # Names in two rows, one above and one below the curves, a character being 0.6 of 7 pt wide.
+    needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
+    roomy = needed < 1.2 * ax.get_window_extent().width
+    size = 1.5 if crowded else 3.4
+    ax.plot(stroke[at], force[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
+    if roomy:
+        named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
+        beside(ax, named, leaders=True)
+    return figure
+
+
+MOST_LANES = 60
+_TRAVEL_WIDTHS = (2.0, 1.3)
+_UNLOADING_DASHES = (0, (3.2, 1.6))
+# Between the lanes of two cells, as a fraction of the longest travel; a name needs so much [mm].
+_GAP, _NAME = 0.42, 3.9
+# In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
+_LANE, _ROW = 11.0, 3.4
+# Digits closer than this cover each other [pt].
+_DIGIT = 7.2
+
+
+@styled
+def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
+    """Travel of each cell against stroke, one lane a cell, innermost on top.
+
+    Lanes, because in one frame the loading curve of one cell often lies on the unloading curve
+    of another.
+
+    Args:
+        result: a cycle, or a path over any turning points.
+        ax: axes to draw into; a new figure of one column's width by default.
+
+    Returns:
+        The figure: travel [mm] against stroke [mm], or what they are in the chain's measure;
+        loading solid, unloading dashed, snaps as dashed jumps. The phases of an element are
+        shaded and numbered.
+
+    Raises:
+        ValueError: more cells than lanes can be told apart.
+    """
+    path = path_of(result)
+    cells = path.chain.cells
+    if len(cells) > MOST_LANES:
+        raise InputError(
+            f"the chain has {len(cells)} cells: at most {MOST_LANES} lanes can be told apart; "
+            f"path.travel has the numbers."
+        )
+    lane = min(20.0, 200.0 / len(cells))
+    own = ax is None
+    # Past a dozen lanes their names would run into each other.
+    named = len(cells) <= 12
+    every = math.ceil(len(cells) / 20)
+    least = len(cells) * (_LANE if named else _ROW / every)
+    size, margins = (COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0)
+    figure, ax = canvas(ax, size, margins, keyed=True, least=least)
+    x, y = told.stroke(path.chain.measure), told.travel(path.chain.measure)
+    stroke = path.stroke * x.factor
+    snaps = snaps_of(path)
+    ticks: list[tuple[float, str]] = []
+    pitch = ax.get_window_extent().height / root(ax).dpi * 25.4 / len(cells)
+    gap = max(_GAP, _NAME / max(pitch - _NAME, _NAME)) if named else _GAP
+    shown = lanes(path, gap)
+    for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
+        lane.draw(ax)
+        if named:
+            ticks += lane.ticks
+            name_lane(ax, (0.0, lane.top), name, lane.colour, (3.0, 1.5), va="bottom")
+        elif i % every == 0:
+            ticks.append(((lane.base + lane.top) / 2, literal(name)))
+        marks.trace(ax, path, stroke, lane.travel, _TRAVEL_WIDTHS, _UNLOADING_DASHES)
+        marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, lane.travel, size=3.2)
+    ax.set_yticks(*zip(*ticks, strict=True))
+    ends = "its ends" if path.chain.elements else "0 to $S$"
+    each = f"{y.word} {y.symbol} of each cell, {ends}"
+    ax.set(xlabel=x.label, ylabel=y.label if named else each)
+    ax.margins(x=0.06)
+    longest = max(lane.top - lane.base for lane in shown)
+    ax.set_ylim(shown[-1].base - 0.12 * longest, (1.0 + gap) * longest)
+    for lane in shown if named else ():
+        lane.number(ax)
+    if own:
+        keep_inside(ax)
+    marks.legend(ax, path, _TRAVEL_WIDTHS, _UNLOADING_DASHES)
+    return figure
+
+
+class Lane(NamedTuple):
+    """Where the travel of a cell is drawn.
+
+    Attributes:
+        base, top: heights of its least and of its largest travel.
+        travel: (n,) heights of its travels.
+        colour: of the cell.
+        ticks: heights and texts of both ends.
+        phases: heights between which each phase of an element lies; of a lever cell, none.
+    """
+
+    base: float
+    top: float
+    travel: Floats
+    colour: str
+    ticks: list[tuple[float, str]]
+    phases: list[tuple[float, float]]
+
+    def draw(self, ax: Axes) -> None:
+        """Lines at both ends, and the phases as shades."""
+        for end in (self.base, self.top):
+            ax.axhline(end, color=FAINT, linewidth=0.4, zorder=0)
+        for low, high in self.phases:
+            ax.axhspan(low, high, color=PHASE, linewidth=0, zorder=-1, gid="phases")
+
+    def number(self, ax: Axes) -> None:
+        """The digits of the phases at the right, on axes that have their final limits."""
+        middles = [(low + high) / 2 for low, high in self.phases]
+        heights = [float(ax.transData.transform((0.0, y))[1]) for y in middles]
+        near = _DIGIT * root(ax).dpi / 72.0
+        # All or none: some alone would be read wrongly.
+        if any(b - a < near for a, b in pairwise(sorted(heights))):
+            return
+        look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": FAINT}
+        look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+        for digit, y in enumerate(middles):
+            ax.annotate(str(digit), (1.0, y), (-1.0, 0.0), **look, zorder=8, gid="digit")
+
+
+def lanes(path: Path, gap: float) -> list[Lane]:
+    """A lane for every cell, innermost on top.
+
+    Args:
+        path: of a chain of any length.
+        gap: between two lanes, as a fraction of the longest travel.
+    """
+    cells, of = path.chain.cells, told.travel(path.chain.measure)
+    spans = [span(path, i) for i in range(len(cells))]
+    longest = max(high - low for low, high in spans) * of.factor
+    found: list[Lane] = []
+    for i, (cell, colour) in enumerate(zip(cells, cell_colours(len(cells)), strict=True)):
+        low, high = spans[i]
+        base = -i * (1.0 + gap) * longest
+
+        def height(travel: Any, base: float = base, low: float = low) -> Any:
+            return base + (travel - low) * of.factor
+
+        top, phases = height(high), cell.phases if isinstance(cell, Element) else ()
+        found.append(
+            Lane(
+                base,
+                top,
+                height(path.travel[:, i]),
+                colour,
+                [(base, of.number(low)), (top, of.number(high))],
+                [(height(max(p.low, low)), height(min(p.high, high))) for p in phases],
+            )
+        )
+    return found
+
+
+def name_lane(
+    ax: Axes, at: tuple[float, float], name: str, colour: str, offset: tuple[float, float], va: str
+) -> None:
+    """A cell's name `offset` pt from a share of the width and a height."""
+    ax.annotate(
+        literal(name),
+        at,
+        offset,
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="left",
+        va=va,
+        color=colour,
+        fontweight="bold",
+    )

@@ -1,0 +1,252 @@
+"""What a study found, over the numbers that decide it: a panel for every column."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.base import Floats, InputError, Quantity
+from stepwell.figures.common import legends
+from stepwell.figures.common.sheet import blank, keep_inside, page_width, place
+from stepwell.figures.common.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    PAGE,
+    PATHWAY,
+    PURPLE,
+    VERMILLION,
+    pale,
+    styled,
+)
+from stepwell.figures.common.words import literal, shortened
+
+if TYPE_CHECKING:
+    from stepwell.studies import Study
+
+Colour = str | tuple[float, float, float]
+
+# Panels, points of one, and classes of a bar chart at most.
+_PANELS, _POINTS, _BARS = 8, 3000, 20
+_LEFT, _RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
+# From this width of the page on two panels stand side by side [mm].
+_TWO = 120.0
+# Whole numbers that are told apart as words are, at most so many.
+_COUNTS = 6
+_SPARE = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
+_REST, _NAME = "any other", 44
+_SHADES = "cividis"
+
+
+class _Column(NamedTuple):
+    """A column as it is told: its name with the unit, and its values; words as they are."""
+
+    name: str
+    values: np.ndarray[Any, Any]
+    words: bool
+
+
+@styled
+def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
+    """What was found, each over the number that decides it most; over the plane of two numbers.
+
+    Args:
+        study: of which anything is done.
+        names: what columns are called; as they are in the study by default.
+
+    Returns:
+        A figure of two columns' width. Where two numbers vary, every panel is their plane and
+        colours are what was found; else numbers are points with their means, words shares.
+
+    Raises:
+        ValueError: nothing is done yet, or nothing varies.
+    """
+    from stepwell.studies import SCREEN_COLUMNS, decided
+
+    chunks = study.done_chunks()
+    told = {name: _column(study, name, chunks, names or {}) for name in study.columns}
+    varied = [told[name] for name in study.varied]
+    found = {
+        name: one
+        for name, one in told.items()
+        if name not in {*study.varied, *SCREEN_COLUMNS, "problem"} and _differs(one)
+    }
+    if not varied or not len(varied[0].values):
+        raise InputError("the study is empty: compute one design or more, over one number or more.")
+    if not found:
+        raise InputError("all designs do the same: there is nothing to draw.")
+    deciding = {one.column: one.influences[0].name for one in decided(study)}
+    shown = list(found.items())[:_PANELS]
+    wordy = [one for _, one in shown if one.words]
+    colours = {one.name: _colours(one.values) for one in wordy}
+    foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
+    page = page_width(PAGE)
+    beside = 2 if page >= _TWO else 1
+    rows = -(-len(shown) // beside)
+    figure = blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
+    wide = page / beside - _LEFT - _RIGHT
+    for k, (name, one) in enumerate(shown):
+        row, column = divmod(k, beside)
+        left = _LEFT + column * (wide + _LEFT + _RIGHT)
+        bottom = foot + _BOTTOM + (rows - 1 - row) * (_BOTTOM + _TALL + _TOP)
+        ax = place(figure, left, bottom, wide, _TALL)
+        if len(varied) == 2:
+            _plane(ax, varied[0], varied[1], one, colours.get(one.name, {}))
+        else:
+            by = told[deciding.get(name, next(iter(study.varied)))]
+            _over(ax, by, one, colours.get(one.name, {}))
+        keep_inside(ax)
+    _keys(figure, colours)
+    return figure
+
+
+def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, str]) -> _Column:
+    unit, factor = study.told(name)
+    values = study.values(name, chunks)
+    sign = Quantity("", unit).sign
+    head = names.get(name) or (f"{name} [{sign}]" if sign else name)
+    if name not in study.varied and name not in names:
+        head = head[:1].upper() + head[1:].replace("_", " ")
+    if study.columns[name] == "text":
+        words = np.array([str(one) for one in values], object)
+        if study.work.screen:
+            # Shares are those of designs drawn by lot: those that a screen chose are no sample.
+            words[study.values("lot", chunks) != 1] = ""
+        return _Column(head, words, True)
+    if name not in study.varied and not sign and _few_counts(values):
+        return _Column(head, np.array([f"{one:.0f}" for one in values], object), True)
+    return _Column(head, values * factor, False)
+
+
+def _few_counts(values: Floats) -> bool:
+    """Whether these are a few whole numbers, such as those of snaps."""
+    found = np.unique(values)
+    return len(found) <= _COUNTS and bool(np.all(np.isfinite(found)) and np.all(found % 1 == 0))
+
+
+def _differs(one: _Column) -> bool:
+    if one.words:
+        return len({value for value in one.values if value}) > 1
+    values = one.values[np.isfinite(one.values)]
+    return len(values) > 1 and np.ptp(values) > 1e-12 * np.max(np.abs(values))
+
+
+def _colours(words: np.ndarray[Any, Any]) -> dict[str, Colour]:
+    """The most frequent words have a colour of their own; the rest share one and a name."""
+    often = [word for word, _ in Counter(word for word in words if word).most_common()]
+    spare = iter(_SPARE)
+    found: dict[str, Colour] = {
+        word: colour
+        for word in often
+        if (colour := PATHWAY[word] if word in PATHWAY else next(spare, "")) != ""
+    }
+    if len(often) > len(found):
+        found[_REST] = pale(FAINT, 0.5)
+    return found
+
+
+def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
+    """What was found over one number."""
+    ax.set_xlabel(literal(shortened(by.name, _NAME)))
+    if one.words:
+        _shares(ax, by.values, one, colours)
+        return
+    ax.set_ylabel(literal(shortened(one.name, 24)))
+    told = np.isfinite(by.values) & np.isfinite(one.values)
+    x, y = by.values[told], one.values[told]
+    some = np.unique(np.linspace(0, len(x) - 1, min(len(x), _POINTS)).astype(int))
+    many = len(some) > 60
+    look = {"color": pale(BLUE, 0.5) if many else BLUE, "markeredgewidth": 0, "gid": "designs"}
+    ax.plot(
+        x[some], y[some], "o", markersize=1.6 if many else 3.2, rasterized=len(some) > 300, **look
+    )
+    ax.ticklabel_format(axis="y", scilimits=(-3, 4))
+    if many:
+        ends = _classes(x)
+        of = np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
+        counts = np.maximum(np.bincount(of, minlength=len(ends) - 1), 1)
+        means = [np.bincount(of, v, minlength=len(ends) - 1) / counts for v in (x, y)]
+        here = np.bincount(of, minlength=len(ends) - 1) > 0
+        line = {"color": INK, "linewidth": 1.1, "gid": "means"}
+        ax.plot(means[0][here], means[1][here], **line)
+
+
+def _classes(x: Floats) -> Floats:
+    """Ends of classes of as many designs each; of every value its own where there are few."""
+    levels = np.unique(x)
+    if len(levels) <= _BARS:
+        between = (levels[1:] + levels[:-1]) / 2
+        reach = (levels[1] - levels[0]) / 2 if len(levels) > 1 else 0.5
+        return np.array([levels[0] - reach, *between, levels[-1] + reach])
+    count = min(_BARS, max(2, len(x) // 25))
+    return np.unique(np.quantile(x, np.linspace(0.0, 1.0, count + 1)))
+
+
+def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) -> None:
+    """Of every class of a number the shares of what its designs do, one upon the other."""
+    told = np.array([bool(word) for word in one.values]) & np.isfinite(x)
+    x, words = x[told], one.values[told]
+    ends = _classes(x)
+    of = np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
+    counts = np.bincount(of, minlength=len(ends) - 1)
+    foot = np.zeros(len(ends) - 1)
+    known = np.array([word if word in colours else _REST for word in words], object)
+    for word, colour in colours.items():
+        times = np.bincount(of[known == word], minlength=len(ends) - 1)
+        share = 100.0 * times / np.maximum(counts, 1)
+        ax.bar(
+            ends[:-1], share, np.diff(ends), foot, align="edge",
+            color=colour, edgecolor=colour, linewidth=0.3, gid="shares",
+        )  # fmt: skip
+        foot += share
+    ax.set(
+        xlim=(ends[0], ends[-1]),
+        ylim=(0.0, 100.0),
+        ylabel=f"{literal(shortened(one.name, 16))}: designs [%]",
+    )
+
+
+def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
+    """What was found, in the plane of two numbers."""
+    ax.set(xlabel=literal(shortened(x.name, _NAME)), ylabel=literal(shortened(y.name, 24)))
+    columns, rows = (max(2, len(np.unique(axis.values))) for axis in (x, y))
+    grid = columns * rows <= 4 * len(x.values)
+    if not grid:
+        columns = rows = max(2, int(np.sqrt(len(x.values)) * 1.5))
+    box = ax.get_window_extent()
+    size = 72.0 / ax.figure.dpi * min(box.width / (columns + 0.5), box.height / (rows + 0.5))
+    look: dict[str, Any] = {
+        "marker": "s" if grid else "o",
+        "s": float(np.clip(0.9 * size, 1.5, 14.0)) ** 2,
+        "linewidths": 0,
+        "gid": "designs",
+    }
+    if one.words:
+        for word, colour in colours.items():
+            some = [w == word or (word == _REST and w and w not in colours) for w in one.values]
+            ax.scatter(x.values[some], y.values[some], color=colour, **look)
+    else:
+        told = np.isfinite(one.values)
+        points = ax.scatter(
+            x.values[told], y.values[told], c=one.values[told], cmap=_SHADES, **look
+        )
+        bar = ax.figure.colorbar(points, ax=ax, pad=0.02, aspect=14)  # pyright: ignore[reportAttributeAccessIssue]
+        bar.set_label(literal(shortened(one.name, 24)))
+        bar.outline.set_visible(False)
+    ax.margins(x=0.6 / columns, y=0.6 / rows)
+
+
+def _keys(figure: Figure, colours: Mapping[str, Mapping[str, Colour]]) -> None:
+    """What the colours of words mean, column by column."""
+    handles: list[Any] = []
+    for name, words in colours.items():
+        handles.append(legends.mark(literal(name), "", 0.0))
+        handles += [legends.mark(literal(shortened(w, 90)), "s", color=c) for w, c in words.items()]
+    if handles:
+        legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)

@@ -1,0 +1,185 @@
+"""Where the parts of a robot are in its body's frame, and an arena from above."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Polygon
+from numpy.typing import NDArray
+
+from stepwell.base import Floats, InputError
+from stepwell.figures.common.style import FIXED_BLOCK, GREEN, INK, MM, pale
+from stepwell.mechanism import Element
+from stepwell.robot import Antenna, Arena, Leg, Robot, Wall
+
+OBSTACLE, TOUCHED = FIXED_BLOCK, INK
+
+
+def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
+    """Every obstacle and the goal, in mm.
+
+    Args:
+        ax: axes true to scale.
+        arena: any.
+        touched: of each obstacle, walls first.
+    """
+    walls = [Polygon(_wall(wall) * MM) for wall in arena.walls]
+    rounds = [Circle((c.at[0] * MM, c.at[1] * MM), c.radius * MM) for c in arena.cylinders]
+    for shape, felt in zip([*walls, *rounds], touched, strict=True):
+        shape.set_facecolor(TOUCHED if felt else OBSTACLE)
+        shape.set_edgecolor(INK)
+        shape.set(linewidth=0.5, zorder=3, gid="touched obstacle" if felt else "obstacle")
+        ax.add_patch(shape)
+    if arena.goal is not None:
+        x, y = (value * MM for value in arena.goal.at)
+        disc = Circle((x, y), arena.goal.radius * MM, linewidth=0.8, linestyle=(0, (3, 2)))
+        disc.set(facecolor=pale(GREEN, 0.85), edgecolor=GREEN, zorder=0.5, gid="goal")
+        ax.add_patch(disc)
+
+
+def outlines(arena: Arena) -> list[Floats]:
+    """Points (n, 2) that enclose every obstacle and the goal [m]."""
+    discs = [(one.at, one.radius) for one in arena.cylinders]
+    if arena.goal is not None:
+        discs.append((arena.goal.at, arena.goal.radius))
+    corners = np.array([(-1.0, -1.0), (1.0, 1.0)])
+    return [*map(_wall, arena.walls), *(np.array(at) + radius * corners for at, radius in discs)]
+
+
+def _wall(wall: Wall) -> Floats:
+    """(4, 2) corners [m]."""
+    a, b = np.array(wall.start), np.array(wall.end)
+    across = np.array([a[1] - b[1], b[0] - a[0]]) / wall.length * wall.thickness / 2
+    return np.array([a + across, b + across, b - across, a - across])
+
+
+@dataclass(frozen=True, slots=True)
+class LegParts:
+    """The parts of one leg at given travels, in metres; x forward, y left, z up from the pivots.
+
+    Attributes:
+        blocks: (cells, 2) middle of each moving block, inner first.
+        levers: (cells, 2, 2) ends of each lever, the inner one first.
+        bands: (bands, 2, 2) ends of each band, p then q, cell by cell.
+        owner: (bands,) the cell that each band belongs to.
+        pivots: (2,) x of the two pivots of the V, the outermost block's last.
+        tip: (x, z) of the foot's lowest point.
+    """
+
+    blocks: Floats
+    levers: Floats
+    bands: Floats
+    owner: NDArray[np.intp]
+    pivots: Floats
+    tip: tuple[float, float]
+
+
+def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegParts:
+    """Everything of a leg in its place at these travels (cells,) [m]."""
+    cells, half_span = leg.chain.cells, robot.foot.span / 2
+    full = np.array([cell.full_travel for cell in cells])
+    s = np.clip(np.asarray(travels, float), 0.0, full)
+    # Blocks before the V stand clear of each other whatever their cells do.
+    ahead = [robot.blocks.length + full[k] / 2 for k in range(1, len(cells) - 1)]
+    clear = [float(sum(ahead[i:])) for i in range(len(cells) - 1)]
+    x = [leg.at[0] + half_span + clear[i] - s[: i + 1].sum() for i in range(len(cells) - 1)]
+    x.append(leg.at[0] - half_span - s.sum())
+    inner = np.array([leg.at[0] + half_span + clear[0] - full[0] / 2, leg.at[1]])
+    levers: list[Floats] = []
+    bands: list[Floats] = []
+    owner: list[int] = []
+    for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            raise InputError(f"leg {leg.name!r}: cell {i + 1} is an Element, which has no levers.")
+        theta = float(cell.angle(s[i]))
+        along = np.array([-math.sin(theta), leg.side * math.cos(theta)])
+        outer = inner + cell.lever * along
+        levers.append(np.array([inner, outer]))
+        for band in cell.bands:
+            bands.append(np.array([inner + in_body(leg, band.p), outer + in_body(leg, band.q)]))
+            owner.append(i)
+        inner = np.array([x[i], outer[1]])
+    tip = (x[-2] - half_span - s[-1] / 2, -float(robot.foot.depth(s[-1])))
+    return LegParts(
+        np.array([(at, leg.at[1]) for at in x]),
+        np.array(levers),
+        np.array(bands),
+        np.array(owner),
+        np.array([x[-2], x[-1]]),
+        tip,
+    )
+
+
+def rest_states(leg: Leg) -> tuple[Sequence[float], Sequence[float]]:
+    """Travels with every cell at 0 and at 1 [m]."""
+    cells = leg.chain.cells
+    return [0.0] * len(cells), [cell.full_travel for cell in cells]
+
+
+def in_body(leg: Leg, anchor: Sequence[float]) -> Floats:
+    """(x, y) of an offset in a cell's frame [m]: along the chain is backwards."""
+    return np.array([-anchor[1], leg.side * anchor[0]])
+
+
+def antenna_line(antenna: Antenna, swing: float = 0.0) -> Floats:
+    """(2 or 3, 2) pivot, end of the rod and, if it has one, end of the hook [m]."""
+    angle = abs(antenna.angle) + swing
+    points = [np.array(antenna.pivot)]
+    points.append(points[0] + antenna.length * _towards(antenna, angle))
+    if antenna.hook > 0:
+        points.append(points[1] + antenna.hook * _towards(antenna, angle + antenna.hook_angle))
+    return np.array(points)
+
+
+def bracket(robot: Robot, antenna: Antenna) -> Floats:
+    """(2, 2) from the body to an antenna's hinge [m]; what holds it has no values of its own."""
+    half = robot.body.length / 2, robot.body.width / 2
+    corner = [float(np.clip(antenna.pivot[k], -half[k], half[k])) for k in (0, 1)]
+    return np.array([corner, antenna.pivot])
+
+
+def anchor_moves(robot: Robot, antenna: Antenna) -> Floats:
+    """(2, 2) where the anchor p that an antenna moves is at rest and at full swing [m]."""
+    leg = robot.leg(antenna.leg)
+    cell = leg.cell_index(antenna.cell)
+    parts = leg_parts(robot, leg, [0.0] * len(leg.chain))
+    at = parts.bands[int(np.flatnonzero(parts.owner == cell)[0]), 0]
+    return np.array([at, at + in_body(leg, antenna.moves)])
+
+
+def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Floats]:
+    """The outline from above as lines [m]: body, moving blocks of every leg at 0, antennas last.
+
+    Args:
+        robot: any robot.
+        antenna_swings: of each antenna [rad]; at rest by default.
+    """
+    swings = antenna_swings or [0.0] * len(robot.antennas)
+    lines = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
+    for leg in robot.legs:
+        front = leg_parts(robot, leg, [0.0] * len(leg.chain)).blocks[0, 0]
+        back = leg_parts(robot, leg, leg.chain.full_travels).blocks[-1, 0]
+        length = front - back + robot.blocks.length
+        lines.append(rectangle(((front + back) / 2, leg.at[1]), length, robot.blocks.width))
+    pairs = zip(robot.antennas, swings, strict=True)
+    return [*lines, *(antenna_line(antenna, swing) for antenna, swing in pairs)]
+
+
+def rectangle(middle: Sequence[float] | Floats, length: float, width: float) -> Floats:
+    """(5, 2) a closed rectangle, `length` along x and `width` along y."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) / 2
+    return np.asarray(middle, float) + corners * (length, width)
+
+
+def in_world(points: Floats, x: float, y: float, yaw: float) -> Floats:
+    """(n, 2) points of the body's frame [m] where the body is at (x, y) [m] and yaw [rad]."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return points @ np.array([[c, s], [-s, c]]) + (x, y)
+
+
+def _towards(antenna: Antenna, angle: float) -> Floats:
+    return np.array([math.cos(angle), antenna.side * math.sin(angle)])

@@ -1,0 +1,218 @@
+"""Where a robot walked, and how far each cycle took and turned it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from textwrap import fill, wrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from stepwell.base import Floats, InputError
+from stepwell.figures.common import legends, marks
+from stepwell.figures.common.marks import limits, round_length
+from stepwell.figures.common.sheet import BESIDE, blank, page_width, place, text_at
+from stepwell.figures.common.style import BLUE, FAINT, INK, MM, ORANGE, PAGE, hollow, styled
+from stepwell.figures.common.words import literal
+from stepwell.figures.robots.parts import frame, in_world
+from stepwell.figures.robots.walk_reading import cycle_samples, number_cycles, refuse_empty
+
+if TYPE_CHECKING:
+    from stepwell.simulation import Walk
+
+
+_WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
+# The height of bars below a path, and what an entry and a row of the key take [mm].
+_LOW, _ENTRY, _ROW = 34.0, 27.0, 3.8
+_APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
+_LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
+_LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
+_LEAST_TURN = 20.0  # that a panel of turns has room for [°]
+_START = hollow(4.5)
+_HEADING = 3.4  # length of an arrow to the heading [mm]
+_FAN = 2.6  # longer where steps are shorter than arrows
+_SLIGHT = 0.5  # turns that no bar shows [°]
+_SIDEWAYS: dict[str, Any] = {
+    "markersize": 3.0,
+    "color": ORANGE,
+    "markeredgecolor": INK,
+    "markeredgewidth": 0.4,
+}
+
+
+def trajectory(walk: Walk) -> Figure:
+    """The path of the body from above, and displacement and rotation cycle by cycle.
+
+    Args:
+        walk: any walk.
+
+    Returns:
+        A figure of two columns' width: path [mm] with an arrow to the heading at the start of every
+        cycle, d/u_max along and across that heading, turn to the left [°].
+
+    Raises:
+        ValueError: a walk without samples.
+
+    Source: Kamp et al. 2024, Figs. 3C to 3E.
+    """
+    return trajectories({walk.robot.title: walk})
+
+
+@styled
+def trajectories(walks: Mapping[str, Walk]) -> Figure:
+    """The paths of several walks at one scale, each with its displacement and rotation a cycle.
+
+    Args:
+        walks: by the name to write above each.
+
+    Returns:
+        A figure of two columns' width, a row for each walk; see `trajectory`.
+
+    Raises:
+        ValueError: nothing to show, or a walk without samples.
+
+    Source: Kamp et al. 2024, Figs. 3C to 3E.
+    """
+    if not walks:
+        raise InputError("walks is empty: give one walk or more, by name.")
+    for walk in walks.values():
+        refuse_empty(walk)
+    boxes = [_extent(walk) for walk in walks.values()]
+    widest = max(box[1] - box[0] for box in boxes)
+    page = page_width(PAGE)
+    beside = page >= BESIDE
+    wide = _WIDE if beside else page - _LEFT - 5.0
+    bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
+    # A tenth of the width more, so that ticks stand clear of the frame.
+    scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
+    tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
+    names = [_name(name, walk, page - _LEFT) for name, walk in walks.items()]
+    named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
+    lower = 0.0 if beside else _LOW + _BELOW + _APART
+    handles = _key()
+    columns, keys = legends.laid(len(handles), page - _LEFT, _ENTRY)
+    key = _KEY + _ROW * (keys - 1)
+    height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
+    figure = blank(page, height)
+    rows: list[tuple[Axes, Axes, Axes]] = []
+    bottom = height - key
+    shown = zip(walks.values(), names, named, boxes, tall, strict=True)
+    for walk, lines, above, box, high in shown:
+        bottom -= _ABOVE + above + high
+        path = place(figure, _LEFT, bottom, wide, high)
+        _path(path, walk, box, scale, (wide, high))
+        left, under, low = _LEFT, bottom - lower, _LOW
+        if beside:
+            left, low = _LEFT + wide + _GAP, high
+        moved = place(figure, left, under, bar, low)
+        turned = place(figure, left + bar + _GAP, under, bar - 3.0, low)
+        _bars(moved, turned, walk, bar)
+        rows.append((path, moved, turned))
+        for k, line in enumerate(reversed(lines)):
+            text_at(figure, _LEFT, bottom + high + 1.8 + _LINE * k, literal(line), weight="bold")
+        bottom -= _BELOW + lower
+    for column in (1, 2):
+        most = max(row[column].get_ylim()[1] for row in rows)
+        for row in rows:
+            row[column].set_ylim(-most, most)
+    legends.on_top(figure, handles, _LEFT, columns=columns)
+    return figure
+
+
+def _name(name: str, walk: Walk, room: float) -> list[str]:
+    """What stands above a path, in lines of so many mm."""
+    words = ", ".join([name] * bool(name) + ["stopped early"] * bool(walk.stopped))
+    return wrap(words, int(room / _LETTER))
+
+
+def _key() -> list[Artist]:
+    return [
+        legends.line("path of the body", BLUE),
+        legends.mark("start", **_START),
+        legends.mark("end"),
+        legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
+        legends.shade("along the heading", BLUE),
+        legends.mark("to its left", "D", **_SIDEWAYS),
+    ]
+
+
+def _outline(walk: Walk, sample: int) -> list[Floats]:
+    where = (walk.x[sample], walk.y[sample], walk.yaw[sample])
+    return [in_world(line, *where) * MM for line in frame(walk.robot)]
+
+
+def _extent(walk: Walk) -> tuple[float, float, float, float]:
+    ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
+    points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * MM])
+    return limits(points, (0.0, 0.0, 0.0, 0.0))
+
+
+def _path(
+    ax: Axes,
+    walk: Walk,
+    box: tuple[float, float, float, float],
+    scale: float,
+    size: tuple[float, float],
+) -> None:
+    """The path in axes of this width and height [mm]."""
+    wide, high = size
+    x, y = walk.x * MM, walk.y * MM
+    for sample, colour in ((0, FAINT), (len(x) - 1, INK)):
+        for line in _outline(walk, sample):
+            ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
+    ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
+    at = cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1])
+    # A robot that turns where it stands spreads its arrows like a fan.
+    step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
+    length = _HEADING / scale * (1.0 if step * scale > _HEADING else _FAN)
+    for sample in at:
+        tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
+        start = np.array([x[sample], y[sample]])
+        # Below the path, and only its head above: who walks straight on has both in one line.
+        look = {"color": INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
+        ax.plot(*np.array([start, start + tip]).T, **look)
+        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=9.0)
+    ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
+    ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
+    middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
+    ax.set_xlim(middle[0] - wide / scale / 2, middle[0] + wide / scale / 2)
+    ax.set_ylim(middle[1] - high / scale / 2, middle[1] + high / scale / 2)
+    step = round_length(min(high, wide / 2) / scale / 1.5)
+    for axis in (ax.xaxis, ax.yaxis):
+        low, top = axis.get_view_interval()
+        axis.set_ticks(np.arange(math.ceil(low / step), math.floor(top / step) + 1) * step)
+    ax.set(aspect="equal", xlabel="$x$ [mm]", ylabel="$y$ [mm]")
+    ax.yaxis.set_label_coords(-9.8 / wide, 0.5)
+
+
+def _bars(moved: Axes, turned: Axes, walk: Walk, wide: float) -> None:
+    number = number_cycles(moved, walk)
+    number_cycles(turned, walk)
+    moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
+    moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
+    turned.bar(number, np.degrees(walk.turn), width=0.7, color=BLUE, zorder=2, gid="turn")
+    # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
+    degrees = np.degrees(walk.turn)
+    turned.plot(number, degrees, "o", markersize=3.0, color=INK, zorder=3, gid="turns")
+    most = float(np.abs(degrees).max(initial=0.0))
+    if walk.cycles and most < _SLIGHT:
+        words = (
+            "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
+        )
+        if wide < _BAR:
+            words = fill(words, int(wide / 1.8))
+        look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
+        turned.text(0.5, 0.75, words, **look)
+    moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
+    turned.set_ylabel("Turn to the left [°]")
+    # Both ways alike, so that left and right, forward and backward are seen at a glance.
+    for ax, least in ((moved, 1.1), (turned, _LEAST_TURN)):
+        most = max(least, *(abs(limit) for limit in ax.get_ylim()))
+        ax.set_ylim(-most, most)
+        ax.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
+        ax.yaxis.set_label_coords(-9.5 / wide, 0.5)

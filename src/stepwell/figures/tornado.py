@@ -1,0 +1,159 @@
+"""How results depend on the values assumed: one bar a parameter, the longest on top."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.base import ByValue, InputError
+from stepwell.figures.common import legends
+from stepwell.figures.common.sheet import blank, place, root
+from stepwell.figures.common.style import (
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    PAGE,
+    SKY,
+    name_rows,
+    pale,
+    styled,
+)
+from stepwell.figures.common.words import literal, minus
+
+LOW, HIGH = SKY, ORANGE
+_MISSING: dict[str, Any] = {"markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.5}
+_ROW, _HEAD, _FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect(ByValue):
+    """What a result becomes when one parameter alone is changed.
+
+    Args:
+        parameter: its name and unit, as "foot friction" or "period [s]".
+        low, high: the two values it is given, in that unit.
+        at_low, at_high: the result with each; NaN where there is none.
+    """
+
+    parameter: str
+    low: float
+    high: float
+    at_low: float
+    at_high: float
+
+    @property
+    def span(self) -> float:
+        """Difference between the two results, infinite where either is missing."""
+        span = abs(self.at_high - self.at_low)
+        return span if math.isfinite(span) else math.inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivity(ByValue):
+    """A result, and what each parameter does to it.
+
+    Args:
+        result: its name and unit, as "forward: d/u_max"; mathematics between dollar signs.
+        nominal: with every parameter as it is.
+        effects: in any order.
+        target: lower and upper bound of what the result should be, None if there is none.
+    """
+
+    result: str
+    nominal: float
+    effects: Sequence[Effect]
+    target: tuple[float, float] | None = None
+
+
+@styled
+def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
+    """For each result a bar from its value at the low to that at the high value of a parameter.
+
+    Args:
+        results: one, or several to be shown two a row.
+
+    Returns:
+        A figure of two columns' width; bars start at the nominal result, the parameter with the
+        widest span is on top, the target is shaded.
+
+    Raises:
+        ValueError: nothing to show.
+    """
+    shown = [results] if isinstance(results, Sensitivity) else list(results)
+    if not shown or not all(one.effects for one in shown):
+        raise InputError("results is empty: give one Sensitivity or more, each with effects.")
+    columns = min(len(shown), 2)
+    rows = [shown[i : i + columns] for i in range(0, len(shown), columns)]
+    tall = [_ROW * max(len(one.effects) for one in row) for row in rows]
+    height = sum(tall) + len(rows) * (_HEAD + _FOOT) + _KEY
+    figure = blank(PAGE, height)
+    bottom = height - _KEY
+    for row, high in zip(rows, tall, strict=True):
+        bottom -= _HEAD + high
+        for k, one in enumerate(row):
+            own = _ROW * len(one.effects)
+            left = k * PAGE / columns
+            ax = place(figure, left + 2.0, bottom + high - own, PAGE / columns - 7.0, own)
+            _bars(ax, one, left)
+        bottom -= _FOOT
+    handles: list[Artist] = [
+        legends.shade("at the low value", LOW),
+        legends.shade("at the high value", HIGH),
+    ]
+    if any(one.target for one in shown):
+        handles.append(legends.shade("target", pale(GREEN, 0.7)))
+    if any(math.isinf(effect.span) for one in shown for effect in one.effects):
+        handles.append(legends.mark("no result", "X", **_MISSING, color="white"))
+    legends.on_top(figure, handles, 2.0, columns=4)
+    return figure
+
+
+def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
+    effects = sorted(one.effects, key=lambda effect: -effect.span)
+    for i, effect in enumerate(effects):
+        # Two bars to one side of the nominal value lie on halves of the lane.
+        same_side = (effect.at_low - one.nominal) * (effect.at_high - one.nominal) > 0
+        tall = 0.38 if same_side else 0.76
+        for value, colour, name, off in (
+            (effect.at_low, LOW, "low", -0.2),
+            (effect.at_high, HIGH, "high", 0.2),
+        ):
+            if math.isfinite(value):
+                look = {"color": colour, "zorder": 2, "gid": f"{name} {effect.parameter}"}
+                row, wide = i + off * same_side, value - one.nominal
+                ax.barh(row, wide, left=one.nominal, height=tall, **look)
+            else:
+                look = _MISSING | {"color": colour, "zorder": 4, "gid": "missing"}
+                ax.plot(one.nominal, i + off, "X", **look)
+    ax.axvline(one.nominal, color=INK, linewidth=0.8, zorder=3, gid="nominal")
+    results = [v for e in effects for v in (e.at_low, e.at_high, one.nominal) if math.isfinite(v)]
+    results += one.target or ()
+    low, high = min(results), max(results)
+    room = 0.06 * (high - low) or 0.1 * abs(one.nominal) or 1.0
+    ax.set_xlim(low - room, high + room)
+    if one.target:
+        ax.axvspan(*one.target, color=pale(GREEN, 0.7), linewidth=0, zorder=0, gid="target")
+    ends = [minus(f"{effect.low:.4g} to {effect.high:.4g}") for effect in effects]
+    names = [f"{literal(e.parameter)}  {each}" for e, each in zip(effects, ends, strict=True)]
+    name_rows(ax, names)
+    ax.locator_params(axis="x", nbins=4)
+    ax.set_xlabel(one.result, loc="right")
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.grid(axis="x", color=FAINT, linewidth=0.3, alpha=0.5, zorder=0)
+    ax.set_axisbelow(True)
+    _make_room(ax, left)
+
+
+def _make_room(ax: Axes, left: float) -> None:
+    """Narrow the axes by as much as their names need from `left` mm on."""
+    box, place = ax.yaxis.get_tightbbox(), ax.get_position()
+    if box is not None:
+        missing = (left + 1.0) / PAGE - box.x0 / root(ax).bbox.width
+        ax.set_position((place.x0 + missing, place.y0, place.width - missing, place.height))
