@@ -2,10 +2,29 @@
 
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import check, limits, usual
-from stepwell.base.bisect import bisected
-from stepwell.base.check import Vec2, finite, short
-from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
+from stepwell.base import check, limits
+from stepwell.base.bar import bar, on_terminal
+from stepwell.base.check import (
+    ONE_BY_ONE,
+    QUICKLY,
+    REACH,
+    USUAL_ANCHOR,
+    USUAL_STIFFNESS,
+    Vec2,
+    bisected,
+    finite,
+    short,
+)
+from stepwell.base.errors import (
+    Advised,
+    ExtraError,
+    InputError,
+    SettingError,
+    StepwellError,
+    described,
+    nearest_word,
+    printable,
+)
 from stepwell.base.extras import EXTRAS, Extra, have, missing, need
 from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
@@ -30,9 +49,7 @@ from stepwell.base.quantities import (
     variables,
     write_csv,
 )
-from stepwell.base.showing import Drawn, Shown, bar, brief, of_kind, on_terminal
-from stepwell.base.text import Advised, described, nearest_word, printable
-from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
+from stepwell.base.shown import Drawn, Shown, brief, of_kind
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
 from stepwell.base.write import (
@@ -46,13 +63,19 @@ from stepwell.base.write import (
 )
 
 if TYPE_CHECKING:
-    from stepwell.base.arrays import Bools, Floats, Ints
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Bools = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Ints = NDArray[np.int64]
 
 
 # With NumPy, which takes longer to open than `stepwell --help` to answer.
 def __getattr__(name: str) -> Any:
     if name in ("Bools", "Floats", "Ints"):
-        from stepwell.base import arrays
+        import numpy as np
+        from numpy.typing import NDArray
 
-        return getattr(arrays, name)
+        return NDArray[{"Bools": np.bool_, "Floats": np.float64, "Ints": np.int64}[name]]
     raise AttributeError(f"module 'stepwell.base' has no attribute {name!r}")

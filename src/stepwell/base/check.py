@@ -1,4 +1,4 @@
-"""Checks of numbers that are given: finite, positive, two of them, rising."""
+"""Checks of numbers that are given, what is taken where none are, and bisection."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -7,6 +7,16 @@ from itertools import pairwise
 from typing import Any
 
 from stepwell.base.errors import InputError
+
+# What a careful workshop with a bag of rubber bands can do: every anchor within this radius [m],
+# and the standard deviation of a band's stiffness over its mean [1].
+USUAL_ANCHOR = 0.0003
+USUAL_STIFFNESS = 0.05
+# How far an anchor is moved to see what changes [m].
+REACH = 0.020
+# Mechanisms made for a yield: judged by their end forces, or followed one by one by the engine.
+QUICKLY, ONE_BY_ONE = 100_000, 500
+
 
 Vec2 = tuple[float, float]
 
@@ -110,3 +120,26 @@ def pulls(name: str, values: Sequence[float], unit: str) -> None:
                 f"{name}[{i}] = {pull} {unit}: must be >= 0, a band pulls. Did you mean {-pull} "
                 f"{unit}?"
             )
+
+
+def bisected(
+    holds: Callable[[float], bool], good: float, bad: float, halvings: int
+) -> tuple[float, float]:
+    """The last place found where it still holds, and the first where it does not any more.
+
+    Args:
+        holds: what to ask at a place between the two.
+        good: a place where it holds.
+        bad: one where it does not, above it or below.
+        halvings: of the stretch between them.
+
+    Returns:
+        The two places; of several changes between them, some one.
+    """
+    for _ in range(halvings):
+        middle = (good + bad) / 2
+        if holds(middle):
+            good = middle
+        else:
+            bad = middle
+    return good, bad

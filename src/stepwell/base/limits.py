@@ -8,8 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from stepwell.base.errors import InputError, SettingError
-from stepwell.base.text import nearest_word
+from stepwell.base.errors import InputError, SettingError, nearest_word
 
 VARIABLE = "STEPWELL_LIMITS"
 

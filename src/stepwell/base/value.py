@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from stepwell.base.showing import Shown
+from stepwell.base.shown import Shown
 
 if TYPE_CHECKING:
     import numpy as np

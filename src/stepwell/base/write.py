@@ -12,8 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base.errors import InputError
-from stepwell.base.text import printable
+from stepwell.base.errors import InputError, printable
 
 if TYPE_CHECKING:
     import xarray

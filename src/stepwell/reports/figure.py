@@ -115,10 +115,10 @@ class _Subject:
     @cached_property
     def yields(self) -> Callable[[], Figure]:
         from stepwell import figures
-        from stepwell.base import usual
+        from stepwell.base import USUAL_ANCHOR, USUAL_STIFFNESS
         from stepwell.design import Tolerances, yields
 
-        spread = Tolerances(anchor=usual.ANCHOR, stiffness=usual.STIFFNESS)
+        spread = Tolerances(anchor=USUAL_ANCHOR, stiffness=USUAL_STIFFNESS)
         return partial(figures.yield_bars, yields(self.chain, spread, sensitivity=True))
 
     @cached_property

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import Measure, told_in, usual
+from stepwell.base import ONE_BY_ONE, QUICKLY, USUAL_ANCHOR, USUAL_STIFFNESS, Measure, told_in
 from stepwell.cli.screen import usable
 
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
 
-ANCHOR_MM, STIFFNESS_PERCENT = usual.ANCHOR * 1e3, usual.STIFFNESS * 1e2
+ANCHOR_MM, STIFFNESS_PERCENT = USUAL_ANCHOR * 1e3, USUAL_STIFFNESS * 1e2
 
 Anchor = Annotated[
     float,
@@ -60,7 +60,7 @@ Samples = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        help=f"How many mechanisms are made at random; {usual.QUICKLY}, or {usual.ONE_BY_ONE} "
+        help=f"How many mechanisms are made at random; {QUICKLY}, or {ONE_BY_ONE} "
         "where each is followed by the engine.",
         min=1,
     ),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, told_in, usual
+from stepwell.base import REACH, USUAL_ANCHOR, USUAL_STIFFNESS, ByValue, Floats, InputError, told_in
 from stepwell.concave import in_disc, in_discs
 from stepwell.design.parameters import WAY
 from stepwell.design.switches import switching_forces
@@ -81,7 +81,7 @@ class Tolerances(ByValue):
         )
 
 
-USUAL = Tolerances(anchor=usual.ANCHOR, stiffness=usual.STIFFNESS)
+USUAL = Tolerances(anchor=USUAL_ANCHOR, stiffness=USUAL_STIFFNESS)
 """What a careful workshop with a bag of rubber bands can do."""
 
 
@@ -128,7 +128,7 @@ def meet(tolerances: Tolerances, chain: Chain) -> None:
 def refuse_reach(chain: Chain, reach: float) -> None:
     """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
     lever = max((cell.lever for cell in levers_of(chain)), default=math.inf)
-    found = tuple(sizes.far("reach", reach, lever)) if reach > usual.REACH else ()
+    found = tuple(sizes.far("reach", reach, lever)) if reach > REACH else ()
     if found and not chain.unusual:
         raise SlipError(found, WAY)
 
