@@ -66,7 +66,7 @@ def test_nobody_else_is_told_anything(monkeypatch):
 def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     at_a_terminal(monkeypatch)
     now = 0.0
-    monkeypatch.setattr(import_module("stepwell.base.showing.bar"), "monotonic", lambda: now)
+    monkeypatch.setattr(import_module("stepwell.base.bar"), "monotonic", lambda: now)
     from rich.progress import Progress
 
     moved: list[float] = []

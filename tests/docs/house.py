@@ -28,6 +28,7 @@ STOREYS = {
             "studies",
             "results",
             "cards",
+            "accounts",
             "figures",
             "paper",
             "reports",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.mechanism import pack
+from stepwell.mechanism.law import pack
 
 CELL = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 KR = 28.5 * CELL.lever

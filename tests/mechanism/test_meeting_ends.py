@@ -44,7 +44,7 @@ def test_the_engine_follows_cells_whose_bands_have_no_length_on_the_way(theta, l
 
 
 def test_slopes_stay_those_of_the_force_next_to_where_the_ends_meet():
-    from stepwell.mechanism import law, pack
+    from stepwell.mechanism.law import law, pack
 
     cell = meeting(math.pi / 4)
     laws, row = pack([cell]), np.array([0, -1])

@@ -2,11 +2,11 @@
 
 # pyright: reportUnusedImport=false
 
-from stepwell.mechanism import sizes
+from stepwell.mechanism import elements, sizes
 from stepwell.mechanism.band import Band, Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
-from stepwell.mechanism.cubics import cubic, through, value
+from stepwell.mechanism.cubics import through, value
 from stepwell.mechanism.element import Element
 from stepwell.mechanism.elements import (
     LIBRARY,
@@ -46,7 +46,6 @@ from stepwell.mechanism.law import (
     largest,
     law,
     law_along,
-    pack,
     packed,
     pick_rows,
     smallest,
