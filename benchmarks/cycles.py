@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import stepwell as sw
-from stepwell.mechanism import pack
+from stepwell.mechanism.law import pack
 from stepwell.statics import SegmentKind
 
 # How many tables, points in each, and what is wanted of a cycle.
