@@ -3,8 +3,9 @@
 import os
 import signal
 import sys
+from collections.abc import Callable
 from io import TextIOWrapper
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,42 +16,54 @@ from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 from stepwell.cli.studies import atlas, sweep
 
+# The groups of `stepwell --help`, in this order: what a user comes for.
+_GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
+    "Understand a mechanism": (motion.run, map.map_, motion.graph, motion.program),
+    "Design one": (presets.new, presets.presets, design.design, design.reprogram),
+    "Real parts and measurements": (check.check, design.yield_, lab.commands),
+    "Robots": (robot.commands, walk.walk, walk.maze, viewer.export, viewer.view),
+    "Many designs": (sweep.commands, atlas.commands),
+    "Show and share": (studio.studio, figure.figure, motion.animate, replay.replay, demo.demo),
+    "Validation and installation": (paper.paper, paper.validate, schema.schema, doctor.doctor),
+}
+_NAMES = {
+    robot.commands: "robot",
+    lab.commands: "lab",
+    sweep.commands: "sweep",
+    atlas.commands: "atlas",
+}
+
+
+class _Grouped(Commands):
+    """All subcommands, in the order of their groups."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """The names of the commands as `--help` lists them."""
+        order = [_name(one) for commands in _GROUPS.values() for one in commands]
+        return sorted(self.commands, key=order.index)
+
+
+def _name(command: Callable[..., None] | typer.Typer) -> str:
+    if isinstance(command, typer.Typer):
+        return _NAMES[command]
+    return command.__name__.rstrip("_")
+
+
 app = typer.Typer(
-    cls=Commands,
+    cls=_Grouped,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich" if styled() else None,
     epilog=EXIT_CODES,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (
-    demo.demo,
-    motion.run,
-    map.map_,
-    motion.graph,
-    motion.program,
-    design.design,
-    design.yield_,
-    check.check,
-    design.reprogram,
-    presets.new,
-    presets.presets,
-    motion.animate,
-    replay.replay,
-    figure.figure,
-    paper.paper,
-    paper.validate,
-):
-    app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
-app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
-for command in (walk.walk, walk.maze, viewer.export, viewer.view):
-    app.command(name=command.__name__, epilog=EXIT_CODES)(command)
-app.add_typer(sweep.commands, name="sweep", epilog=EXIT_CODES)
-app.add_typer(atlas.commands, name="atlas", epilog=EXIT_CODES)
-app.command(epilog=EXIT_CODES)(studio.studio)
-app.add_typer(lab.commands, name="lab", epilog=EXIT_CODES)
-for command in (schema.schema, doctor.doctor):
-    app.command(name=command.__name__, epilog=EXIT_CODES)(command)
+for group, commands in _GROUPS.items():
+    for one in commands:
+        how = {"name": _name(one), "epilog": EXIT_CODES, "rich_help_panel": group}
+        if isinstance(one, typer.Typer):
+            app.add_typer(one, **how)
+        else:
+            app.command(**how)(one)
 
 
 def _version(wanted: bool) -> None:

@@ -31,6 +31,20 @@ EXIT_CODES = (
 class Commands(TyperGroup):
     """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands under the headings of their groups, as the boxes of a terminal do."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        width = formatter.width - 6 - max(map(len, self.commands))
+        for name in self.list_commands(ctx):
+            command = self.commands[name]
+            if not command.hidden:
+                heading = getattr(command, "rich_help_panel", None)
+                heading = heading if isinstance(heading, str) else "Commands"
+                groups.setdefault(heading, []).append((name, command.get_short_help_str(width)))
+        for heading, rows in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
     def invoke(self, ctx: Any) -> Any:
         """Run what was asked for."""
         try:
