@@ -59,7 +59,7 @@ app = typer.Typer(
 )
 for group, commands in _GROUPS.items():
     for one in commands:
-        how = {"name": _name(one), "epilog": EXIT_CODES, "rich_help_panel": group}
+        how: dict[str, Any] = {"name": _name(one), "epilog": EXIT_CODES, "rich_help_panel": group}
         if isinstance(one, typer.Typer):
             app.add_typer(one, **how)
         else:
