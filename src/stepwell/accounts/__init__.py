@@ -43,11 +43,14 @@ ACCOUNTS: dict[str, str] = {
     "MemoryReading": "graph",
     "Path": "run",
     "Program": "program",
+    "Reprogramming": "reprogram",
     "Run": "run",
     "Sequence": "graph",
+    "Survival": "survival",
     "TransitionGraph": "graph",
     "Unreachable": "program",
     "Walked": "walked",
+    "Yield": "yields",
 }
 
 

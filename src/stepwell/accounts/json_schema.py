@@ -23,7 +23,10 @@ KINDS = {
     "implicit_graph": "walked",
     "map": "map",
     "program": "program",
+    "reprogram": "reprogram",
     "run": "run",
+    "survival": "survival",
+    "yield": "yields",
 }
 
 

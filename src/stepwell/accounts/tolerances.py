@@ -6,6 +6,7 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from stepwell.accounts.account import Fact, Level
 from stepwell.accounts.shape import Shape
 from stepwell.base import Quantity, Schema, in_measure, number, percent, record
 from stepwell.mechanism import Chain
@@ -80,3 +81,12 @@ def sample_words(found: Yield | Survival) -> str:
     """How many samples were made, and within which tolerances."""
     count = f"{found.n:,}".replace(",", "\N{THIN SPACE}")
     return f"{count} samples with {tolerance_words(found.tolerances, found.chain)}"
+
+
+def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
+    """The facts that yields and survivals share."""
+    return (
+        Fact("Yield", yield_words(found)),
+        Fact("Successes", f"{found.successes} of {found.n}", Level.PAGE),
+        Fact("Samples", sample_words(found)),
+    )

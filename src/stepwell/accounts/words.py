@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stepwell.accounts.account import Level, Notes, Section, Warned
 from stepwell.accounts.assumptions import assumptions
 from stepwell.accounts.head import About
-from stepwell.base import counted, told_in
+from stepwell.base import Quantity, counted, number, told_in
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -30,6 +30,14 @@ def cells_of(chain: Chain) -> str:
 def listed(items: Sequence[str], most: int = LONGEST_IN_A_LINE) -> str:
     """Names in a line, the first of many."""
     return ", ".join(items[:most]) + f" and {len(items) - most} more" * (len(items) > most)
+
+
+def turning_points(points: Sequence[float], chain: Chain) -> str:
+    """Turning points of the drive, in SI, in a line."""
+    unit, factor = told_in(chain.drive_unit)
+    shown = " → ".join(number(point * factor) for point in points[:LONGEST_IN_A_LINE])
+    left = len(points) - LONGEST_IN_A_LINE
+    return f"{shown} {Quantity('', unit).sign}" + f" and {left} more" * (left > 0)
 
 
 def degenerate(ties: Iterable[Tie], chain: Chain | None) -> Warned:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from stepwell.accounts import Account
 from stepwell.design import Yield
-from stepwell.reports.write import Contents, Draw, design_text
+from stepwell.files import dumps
+from stepwell.reports.write import Content, Contents, Draw, design_text
 from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
-    from stepwell.design import Check
+    from stepwell.design import Check, Reprogramming, Survival
 
 # Samples that are drawn around the nominal design, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
@@ -37,6 +38,24 @@ def _check(found: Check, account: Account) -> Contents:
     )
 
 
+def _reprogramming(found: Reprogramming, _account: Account) -> Contents:
+    files: dict[str, Content] = {}
+    if found.chain_after is not None:
+        files["design.toml"] = dumps(found.chain_after)
+        if isinstance(found.displacement, tuple):
+            files["way.csv"] = found.to_csv
+    return Contents("reprogram", "reprogram.json", files)
+
+
+def _yield(found: Yield, account: Account) -> Contents:
+    files = {"design.toml": design_text(account), "yield.csv": found.to_csv}
+    return Contents("yield", "yield.json", files, _of_yield(found))
+
+
+def _survival(_found: Survival, account: Account) -> Contents:
+    return Contents("yield", "survival.json", {"design.toml": design_text(account)})
+
+
 def _of_yield(found: Yield) -> dict[str, Draw]:
     from stepwell import figures
 
@@ -50,4 +69,7 @@ def _of_yield(found: Yield) -> dict[str, Draw]:
 
 _CONTENTS: dict[str, Callable[..., Contents]] = {
     "Check": _check,
+    "Reprogramming": _reprogramming,
+    "Survival": _survival,
+    "Yield": _yield,
 }

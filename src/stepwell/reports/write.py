@@ -57,7 +57,10 @@ _CONTENTS = {
     "Check": "designs",
     "MapView": "chains",
     "Program": "chains",
+    "Reprogramming": "designs",
     "Run": "chains",
+    "Survival": "designs",
+    "Yield": "designs",
 }
 
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from stepwell.accounts import CALIBRATED
-from stepwell.base import REACH, record as record_of
+from stepwell.base import REACH
 from stepwell.cli.options import (
     Data,
     Design,
@@ -28,7 +27,7 @@ from stepwell.cli.options import (
     stiffness_of,
     tolerances as given,
 )
-from stepwell.cli.screen import answered, finish, progress, usable
+from stepwell.cli.screen import answered, finish, progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
@@ -269,8 +268,7 @@ def yield_(
     interval, what the others do, and the two cells that go wrong first. With --out, figures,
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
+    from stepwell.accounts import About, account
     from stepwell.design import survival, yields
 
     text, chain = read_chain(design)
@@ -288,22 +286,24 @@ def yield_(
     option = next((option for option, value in asked.items() if value), None)
     if program and option:
         raise typer.BadParameter("cannot stand with --program.", param_hint=option)
-    told = None
+    calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-        told = record_of(CALIBRATED, calibrated)
-    if program:
-        played = own(text, design)
-        points, start, ends = played.turning_points, played.start, played.to
-        with progress("yield") as tell:
-            kept = survival(
-                played.chain, points, ends, spread, start=start, n=samples, seed=seed, progress=tell
+    played = own(text, design) if program else None
+    states = wanted.split(",") if wanted and "," in wanted else None
+    with usable(design), progress("yield") as tell:
+        if played is not None:
+            found = survival(
+                played.chain,
+                played.turning_points,
+                played.to,
+                spread,
+                start=played.start,
+                n=samples,
+                seed=seed,
+                progress=tell,
             )
-        record = results.survival_record(kept, design=text, calibrated=told)
-        write = partial(reports.write_survival, kept, design=text, calibrated=told)
-    else:
-        states = wanted.split(",") if wanted and "," in wanted else None
-        with usable(design), progress("yield") as tell:
+        else:
             found = yields(
                 chain,
                 spread,
@@ -314,9 +314,7 @@ def yield_(
                 robust=robust,
                 progress=tell,
             )
-        record = results.yield_record(found, design=text, calibrated=told)
-        write = partial(reports.write_yield, found, design=text, calibrated=told)
-    finish(record, partial(texts.yields, chain=chain), as_json, out, force, write)
+    report(account(found, About(text, design, calibrated)), as_json, out, force)
 
 
 class Direction(NamedTuple):
@@ -386,8 +384,7 @@ def reprogram(
     anchor on the way: what an antenna must deliver. With --out, the design past the change,
     the way as CSV and the result as JSON are written into a folder.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
+    from stepwell.accounts import About, account
     from stepwell.design import reprogram
 
     if one_way and line is None:
@@ -397,10 +394,8 @@ def reprogram(
     ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
-    record = results.reprogram_record(found, design=text)
-    write = partial(reports.write_reprogramming, found, design=text)
-    finish(record, texts.reprogram, as_json, out, force, write)
-    answered(record["possible"])
+    report(account(found, About(text, design)), as_json, out, force)
+    answered(math.isfinite(found.distance))
 
 
 def wish(text: str) -> dict[str, Any]:
