@@ -19,6 +19,7 @@ _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
 # The kinds of records, and the file that has each.
 KINDS = {
     "check": "check",
+    "design": "design",
     "graph": "graph",
     "implicit_graph": "walked",
     "map": "map",

@@ -13,7 +13,7 @@ from stepwell.reports.write import Content, Contents, Draw, design_text
 from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
-    from stepwell.design import Check, Reprogramming, Survival
+    from stepwell.design import Check, Design, Reprogramming, Survival
 
 # Samples that are drawn around the nominal design, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
@@ -35,6 +35,17 @@ def _check(found: Check, account: Account) -> Contents:
         {"design.toml": design_text(account)},
         on_page=_of_yield(found.yield_) if isinstance(found.yield_, Yield) else {},
         motion=partial(replay, chain, title=chain.title) if plays else None,
+    )
+
+
+def _design(found: Design, account: Account) -> Contents:
+    from stepwell import figures
+
+    return Contents(
+        "design",
+        "design.json",
+        {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv},
+        {"force-plane": partial(figures.plot, found)},
     )
 
 
@@ -69,6 +80,7 @@ def _of_yield(found: Yield) -> dict[str, Draw]:
 
 _CONTENTS: dict[str, Callable[..., Contents]] = {
     "Check": _check,
+    "Design": _design,
     "Reprogramming": _reprogramming,
     "Survival": _survival,
     "Yield": _yield,

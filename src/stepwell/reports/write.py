@@ -55,6 +55,7 @@ class Contents:
 # Which file knows the contents of a class.
 _CONTENTS = {
     "Check": "designs",
+    "Design": "designs",
     "MapView": "chains",
     "Program": "chains",
     "Reprogramming": "designs",

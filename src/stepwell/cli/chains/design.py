@@ -4,7 +4,6 @@ import math
 import re
 from dataclasses import replace
 from enum import StrEnum
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
@@ -27,7 +26,7 @@ from stepwell.cli.options import (
     stiffness_of,
     tolerances as given,
 )
-from stepwell.cli.screen import answered, finish, progress, report, usable
+from stepwell.cli.screen import answered, progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
@@ -176,8 +175,7 @@ def design(
     --out, the design file, a figure of the forces that a cell can have, and the result as JSON
     are written into a folder.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import chains as texts
+    from stepwell.accounts import account
     from stepwell.design import PAPER_LEVER, Impossible, design, usual_box
 
     wanted = wish(target)
@@ -221,12 +219,10 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, chain, write = results.impossible_record(why), None, None
+        report(account(why), as_json)
+        answered(False)
     else:
-        record, chain = results.design_record(found), found.chain
-        write = partial(reports.write_design, found)
-    finish(record, partial(texts.design, chain=chain), as_json, out, force, write)
-    answered(record["possible"])
+        report(account(found), as_json, out, force)
 
 
 def yield_(

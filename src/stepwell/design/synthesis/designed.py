@@ -19,6 +19,7 @@ from stepwell.design.targets import Reached, Target, reached
 from stepwell.design.tolerances.draws import levers_of
 from stepwell.design.tolerances.yields import Critical, Yield
 from stepwell.mechanism import Chain, Element
+from stepwell.sequences import Cycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +28,7 @@ class Design(ByValue, Drawn):
 
     Attributes:
         chain: its cycle is verified by the engine, and where states were wanted, what it reaches.
-        sequence: that cycle.
-        loading, unloading: cells in the order in which they load and unload, 0 the innermost:
-            concave ones in ascending F0 and in descending F1, elements under a prescribed force
-            in those of their switching forces.
+        cycle: what it does.
         yield_: the share of built mechanisms that do what was wanted, and its tolerances.
         region: the pairs (F0, F1) [N] that a cell can have: closed curves (m, 2) round them, or
             where there are holes all of them.
@@ -43,9 +41,7 @@ class Design(ByValue, Drawn):
     """
 
     chain: Chain
-    sequence: str
-    loading: tuple[int, ...]
-    unloading: tuple[int, ...]
+    cycle: Cycle = field(repr=False)
     yield_: Yield
     region: tuple[Floats, ...] = field(repr=False)
     holes: float | None
@@ -53,6 +49,25 @@ class Design(ByValue, Drawn):
     proved: bool
     method: str
     standing: str = field(repr=False)
+
+    @property
+    def sequence(self) -> str:
+        """The states of the cycle."""
+        return str(self.cycle.sequence)
+
+    @property
+    def loading(self) -> tuple[int, ...]:
+        """Cells in the order in which they load, 0 the innermost.
+
+        Concave ones in ascending F0, elements under a prescribed force in that of their switching
+        forces.
+        """
+        return self.cycle.loading_order
+
+    @property
+    def unloading(self) -> tuple[int, ...]:
+        """Cells in the order in which they unload; concave ones in descending F1."""
+        return self.cycle.unloading_order
 
     @property
     def anchors(self) -> Floats:

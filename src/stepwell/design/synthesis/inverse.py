@@ -189,9 +189,7 @@ def design(
     tries.end()
     return Design(
         chain,
-        str(result.sequence),
-        result.loading_order,
-        result.unloading_order,
+        result,
         share,
         () if found is None else found.region(),
         holes,
@@ -221,9 +219,7 @@ def _of_elements(
     low, high = force_scale
     return Design(
         chain,
-        str(result.sequence),
-        result.loading_order,
-        result.unloading_order,
+        result,
         yields(chain, tolerances, n=n, seed=seed, wanted=counted),
         # All forces of an element grow together: a line from the least to the largest.
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
