@@ -12,7 +12,7 @@ from stepwell.accounts.assumptions import actuator_words
 from stepwell.accounts.head import About
 from stepwell.accounts.shape import Shape
 from stepwell.accounts.words import cells_of
-from stepwell.base import Quantity, Schema, counted, in_measure, record
+from stepwell.base import Columns, Quantity, Schema, counted, in_measure, record
 from stepwell.mechanism import Cell, Chain, Element
 
 
@@ -146,14 +146,19 @@ def _if_lever(quantity: Quantity) -> Quantity:
     )
 
 
-def cell_section(chain: Chain) -> Section:
-    """The cells of a chain, and the bands of those that have levers."""
-    schema = cell_schema(Shape.of(chain))
+def cell_columns(schema: Schema, chain: Chain) -> Columns:
+    """The columns of a table of cells, without those that have the same in every row."""
     useless = set[str]()
     if len({cell.mobility for cell in chain.cells}) == 1:
         useless.add("mobility")
     if not any(element.error_band for element in chain.elements):
         useless.add("error_band")
+    return [quantity for quantity in schema if quantity.name not in useless]
+
+
+def cell_section(chain: Chain) -> Section:
+    """The cells of a chain, and the bands of those that have levers."""
+    schema = cell_schema(Shape.of(chain))
     about = (
         "F0 and F1 are the forces along travel at state 0 and state 1, k the stiffness of the "
         "cell's stiffest band, r its lever, the peak θmax, where its energy is largest."
@@ -165,10 +170,10 @@ def cell_section(chain: Chain) -> Section:
             f"{force}; at these {force}s it goes up to the next phase and back down. It is stable "
             f"in the phases that hold without any {force}."
         )
-        if "error_band" not in useless:
+        if any(element.error_band for element in chain.elements):
             about += " ±: the largest deviation of measured points from the curve."
     cells = Table(
-        [q for q in schema if q.name not in useless],
+        cell_columns(schema, chain),
         lambda: [record(schema, one) for one in named(chain)],
         about,
         more="cells",

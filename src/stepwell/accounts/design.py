@@ -14,8 +14,9 @@ from stepwell.accounts.account import (
     Table,
     Text,
 )
-from stepwell.accounts.chain import BAND, actuator_schema, cell_schema, named
+from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About
+from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.shape import Shape
 from stepwell.accounts.tolerances import FORCE_PLANE, counted_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
@@ -141,7 +142,11 @@ def _design(found: Design, about: About) -> Account:
         answer=found.sequence if spelled else f"{len(chain)} cells in the target order",
         about=about,
         seed=found.yield_.seed,
-        facts=(*counted_facts(found.yield_), critical_fact(found.yield_)),
+        facts=(
+            *counted_facts(found.yield_),
+            critical_fact(found.yield_),
+            *(replace(fact, level=Level.PAGE) for fact in cycle_facts(found.cycle)),
+        ),
         warnings=[advised(found.yield_)],
         sections=(
             _cells(found),
@@ -160,7 +165,7 @@ def _design(found: Design, about: About) -> Account:
 def _cells(found: Design) -> Section:
     schema = built_schema(Shape.of(found.chain))
     table = Table(
-        schema,
+        cell_columns(schema, found.chain),
         lambda: [record(schema, one) for one in named(found.chain)],
         "" if found.chain.elements else "p is the anchor on the inner block, q on the outer block.",
         most=None,

@@ -23,8 +23,9 @@ from stepwell.accounts.words import (
     assumed,
     cells_of,
     degenerate,
+    turning_points,
 )
-from stepwell.base import Quantity, Schema, amount, counted, number, record
+from stepwell.base import Quantity, Schema, amount, counted, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
 KIND = "program/2"
@@ -121,7 +122,7 @@ def _program(program: Program, about: About) -> Account:
         answer=f"{program.start} to {program.to}: {ends}",
         about=about,
         facts=(
-            Fact("Turning points", _points(program)),
+            Fact("Turning points", turning_points(program.turning_points, chain)),
             Fact("Slack", _slack(program) if works else ""),
             Fact("States", spelled),
             Fact("Dissipated", amount(path.dissipated, "J", 3)),
@@ -138,14 +139,6 @@ def _program(program: Program, about: About) -> Account:
             assumed(chain),
         ),
     )
-
-
-def _points(program: Program) -> str:
-    points, shape = program.turning_points, Shape.of(program.chain)
-    quantity = Quantity("", shape.drive)
-    shown = " → ".join(number(p * quantity.factor) for p in points[:LONGEST_IN_A_LINE])
-    left = len(points) - LONGEST_IN_A_LINE
-    return f"{shown} {quantity.sign}" + f" and {left} more" * (left > 0)
 
 
 def _slack(program: Program) -> str:

@@ -102,7 +102,7 @@ def account(value: Run | Cycle | Path, about: About | None = None) -> Account:
             value,
             title,
             answer=_answer(cycle),
-            facts=_facts(cycle),
+            facts=cycle_facts(cycle),
             warnings=[degenerate(cycle.degenerate, cycle.chain)],
             sections=[event_section(cycle.chain, cycle.events, None)],
         )
@@ -123,7 +123,7 @@ def _run(run: Run, about: About) -> Account:
         answer=_answer(cycle),
         about=about,
         facts=(
-            *_facts(cycle),
+            *cycle_facts(cycle),
             Fact("Margin", margin_words(margin)),
             Fact("Landings", landings),
         ),
@@ -158,7 +158,8 @@ def _answer(cycle: Cycle) -> str:
     return f"{len(sequence)} states of {len(cycle.chain)} cells"
 
 
-def _facts(cycle: Cycle) -> list[Fact]:
+def cycle_facts(cycle: Cycle) -> list[Fact]:
+    """What a chain does in a full cycle."""
     chain = cycle.chain
     schema = cycle_schema(Shape.of(chain))
     found = record(schema, cycle)

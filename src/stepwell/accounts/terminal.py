@@ -109,7 +109,6 @@ def records(
     found: Sequence[Mapping[str, Any]],
     *,
     most: int | None = 40,
-    every: int = 1,
 ) -> list[Line]:
     """Records as a table; nothing where there are none.
 
@@ -118,7 +117,6 @@ def records(
         columns: what is shown of each record; quantities without a head are not.
         found: records of results.
         most: records of which rows are shown, None for all.
-        every: every k-th record is shown.
     """
     if not found:
         return []
@@ -126,7 +124,7 @@ def records(
     lines = table(
         title,
         [column.heading for column in kept],
-        [[column.cell(one) for column in kept] for one in found[:most:every]],
+        [[column.cell(one) for column in kept] for one in found[:most]],
         [k for k, column in enumerate(kept) if not column.numeric],
     )
     hidden = 0 if most is None else len(found) - most

@@ -14,12 +14,6 @@ wrote, and OSError where the folder cannot be written; nothing has changed then.
 from stepwell.reports.as_built import write_as_built
 from stepwell.reports.atlas import write_atlas
 from stepwell.reports.chains import boundary_rows, checked_suffix, write_graph
-from stepwell.reports.design import (
-    write_design,
-    write_reprogramming,
-    write_survival,
-    write_yield,
-)
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.measured import (
     write_band,
@@ -47,16 +41,12 @@ __all__ = [
     "write_calibration",
     "write",
     "write_comparison",
-    "write_design",
     "write_graph",
     "write_maze",
     "write_readings",
-    "write_reprogramming",
     "write_robot",
     "write_story",
     "write_study",
-    "write_survival",
     "write_sweep",
     "write_walk",
-    "write_yield",
 ]

@@ -8,19 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts import actuator_words, assumptions, head, simulation_assumptions, tie_notes
-from stepwell.results.design import (
-    SENSITIVITY,
-    built_schema,
-    design_record,
-    impossible_record,
-    reprogram_record,
-    survival_record,
-    tolerance_schema,
-    tolerance_words,
-    yield_record,
-)
 from stepwell.results.json_schema import schema_kinds, schema_of
-from stepwell.results.run import CELL, cell_schema
 
 if TYPE_CHECKING:
     from stepwell.results.atlas import (
@@ -60,21 +48,16 @@ if TYPE_CHECKING:
 __all__ = [
     "assumptions",
     "convergence_record",
-    "design_record",
     "head",
-    "impossible_record",
     "maze_record",
-    "reprogram_record",
     "robot_record",
     "schema_kinds",
     "schema_of",
     "simulation_assumptions",
     "atlas_record",
     "study_record",
-    "survival_record",
     "sweep_record",
     "walk_record",
-    "yield_record",
 ]
 
 

@@ -168,10 +168,9 @@ def show_records(
     records: Sequence[Mapping[str, Any]],
     *,
     most: int | None = 40,
-    every: int = 1,
 ) -> None:
     """Print records as a table, see `accounts.records`."""
-    _lines(accounts.records(title, columns, records, most=most, every=every))
+    _lines(accounts.records(title, columns, records, most=most))
 
 
 def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) -> None:

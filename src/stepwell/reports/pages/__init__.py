@@ -2,12 +2,6 @@
 
 from stepwell.reports.pages.as_built import as_built_page
 from stepwell.reports.pages.atlas import atlas_page
-from stepwell.reports.pages.designs import (
-    design_page,
-    reprogramming_page,
-    survival_page,
-    yield_page,
-)
 from stepwell.reports.pages.measured import (
     band_page,
     calibration_page,

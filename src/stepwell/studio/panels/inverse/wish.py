@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from stepwell import files
+from stepwell.accounts import account
 from stepwell.base import InputError
 from stepwell.design import USUAL, Tolerances, design as designed
-from stepwell.results import design_record
 from stepwell.studio.panels.motions import evaluated
 from stepwell.studio.wire import Ask, Design, View
 
@@ -46,7 +46,8 @@ def answer(_design: Design, ask: Ask) -> View:
     )
     tables = files.tables_in(files.dumps(found.chain))
     shown = evaluated(Design(tables), Ask())
-    return View({**design_record(found), "design": tables, "shown": shown.header}, shown.blocks)
+    header = {**account(found).record, "design": tables, "shown": shown.header}
+    return View(header, shown.blocks)
 
 
 def _wanted(ask: Ask) -> dict[str, Any]:

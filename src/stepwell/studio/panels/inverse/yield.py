@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from stepwell.accounts import account
 from stepwell.design import USUAL, Tolerances, Yield, judged, yields
-from stepwell.results import yield_record
 from stepwell.sequences import cycle
 from stepwell.studio.wire import Ask, Design, View
 
@@ -41,4 +41,4 @@ def answer(design: Design, ask: Ask) -> View:
 
 def _told(found: Yield, tied: bool) -> dict[str, Any]:
     verdict = judged(does_it=True, tied=tied, interval=found.interval)
-    return {**yield_record(found), "verdict": verdict}
+    return {**account(found).record, "verdict": verdict}
