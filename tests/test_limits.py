@@ -40,11 +40,11 @@ BANDS = f"[[chain.cell]]\nbands = [{BAND}, {BAND}]\n"
 
 
 def leg() -> sw.Chain:
-    return files.loads_chain(CHAIN)
+    return files.loads(CHAIN).chain
 
 
 def robot() -> sw.Robot:
-    return files.loads_robot(ROBOT)
+    return files.loads(ROBOT).robot
 
 
 def simulated(**changes) -> simulation.Settings:
@@ -53,38 +53,38 @@ def simulated(**changes) -> simulation.Settings:
 
 # Of each limit: its name, work that comes to this number, and the number.
 CASES = {
-    "a file's chain": ("cells", lambda: files.loads_chain(CHAIN), 2),
-    "the chain of a leg": ("cells", lambda: files.loads_robot(ROBOT), 2),
+    "a file's chain": ("cells", lambda: files.loads(CHAIN).chain, 2),
+    "the chain of a leg": ("cells", lambda: files.loads(ROBOT).robot, 2),
     "a chain": ("cells", lambda: sw.Chain([*leg().cells, *leg().cells]), 4),
-    "a file's bands": ("bands", lambda: files.loads_chain(BANDS), 2),
+    "a file's bands": ("bands", lambda: files.loads(BANDS).chain, 2),
     "a cell's bands": ("bands", lambda: sw.Cell(2 * leg().levers[0].bands), 2),
     "a load": (
         "rows",
-        lambda: files.loads_chain(f"[chain]\n{CELL}load_mm_N = [[0, 1], [5, 1], [9, 1]]"),
+        lambda: files.loads(f"[chain]\n{CELL}load_mm_N = [[0, 1], [5, 1], [9, 1]]").chain,
         3,
     ),
     "a law": (
         "rows",
-        lambda: files.loads_chain(f"[chain]\nband = {{ shape_mm = [[0, 0], [9, 9]] }}\n{CELL}"),
+        lambda: files.loads(f"[chain]\nband = {{ shape_mm = [[0, 0], [9, 9]] }}\n{CELL}").chain,
         2,
     ),
     "a program": (
         "turns",
-        lambda: files.loads_program(f"{CHAIN}[program]\nturning_points_mm = [0, 40, 0]"),
+        lambda: files.loads(f"{CHAIN}[program]\nturning_points_mm = [0, 40, 0]").program,
         3,
     ),
-    "a file's legs": ("legs", lambda: files.loads_robot(ROBOT), 2),
+    "a file's legs": ("legs", lambda: files.loads(ROBOT).robot, 2),
     "legs": ("legs", lambda: robot(), 2),
     "antennas": (
         "antennas",
-        lambda: files.loads_robot(
-            ROBOT + ANTENNA.format("a", "left") + ANTENNA.format("b", "right")
+        lambda: (
+            files.loads(ROBOT + ANTENNA.format("a", "left") + ANTENNA.format("b", "right")).robot
         ),
         2,
     ),
     "a file's supports": (
         "supports",
-        lambda: files.loads_robot(f"{ROBOT}[body]\nsupports_mm = [[-55, 0], [38, 45], [38, -45]]"),
+        lambda: files.loads(f"{ROBOT}[body]\nsupports_mm = [[-55, 0], [38, 45], [38, -45]]").robot,
         3,
     ),
     "supports": ("supports", Body, 3),
@@ -97,15 +97,17 @@ CASES = {
     ),
     "sources": (
         "sources",
-        lambda: files.loads_robot(
-            preset_text("robot-forward").split("[source]")[0]
-            + '[source]\npaper = ["foot.link_mm", "foot.span_mm", "foot.mass_g"]'
+        lambda: (
+            files.loads(
+                preset_text("robot-forward").split("[source]")[0]
+                + '[source]\npaper = ["foot.link_mm", "foot.span_mm", "foot.mass_g"]'
+            ).robot
         ),
         3,
     ),
     "a map": ("letters", lambda: files.loads_arena("cell 100 mm\n....\n.S.."), 8),
-    "a file's keys": ("keys", lambda: files.loads_chain(CHAIN), CHAIN.count("=")),
-    "a key": ("depth", lambda: files.loads_chain(CHAIN), 2),
+    "a file's keys": ("keys", lambda: files.loads(CHAIN).chain, CHAIN.count("=")),
+    "a key": ("depth", lambda: files.loads(CHAIN).chain, 2),
     "places": (
         "points",
         lambda: transition_map(leg(), x=np.linspace(0, 0.02, 3), y=np.linspace(0, 0.01, 2)),
@@ -273,13 +275,13 @@ def test_a_map_of_every_second_square_is_drawn_in_one_pass():
 @pytest.mark.parametrize("part", [".a", " . 'a.b'", '."a\\".b"'])
 def test_a_deep_key_is_refused_before_it_is_read(key, part):
     with pytest.raises(DesignError, match=r"line \d+: has 30001 names in one key: at most 100"):
-        files.loads_chain(CHAIN + key.format(30_000 * part))
+        files.loads(CHAIN + key.format(30_000 * part))
 
 
 def test_dots_that_are_no_keys_are_left_alone():
     dotted = ".".join(100 * ["a"])
     text = f"# {dotted}.{dotted}\ntitle = '{dotted}'\n{CHAIN.replace('title', '# title')}"
-    assert files.loads_chain(text).title == dotted
+    assert files.loads(text).chain.title == dotted
 
 
 def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypatch):
@@ -288,8 +290,8 @@ def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypa
     monkeypatch.setattr(wording, "nearest_word", lambda *args: asked.append("") or kept(*args))
     text = CHAIN + "".join(f"key_{i} = 1\n" for i in range(20_000))
     with pytest.raises(DesignError) as error:
-        files.loads_chain(text)
+        files.loads(text)
     assert str(error.value).endswith("and 19960 more like these.")
     assert len(asked) < 1200
     with pytest.raises(DesignError, match="cell: is missing"):
-        files.loads_chain("[chain]\n" + "".join(f"key_{i} = 1\n" for i in range(3000)))
+        files.loads("[chain]\n" + "".join(f"key_{i} = 1\n" for i in range(3000)))

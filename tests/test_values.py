@@ -165,7 +165,7 @@ def refused(kind, ask) -> Exception:
 
 
 ERRORS = {
-    DesignError: lambda: refused(DesignError, lambda: loads("[chain]")),
+    DesignError: lambda: refused(DesignError, lambda: loads("[chain]").subject),
     SlipError: lambda: refused(SlipError, lambda: sw.Cell(sw.Band((-10, 0), (10, 0)))),
     Impossible: lambda: Impossible("00>11", "why", proved=True, region=[np.zeros((2, 2))]),
     LabError: lambda: LabError("a.txt", "is none."),

@@ -91,23 +91,23 @@ def opened(told, browser: "Browser") -> Iterator["Opened"]:
 
 def test_it_says_what_the_engine_says(told):
     words = " ".join(told.words.split())
-    leg, other = (files.load_chain(told.folder / f"{n}.toml") for n in ("leg", "leg-reversed"))
+    leg, other = (files.load(told.folder / f"{n}.toml").chain for n in ("leg", "leg-reversed"))
     for chain in (leg, other):
         assert str(chain.cycle().sequence) in words
         assert f"{chain.margin().anchors[1] * 1e3:.4g} mm" in words
     assert str(leg.cycle().sequence) != str(other.cycle().sequence)
-    wish = files.load_chain(told.folder / "wish.toml")
+    wish = files.load(told.folder / "wish.toml").chain
     assert str(wish.cycle().sequence) == steps._WISH
     built = wish.yields(sw.Tolerances(anchor=1e-3, stiffness=0.05))
     assert f"Of {built.n:,} built" in words and f"{built.successes:,} do it too" in words
-    turning = files.load_robot(told.folder / "robot-turning.toml").walk(cycles=steps._CYCLES)
+    turning = files.load(told.folder / "robot-turning.toml").robot.walk(cycles=steps._CYCLES)
     assert f"{np.degrees(turning.turn[1:].mean()):.3g}°" in words
     assert turning.turn[1:].mean() > np.radians(10)
 
 
 def test_the_fingers_program_puts_up_one_finger_alone(told):
-    hand = files.load_chain(told.folder / "fingers.toml")
-    plan = files.load_program(told.folder / "fingers.toml")
+    hand = files.load(told.folder / "fingers.toml").chain
+    plan = files.load(told.folder / "fingers.toml").program
     assert plan is not None
     program = plan.on(hand)
     up = [name for name, state in zip(hand.names, program.to, strict=True) if state == "1"]

@@ -73,7 +73,7 @@ def test_every_key_of_a_design_file_is_documented():
 
 def test_the_documented_defaults_of_a_robot_are_the_ones_that_hold():
     text = page("design-files").split("\n## Robots\n")[1].split("\n## ")[0]
-    robot = files.loads(preset_of_defaults())
+    robot = files.loads(preset_of_defaults()).robot
     table = ""
     rows: dict[tuple[str, str], str] = {}
     for cells in (row.split(" | ") for row in re.findall(r"^\| (.*) \|$", text, re.M)):
@@ -263,7 +263,7 @@ def test_every_design_on_the_page_that_is_not_called_wrong_loads(tmp_path):
             if title == "arena.toml":
                 assert files.loads_arena(body).walls
                 continue
-            design = files.load(tmp_path / title)
+            design = files.load(tmp_path / title).subject
             chains = [design] if isinstance(design, Chain) else [leg.chain for leg in design.legs]
             assert all(chain.cycle().sequence for chain in chains)
 

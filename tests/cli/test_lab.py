@@ -91,8 +91,8 @@ def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     for words in ("one more band, 95 %", "Used and dropped", "by window", "(chosen)", "Work lost"):
         assert words in result.stdout
     text = (tmp_path / "band" / "band.toml").read_text("utf-8")
-    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")
-    (band,) = chain.cells[0].bands
+    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
+    (band,) = chain.levers[0].bands
     assert band.stiffness == pytest.approx(28.5, abs=0.1)
     assert band.rest_length == pytest.approx(0.010, abs=2e-4)
     names = sorted(written(tmp_path / "band"))
@@ -172,8 +172,8 @@ def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
     for words in ("by leaving out a geometry", "left out", "Not told apart", "For a design file"):
         assert words in result.stdout
     text = (tmp_path / "fit" / "band.toml").read_text("utf-8")
-    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")
-    assert chain.cells[0].bands[0].stiffness == pytest.approx(28.5, rel=0.05)
+    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
+    assert chain.levers[0].bands[0].stiffness == pytest.approx(28.5, rel=0.05)
     record = json.loads(stepwell("lab", "calibrate", "data", "--json").stdout)
     assert record["schema"] == "stepwell.lab.calibrate/1"
     # Three unit cells, and both cells of a pair.

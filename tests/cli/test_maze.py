@@ -6,7 +6,7 @@ import pytest
 import xarray
 
 from cli.folders import written
-from stepwell.files import arenas, load_arena, load_robot, preset_text
+from stepwell.files import arenas, load, load_arena, preset_text
 
 WRITTEN = {"arena.toml", "maze.json", "report.html", "robot.toml", "walk.nc"} | {
     f"{name}{kind}" for name in ("maze", "timeline") for kind in (".png", ".svg")
@@ -44,7 +44,7 @@ def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option):
     assert all(change["after"] != "00>01>11>10>00" for change in record["changes"])
     assert not any(antenna["connected"] for antenna in record["antennas"])
     # The design beside the results is the one that was simulated.
-    written = load_robot(tmp_path / "out" / "robot.toml")
+    written = load(tmp_path / "out" / "robot.toml").robot
     assert [one.connected for one in written.antennas] == [False] * len(record["antennas"])
 
 

@@ -12,12 +12,12 @@ def test_new_copies_a_design_with_its_comments(stepwell, tmp_path):
     assert result.exit_code == 0
     assert result.stdout == "Wrote leg.toml. Next: stepwell run leg.toml\n"
     assert (tmp_path / "leg.toml").read_text("utf-8") == preset_text("paper-via-10")
-    assert load(tmp_path / "leg.toml") == preset("paper-via-10")
+    assert load(tmp_path / "leg.toml").subject == preset("paper-via-10")
 
 
 def test_new_starts_from_the_forward_leg_unless_told_otherwise(stepwell, tmp_path):
     stepwell("new", "leg.toml")
-    assert load(tmp_path / "leg.toml") == preset("paper-forward")
+    assert load(tmp_path / "leg.toml").subject == preset("paper-forward")
 
 
 def test_new_replaces_a_file_only_by_force(stepwell, tmp_path):
@@ -27,7 +27,7 @@ def test_new_replaces_a_file_only_by_force(stepwell, tmp_path):
     assert "leg.toml: exists: choose another name, or pass --force" in result.output
     assert (tmp_path / "leg.toml").read_text() == "mine"
     assert stepwell("new", "leg.toml", "--force").exit_code == 0
-    assert load(tmp_path / "leg.toml") == preset("paper-forward")
+    assert load(tmp_path / "leg.toml").subject == preset("paper-forward")
 
 
 @pytest.mark.parametrize(

@@ -45,11 +45,11 @@ def test_the_number_of_a_cell_without_a_name_is_the_number_that_means_it():
 
 def test_an_antennas_cell_counts_from_1_in_a_file_and_from_0_in_python():
     text = preset_text("robot-antennas")
-    robot = loads(text.replace('cell = "inner"', "cell = 1"))
+    robot = loads(text.replace('cell = "inner"', "cell = 1")).robot
     assert [antenna.cell for antenna in robot.antennas] == [0, 0]
-    assert loads(text) == sw.preset("robot-antennas")
+    assert loads(text).subject == sw.preset("robot-antennas")
     assert "cell = 1\n" in dumps(robot)
-    assert loads(dumps(robot)) == robot
+    assert loads(dumps(robot)).subject == robot
     with pytest.raises(DesignError, match="or its number, 1 for the innermost"):
         loads(text.replace('cell = "inner"', "cell = 0"))
 

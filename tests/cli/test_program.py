@@ -85,7 +85,7 @@ def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(step
     assert float(rows[1]["low_mm"]) == pytest.approx(record["turns"][0]["low_mm"])
     text = (out / "design.toml").read_text("utf-8")
     assert text.startswith(files.preset_text("paper-forward").rstrip("\n"))
-    assert files.loads_chain(text) == sw.load("forward.toml")
+    assert files.loads(text).chain == sw.load("forward.toml")
 
 
 def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):

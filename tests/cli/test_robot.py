@@ -158,7 +158,7 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
 
 
 def test_the_viewers_command_is_the_one_that_walks(stepwell):
-    robot = files.load_robot("preset:robot-forward")
+    robot = files.load("preset:robot-forward").robot
     settings = Settings()
     model, data = viewer.model(robot, None)
     control = viewer.command(robot, settings.settle)

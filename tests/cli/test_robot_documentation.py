@@ -33,7 +33,7 @@ def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
 
 @pytest.fixture(scope="module")
 def records():
-    robot, cylinder = files.load_robot("preset:robot-explorer"), files.load_arena("cylinder")
+    robot, cylinder = files.load("preset:robot-explorer").robot, files.load_arena("cylinder")
     # With one antenna a prediction has all the names that it has with two, in half the time.
     return [
         results.robot_record(robot, replace(robot, antennas=robot.antennas[:1]).predict()),

@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 from cli.folders import written
-from stepwell.files import load_robot, preset_text
+from stepwell.files import load, preset_text
 
 FIGURES = {
     f"{name}{kind}" for name in ("contacts", "gait", "trajectory") for kind in (".png", ".svg")
@@ -149,7 +149,7 @@ def test_wrong_usage_is_told_in_a_line(stepwell, arguments, message):
 def test_a_file_of_the_users_counts_before_a_preset_of_that_name(stepwell, tmp_path):
     (tmp_path / "robot-forward").write_text(preset_text("robot-backward"), "utf-8")
     record = json.loads(stepwell("walk", "robot-forward", "--cycles", 2, "--json").stdout)
-    assert record["title"] == load_robot("preset:robot-backward").title
+    assert record["title"] == load("preset:robot-backward").robot.title
     assert record["mean_advance_over_u_max"] < 0
 
 

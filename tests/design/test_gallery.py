@@ -28,7 +28,7 @@ def state_of(chain: sw.Chain, travels) -> str:
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_program_in_the_file_ends_where_the_file_says(name):
-    chain, plan = sw.preset(name), files.load_program(f"preset:{name}")
+    chain, plan = sw.preset(name), files.load(f"preset:{name}").program
     assert plan is not None
     path = chain.path(plan.turning_points, start=plan.start)
     assert state_of(chain, path.end) == plan.ends
@@ -38,7 +38,7 @@ def test_the_program_in_the_file_ends_where_the_file_says(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MACHINES)
 def test_ninety_five_of_a_hundred_built_with_care_do_it(name):
-    chain, plan = sw.preset(name), files.load_program(f"preset:{name}")
+    chain, plan = sw.preset(name), files.load(f"preset:{name}").program
     assert plan is not None and plan.ends is not None
     made = survival(chain, plan.turning_points, plan.ends, CAREFUL, start=plan.start, n=200)
     assert made.interval[0] > 0.95
@@ -52,7 +52,7 @@ def test_the_finger_selector_leaves_only_finger_k_up():
 
 
 def test_the_lock_opens_for_one_order_of_its_four_turning_points():
-    lock, plan = sw.preset("combination-lock"), files.load_program("preset:combination-lock")
+    lock, plan = sw.preset("combination-lock"), files.load("preset:combination-lock").program
     assert plan is not None
     first, *points = plan.turning_points
     assert len(points) == 4

@@ -35,7 +35,7 @@ _WALKS = MappingProxyType({"robot-antennas": "wall", "robot-explorer": "wall"})
 _CHAIN = """chain = sw.preset("{name}")
 print(chain.cycle())
 """
-_PLAN = """plan = sw.files.load_program("preset:{name}")
+_PLAN = """plan = sw.files.load("preset:{name}").program
 print(plan.on(chain))
 """
 _ROBOT = """robot = sw.preset("{name}")
@@ -65,7 +65,7 @@ def computed(name: str) -> Machine:
     """What a preset does: its lines of Python are run, and what they print is kept."""
     text = files.preset_text(name)
     design = sw.preset(name)
-    plan = files.load_program(f"preset:{name}") if isinstance(design, Chain) else None
+    plan = files.load(f"preset:{name}").program if isinstance(design, Chain) else None
     if isinstance(design, Chain):
         kind = "chain"
         code, options = _CHAIN + (_PLAN if plan else ""), ""

@@ -54,7 +54,7 @@ def test_a_page_can_be_read_at_every_width_with_any_number_of_cells(count, width
 @pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_a_robot_can_be_read_at_every_width(width):
-    robot = files.load_robot("preset:robot-explorer")
+    robot = files.load("preset:robot-explorer").robot
     panels = [partial(figures.robot_drawing, robot), partial(figures.prediction, robot.predict())]
     figure = figures.compose(panels, width=width)
     assert [each for part in figure.subfigs for each in untidy(part, 6.0)] == []

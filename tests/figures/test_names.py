@@ -82,7 +82,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
 
 def of_robots(name: str) -> Iterator[partial[object]]:
     """Every figure of a robot, with its names."""
-    robot = files.load_robot("preset:robot-explorer")
+    robot = files.load("preset:robot-explorer").robot
     legs = [replace(leg, name=name + leg.name, chain=named(leg.chain, name)) for leg in robot.legs]
     antennas = [replace(a, name=name + a.name, leg=name + a.leg, cell=0) for a in robot.antennas]
     robot = replace(robot, legs=legs, antennas=antennas, title=name)

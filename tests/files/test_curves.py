@@ -174,7 +174,7 @@ def test_options_that_do_not_go_together_are_refused(written):
 def test_a_design_may_name_a_csv_file_beside_it(written, form):
     written(CSV)
     written(CELL.format(f"{form}_csv"), "chain.toml")
-    chain = load("chain.toml")
+    chain = load("chain.toml").chain
     assert chain.cells == (load_element("dome.csv", form=form, stops=True),)
 
 
@@ -183,20 +183,20 @@ def test_the_text_of_a_design_holds_the_numbers_and_all_else_as_it_was(written):
     written(CELL.format("points_csv"), "chain.toml")
     numbers = "points = { travel_mm = [0, 1, 3, 5], force_N = [0, 1, -1, 1.5] }"
     assert text_of("chain.toml") == CELL.format("x").replace('x = "dome.csv"', numbers)
-    assert loads(text_of("chain.toml")) == load("chain.toml")
+    assert loads(text_of("chain.toml")).subject == load("chain.toml").subject
 
 
 def test_a_name_in_other_text_or_in_a_comment_names_no_file(written):
     written(CSV)
     said = "'# table_csv = \"none.csv\"'"
     written(f'title = {said} # points_csv = "none.csv"\n{CELL.format("table_csv")}', "chain.toml")
-    assert load("chain.toml").title == said.strip("'")
+    assert load("chain.toml").subject.title == said.strip("'")
 
 
 def test_a_curve_that_folds_back_may_come_from_a_file(written):
     written("travel_mm,force_N\n0,0\n4,1\n2,-1\n6,2\n")
     written(CELL.format("curve_csv"), "chain.toml")
-    (element,) = load("chain.toml").cells
+    (element,) = load("chain.toml").chain.elements
     assert element == load_element("dome.csv", form="curve", stops=True)
     assert len(element.sheets) == 2
 
@@ -211,7 +211,7 @@ def test_bands_have_laws_from_files_too(written):
         'table_csv = "stiff.csv" } ]',
         "chain.toml",
     )
-    soft, stiff = load("chain.toml").cells[0].bands
+    soft, stiff = load("chain.toml").chain.levers[0].bands
     wanted = [0, 0.010, 0.020, 0.040], [0, 0.31, 0.55, 1.2]
     assert soft == sw.Band.from_table((-0.010, 0), (0.020, 0), 0.008, *wanted)
     wanted = [0, 0.010, 0.030], [0, 0.5, 1.6]
@@ -243,7 +243,7 @@ def test_a_design_reads_no_file_outside_its_folder(written, tmp_path, name):
 def test_a_file_in_a_folder_below_is_read(written):
     written(CSV, "below/dome.csv")
     written(CELL.format("table_csv").replace("dome.csv", "below/dome.csv"), "chain.toml")
-    assert load("chain.toml").cells[0].high == 5e-3
+    assert load("chain.toml").chain.cells[0].high == 5e-3
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ q_mm = [20, 0]
 
 
 def only_cell(text: str, shared: str = "") -> Cell:
-    (cell,) = loads(f"[chain]\n{shared}\n[[chain.cell]]\n{textwrap.dedent(text)}").cells
+    (cell,) = loads(f"[chain]\n{shared}\n[[chain.cell]]\n{textwrap.dedent(text)}").chain.levers
     return cell
 
 
@@ -47,17 +47,21 @@ def test_the_forward_leg_of_the_documentation_reads_as_it_is_meant():
         ),
         title="Forward-walking leg",
     )
-    assert loads(FORWARD) == expected
+    assert loads(FORWARD).subject == expected
 
 
 def test_a_file_reads_like_its_text(tmp_path):
     (tmp_path / "forward.toml").write_text(FORWARD)
-    assert load(tmp_path / "forward.toml") == load(str(tmp_path / "forward.toml")) == loads(FORWARD)
+    assert (
+        load(tmp_path / "forward.toml").subject
+        == load(str(tmp_path / "forward.toml")).subject
+        == loads(FORWARD).subject
+    )
 
 
 def test_windows_line_ends_and_byte_order_marks_change_nothing(tmp_path):
     (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbf" + FORWARD.replace("\n", "\r\n").encode())
-    assert load(tmp_path / "a.toml") == loads(FORWARD)
+    assert load(tmp_path / "a.toml").subject == loads(FORWARD).subject
 
 
 def test_what_a_file_leaves_out_is_the_papers_cell():
@@ -171,6 +175,6 @@ def test_a_mobility_past_its_ends_is_refused(given):
 
 @pytest.mark.parametrize(("text", "stiffness"), [("0", 0.0), ("35.5", 35.5), ('"rigid"', math.inf)])
 def test_the_actuator_is_a_force_a_spring_or_rigid(text, stiffness):
-    chain = loads(FORWARD.replace("[chain]", f"[chain]\nactuator_stiffness_N_per_m = {text}"))
+    chain = loads(FORWARD.replace("[chain]", f"[chain]\nactuator_stiffness_N_per_m = {text}")).chain
     assert chain.actuator_stiffness == stiffness
-    assert loads(FORWARD).actuator_stiffness == math.inf
+    assert loads(FORWARD).chain.actuator_stiffness == math.inf

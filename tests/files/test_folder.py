@@ -292,7 +292,7 @@ def test_no_writer_adds_a_file_that_the_look_beforehand_does_not_know(tmp_path):
 
 def test_the_manifest_holds_what_anyone_can_check(tmp_path):
     out = tmp_path / "out"
-    chain = files.load("preset:paper-forward")
+    chain = files.load("preset:paper-forward").subject
     record = {"design_sha256": files.digest(files.dumps(chain)), "seed": 7}
     with staged_folder(out, "yield", record) as draft:
         files.write_atomic(draft / "design.toml", files.dumps(chain))

@@ -305,7 +305,7 @@ def test_names_that_a_terminal_cannot_show_are_escaped():
 
 
 def test_a_preset_is_a_design_too_and_a_wrong_name_is_answered_with_the_nearest():
-    assert load("preset:paper-forward") == preset("paper-forward")
+    assert load("preset:paper-forward").subject == preset("paper-forward")
     with pytest.raises(DesignError) as caught:
         load("preset:paper-foward")
     assert str(caught.value) == ("preset paper-foward: no such design. Did you mean paper-forward?")

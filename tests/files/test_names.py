@@ -11,7 +11,7 @@ import stepwell as sw
 from stepwell import lab
 from stepwell.design import Tolerances, parameter_boundaries, yields
 from stepwell.lab.recordings.recording import Recording
-from stepwell.results import boundary_rows
+from stepwell.reports import boundary_rows
 from stepwell.simulation.sweeps import Sweep, Trial
 
 HOSTILE = ["a,b", 'say "x"', "two\nlines", "=1+1", "a_b", "a b", "'", "\r", "; |", "$\\frac$", ""]

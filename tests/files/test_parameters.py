@@ -261,4 +261,4 @@ def test_several_bands_and_measured_laws_have_paths():
 def loads_back(robot: Robot) -> Robot:
     from stepwell.files import dumps
 
-    return loads(dumps(robot))
+    return loads(dumps(robot)).robot

@@ -10,10 +10,8 @@ from stepwell.files import (
     DesignError,
     WrittenProgram,
     dumps,
-    load_program,
+    load,
     loads,
-    loads_chain,
-    loads_program,
     preset,
     preset_text,
     presets,
@@ -30,40 +28,40 @@ CHAINS = [name for name in presets() if not name.startswith("robot-")]
 
 def answer(table: str, text: str = WAVE) -> str:
     with pytest.raises(DesignError) as caught:
-        loads_chain(f"{text}\n{table}", "wave.toml")
+        loads(f"{text}\n{table}", "wave.toml")
     with pytest.raises(DesignError) as again:
-        loads_program(f"{text}\n{table}", "wave.toml")
+        loads(f"{text}\n{table}", "wave.toml")
     assert str(again.value) == str(caught.value)
     return str(caught.value)
 
 
 def test_a_program_is_read_in_si():
-    program = loads_program(f"{WAVE}\n{TABLE}")
+    program = loads(f"{WAVE}\n{TABLE}").program
     assert program == WrittenProgram("000", (0.0, 0.045, 0.020), "010")
 
 
 def test_start_is_all_at_0_and_ends_is_open_by_default():
-    program = loads_program(f"{WAVE}\n[program]\nturning_points_mm = [0, 60, 0]")
+    program = loads(f"{WAVE}\n[program]\nturning_points_mm = [0, 60, 0]").program
     assert program == WrittenProgram("000", (0.0, 0.060, 0.0), None)
 
 
 def test_a_file_without_the_table_has_no_program(tmp_path):
     (tmp_path / "wave.toml").write_text(WAVE, "utf-8")
-    assert load_program(tmp_path / "wave.toml") is None
+    assert load(tmp_path / "wave.toml").program is None
 
 
 def test_the_chain_is_the_same_with_and_without_a_program():
-    assert loads(f"{WAVE}\n{TABLE}") == loads(WAVE)
+    assert loads(f"{WAVE}\n{TABLE}").subject == loads(WAVE).subject
 
 
 def test_under_force_control_turning_points_are_forces():
     text = preset_text("force-control") + "\n[program]\nturning_points_N = [0, 0.7, -0.5]\n"
-    assert loads_program(text) == WrittenProgram("00", (0.0, 0.7, -0.5))
+    assert loads(text).program == WrittenProgram("00", (0.0, 0.7, -0.5))
 
 
 def test_a_compliant_actuator_turns_at_positions_past_the_stops():
     text = preset_text("compliant-actuator") + "\n[program]\nturning_points_mm = [0, 70, -20]\n"
-    assert loads_program(text) == WrittenProgram("00", (0.0, 0.070, -0.020))
+    assert loads(text).program == WrittenProgram("00", (0.0, 0.070, -0.020))
 
 
 @pytest.mark.parametrize(
@@ -150,14 +148,14 @@ def test_a_robot_holds_no_program():
     with pytest.raises(DesignError, match="program: unknown key"):
         loads(f"{robot}\n{TABLE}")
     with pytest.raises(DesignError, match="is a robot, and this needs a chain"):
-        loads_program(robot)
+        _ = loads(robot).chain
 
 
 def test_a_program_is_written_and_reads_back(tmp_path):
     chain, program = preset("three-wave"), WrittenProgram("000", (0.0, 0.0451, 0.020), "010")
     save(chain, tmp_path / "wave.toml", program=program)
-    assert load_program(tmp_path / "wave.toml") == program
-    assert loads(dumps(chain, program=program)) == chain
+    assert load(tmp_path / "wave.toml").program == program
+    assert loads(dumps(chain, program=program)).subject == chain
 
 
 def test_only_a_chain_is_written_with_a_program():
@@ -177,7 +175,7 @@ def test_any_program_reads_back_to_the_last_bit(chain, points, data):
     if math.isinf(chain.actuator_stiffness):
         points = [abs(point) * chain.full_stroke for point in points]
     program = WrittenProgram(start, (begin, *points), ends)
-    assert loads_program(dumps(chain, program=program)) == program
+    assert loads(dumps(chain, program=program)).program == program
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -187,9 +185,9 @@ def test_another_program_leaves_the_rest_of_the_file_as_it_was(name):
     second = replace(first, turning_points=(0.0, 0.001))
     once = with_program(text, first)
     assert once.startswith(text.partition("[program]")[0].rstrip("\n"))
-    assert loads_program(once) == first
+    assert loads(once).program == first
     assert with_program(with_program(once, second), first) == once
-    assert loads(once) == chain
+    assert loads(once).subject == chain
 
 
 @pytest.mark.parametrize(
@@ -207,8 +205,8 @@ def test_another_program_leaves_the_rest_of_the_file_as_it_was(name):
 def test_a_program_replaces_the_one_that_stood_there_in_whatever_form(old):
     program = WrittenProgram("000", (0.0, 0.040), "110")
     new = with_program(old, program)
-    assert loads_program(new) == program
-    assert loads(new) == loads(WAVE)
+    assert loads(new).program == program
+    assert loads(new).subject == loads(WAVE).subject
     assert new.count("turning_points_mm") == 1
     assert ("what is said" in new) == ("what is said" in old)
 

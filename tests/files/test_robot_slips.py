@@ -45,17 +45,17 @@ def test_a_slip_in_a_robots_file_is_answered_with_its_key(key, value, place, mea
 
 def test_a_robot_that_is_unusual_says_so_in_its_file():
     text = with_line("mass_g", "mass_g = 9000")
-    odd = loads(f"unusual = true\n{text}")
+    odd = loads(f"unusual = true\n{text}").subject
     assert odd.unusual
     assert dumps(odd).startswith(("unusual = true", "title = ")) and "unusual = true" in dumps(odd)
-    assert loads(dumps(odd)) == odd
+    assert loads(dumps(odd)).subject == odd
 
 
 def test_what_the_program_makes_of_a_robot_is_never_asked():
     robot = sw.preset("robot-antennas")
     heavy = replace(robot, body=replace(robot.body, mass=9.0))
     assert not heavy.unusual
-    assert loads(dumps(heavy)) == heavy
+    assert loads(dumps(heavy)).subject == heavy
     assert "unusual" not in dumps(robot)
 
 

@@ -6,15 +6,7 @@ from typing import Any
 
 import pytest
 
-from stepwell.files import (
-    DesignError,
-    loads,
-    loads_program,
-    loads_tables,
-    preset_text,
-    presets,
-    tables_in,
-)
+from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
 
 FORWARD = tables_in(preset_text("paper-forward"))
 
@@ -22,10 +14,11 @@ FORWARD = tables_in(preset_text("paper-forward"))
 @pytest.mark.parametrize("name", presets())
 def test_every_design_survives_json(name: str):
     text = preset_text(name)
-    design, program = loads_tables(json.loads(json.dumps(tables_in(text), allow_nan=False)), name)
-    assert design == loads(text, name)
+    file = loads_tables(json.loads(json.dumps(tables_in(text), allow_nan=False)), name)
+    design, program = file.subject, file.program
+    assert design == loads(text, name).subject
     if not name.startswith("robot-"):
-        assert program == loads_program(text, name)
+        assert program == loads(text, name).program
 
 
 def changed(**keys: Any) -> dict[str, Any]:

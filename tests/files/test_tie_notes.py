@@ -2,8 +2,9 @@
 
 from dataclasses import replace
 
+from stepwell.accounts import tie_notes
+
 import stepwell as sw
-from stepwell.results.head import tie_notes
 
 FIRST, SECOND = sw.preset("paper-forward").cells
 

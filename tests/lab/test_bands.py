@@ -173,8 +173,8 @@ def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension
     text = lab.band_table(test, lab.stiffness(test), choice, law, "my bands")
     assert text.startswith("# From my bands, by stepwell ")
     assert "Samples 1, 2, 3, cycles 5 to 9, loading, 5 to 35 mm of stroke." in text
-    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")
-    (band,) = chain.cells[0].bands
+    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
+    (band,) = chain.levers[0].bands
     stroke = np.linspace(0.006, 0.034, 9)
     fitted = choice.named(law).fitted.tension(stroke)
     assert band.tension(0.0213 + stroke) == pytest.approx(fitted, abs=0.006)

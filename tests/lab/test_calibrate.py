@@ -126,8 +126,8 @@ def test_recordings_are_calibrated_from_end_to_end(tmp_path):
     assert found["loss"].value == pytest.approx(0.2, abs=0.05)
     assert found.mean_error(1) < 0.02
     text = lab.calibrated_table(found, "my cells")
-    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")
-    (band,) = chain.cells[0].bands
+    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
+    (band,) = chain.levers[0].bands
     assert band.stiffness == pytest.approx(found["stiffness_1"].value, rel=1e-4)
     assert "Not in this table: going back, a band pulls less by" in text
 

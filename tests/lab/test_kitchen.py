@@ -300,10 +300,10 @@ def test_the_band_of_a_table_goes_into_a_design_for_one_and_for_two_bands_and_ru
     anchors = "p_mm = [-10, 0]\nq_mm = [20, 0]"
     twice = "bands = [{ p_mm = [-10, 0], q_mm = [20, 0] }, { p_mm = [-10, 0], q_mm = [20, 0] }]"
     texts = [f"[chain]\n{told['table']}[[chain.cell]]\n{cell}\n" for cell in (anchors, twice)]
-    one, two = (files.loads(text, "leg.toml") for text in texts)
+    one, two = (files.loads(text, "leg.toml").chain for text in texts)
     theta = np.linspace(-0.7, 0.7, 15)
-    assert two.cells[0].force(theta) == pytest.approx(2 * one.cells[0].force(theta), rel=1e-12)
-    (band,) = one.cells[0].bands
+    assert two.levers[0].force(theta) == pytest.approx(2 * one.levers[0].force(theta), rel=1e-12)
+    (band,) = one.levers[0].bands
     extension = np.linspace(0.006, 0.030, 9)
     near = 0.02 if law != "neo-Hookean" else 0.25
     assert band.tension(0.010 + extension) == pytest.approx(shape(extension), rel=near, abs=0.02)

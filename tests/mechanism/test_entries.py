@@ -67,4 +67,4 @@ def test_a_change_of_one_element_in_the_studio_makes_no_other_again(monkeypatch)
     )  # fmt: skip
     changed = re.sub(r"thickness_mm = [\d.]+", "thickness_mm = 0.777", design, count=1)
     assert changed != design
-    assert len(files.loads(changed).cells) == 3 and len(made) == 1
+    assert len(files.loads(changed).chain.cells) == 3 and len(made) == 1

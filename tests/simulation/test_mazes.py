@@ -7,7 +7,7 @@ import pytest
 
 from simulation.robots import FORWARD, explorer, robot
 from sizes import SIZE
-from stepwell.files import load_robot
+from stepwell.files import load
 from stepwell.robot import Arena, Cylinder, Goal, Wall, other_start
 from stepwell.simulation import Outcome, Settings, maze
 
@@ -103,7 +103,7 @@ def test_from_some_starts_the_second_of_two_cylinders_in_a_row_is_met_too():
     # From straight behind the first it is never met: the robot has turned away for good.
     row = (Cylinder((0.36, 0.0)), Cylinder((0.86, 0.0)))
     aside = Arena((), row, start=(0.0, -0.160), heading=math.radians(6))
-    both = maze(load_robot("preset:robot-antennas"), aside, limit=100.0)
+    both = maze(load("preset:robot-antennas").robot, aside, limit=100.0)
     first, second = both.touched["cylinder 1"], both.touched["cylinder 2"]
     assert first is not None
     assert second is not None
@@ -118,7 +118,7 @@ def test_a_corridor_of_600_mm_that_bends_can_trap_the_robot():
         *(Wall((-0.3, half), (1 - half, half)), Wall((1 - half, half), (1 - half, on))),
     ]
     corridor = Arena(walls, goal=Goal((1.0, on - 0.1), 0.250))
-    stuck = maze(load_robot("preset:robot-explorer"), other_start(corridor, 0), limit=400.0)
+    stuck = maze(load("preset:robot-explorer").robot, other_start(corridor, 0), limit=400.0)
     assert stuck.outcome is Outcome.TRAPPED
     assert stuck.walk.x[-1] > 1.0 > stuck.walk.y[-1] + 0.5
 

@@ -100,7 +100,7 @@ def test_a_snap_done_again_lands_where_the_path_did():
 
 @pytest.mark.parametrize("name", ["four-shuffle", "countdown", "curved-beam", "friction", "slack"])
 def test_the_snaps_of_a_preset_done_again_land_where_they_did(name):
-    path = sw.load_chain(f"preset:{name}").cycle().path
+    path = sw.files.load(f"preset:{name}").chain.cycle().path
     for snap in starts(path):
         landed = land_all(path._problem, snap.start, np.ones((1, len(path.chain))))
         assert landed.travel[0] == pytest.approx(snap.travel, abs=1e-15)
@@ -360,4 +360,4 @@ def test_other_ratios_are_refused(ratio):
 
 
 def test_a_path_without_a_snap_has_no_landings():
-    assert sw.load_chain("preset:paper-backward").path([0.0, 1e-3]).landings() == ()
+    assert sw.files.load("preset:paper-backward").chain.path([0.0, 1e-3]).landings() == ()

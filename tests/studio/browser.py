@@ -100,7 +100,7 @@ def chain_shown(page: Page) -> Chain:
     for cell in design["chain"]["cell"]:
         text += f"[[chain.cell]]\nname = {json.dumps(cell['name'])}\n"
         text += f"p_mm = {cell['p_mm']}\nq_mm = {cell['q_mm']}\n"
-    return files.loads_chain(text)
+    return files.loads(text).chain
 
 
 def compare(page: Page) -> None:

@@ -68,7 +68,8 @@ def test_all_motions_together_are_small():
 
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_sample_of_a_small_motion_is_on_the_path(name: str):
-    chain, written = loads_tables(tables_in(preset_text(name)))
+    file = loads_tables(tables_in(preset_text(name)))
+    chain, written = file.subject, file.program
     assert isinstance(chain, Chain)
     result = chain.cycle() if written is None else written.on(chain)
     header, blocks = motions()[name]
@@ -108,7 +109,8 @@ def test_between_two_samples_there_is_a_snap_or_a_small_step(name: str):
 
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_snap_of_the_path_is_seen(name: str):
-    chain, written = loads_tables(tables_in(preset_text(name)))
+    file = loads_tables(tables_in(preset_text(name)))
+    chain, written = file.subject, file.program
     assert isinstance(chain, Chain)
     path = (chain.cycle() if written is None else written.on(chain)).path
     header, blocks = motions()[name]

@@ -178,7 +178,7 @@ def test_a_file_is_opened_and_saved(page: Page, tmp_path):
         page.get_by_role("button", name="Save").click()
     saved = tmp_path / "saved.toml"
     download.value.save_as(saved)
-    assert files.load(saved) == files.preset("paper-backward")
+    assert files.load(saved).subject == files.preset("paper-backward")
 
 
 def test_the_python_of_a_design_runs(page: Page):

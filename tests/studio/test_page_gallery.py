@@ -88,7 +88,8 @@ def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
         group = gallery.get_by_role("group", name=heading, exact=True)
         expect(group.locator(".card").first).to_have_attribute("data-name", first)
     for name in ("three-wave", "combination-lock", "dome"):
-        chain, written = loads_tables(tables_in(preset_text(name)))
+        file = loads_tables(tables_in(preset_text(name)))
+        chain, written = file.subject, file.program
         assert isinstance(chain, Chain)
         result = chain.cycle() if written is None else written.on(chain)
         told = str(result.sequence).replace(">", " → ")

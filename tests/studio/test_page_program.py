@@ -70,7 +70,7 @@ def test_it_is_brought_to_a_state_and_kept_in_the_design(tab: Page):
     with tab.expect_download() as saved:
         tab.get_by_role("button", name="Save").click()
     text = saved.value.path().read_text("utf-8")
-    program = files.loads_program(text)
+    program = files.loads(text).program
     assert program is not None
     assert [point * 1e3 for point in program.turning_points] == pytest.approx(points)
     assert program.ends == "01"

@@ -16,7 +16,7 @@ def design_in(address: str):
     found = re.search(r"#design=([\w-]+)", address)
     assert found is not None
     data = base64.urlsafe_b64decode(found[1] + "=" * (-len(found[1]) % 4))
-    return loads_tables(json.loads(data))[0]
+    return loads_tables(json.loads(data)).subject
 
 
 def compare(page: Page) -> None:

@@ -45,7 +45,7 @@ def test_the_gallery_lists_what_comes_along():
 def test_a_design_of_the_gallery_opens(name: str):
     header = ask("open", preset=name).header
     assert header["title"] == presets()[name]
-    assert loads_tables(header["design"])[0] == sw.preset(name)
+    assert loads_tables(header["design"]).subject == sw.preset(name)
 
 
 def test_the_text_of_a_file_opens_and_a_wrong_one_is_told_as_by_a_command():
@@ -74,7 +74,7 @@ def test_a_path_is_no_name_of_the_gallery(name: str):
 @pytest.mark.parametrize("name", CHAINS)
 def test_file_and_script_make_the_same_chain(name: str):
     header = ask("text", tables(name)).header
-    assert loads(header["toml"]) == sw.preset(name)
+    assert loads(header["toml"]).subject == sw.preset(name)
     made: dict[str, Any] = {}
     exec(header["python"].replace("print(chain.cycle())", ""), made)
     assert made["chain"] == sw.preset(name)
@@ -322,7 +322,7 @@ def test_a_wish_is_granted_as_by_python():
     found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
     told = json.loads(json.dumps(design_record(found)))
     assert {key: header[key] for key in told} == told
-    assert loads_tables(header["design"])[0] == found.chain
+    assert loads_tables(header["design"]).subject == found.chain
     assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"
 
 

@@ -155,7 +155,7 @@ def test_the_line_for_a_terminal_begins_the_same_study(
     assert ask("study_begin", design, **keys).header["ok"]
     command = ask("study_estimate", design, **keys).header["command"]
     _, _, _, file, *_ = words = shlex.split(command)
-    (tmp_path / file).write_text(files.dumps(loads_tables(design)[0]))
+    (tmp_path / file).write_text(files.dumps(loads_tables(design).subject))
     monkeypatch.chdir(tmp_path)
     told = invoke(*words[1:], "--estimate")
     assert told.exit_code == 0, told.output

@@ -143,8 +143,8 @@ def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     from stepwell.robot import Robot
 
     text = files.text_of(design)
-    read = files.loads(text, design)
-    written = files.loads_program(text, design) if not isinstance(read, Robot) else None
+    read = files.loads(text, design).subject
+    written = files.loads(text, design).program if not isinstance(read, Robot) else None
     program = None if written is None else own(text, design)
     with usable("--panels"):
         return reports.figure(read, _rows(panels), program=program, **how)

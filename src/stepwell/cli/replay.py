@@ -60,7 +60,7 @@ def replay(
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
-        result = own(text, design) if files.loads_program(text, design) else found
+        result = own(text, design) if files.loads(text, design).program else found
         with progress("margin") as tell:
             content = page_of(result, progress=tell)
     else:

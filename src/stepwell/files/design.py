@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -28,82 +29,89 @@ PRESET = "preset:"
 _EMPTY = "is empty: a design file starts with a [chain] table."
 
 
-# A union would make every caller narrow by hand what the name of its file already says.
-def loads(text: str, name: str = "design") -> Any:
-    """The chain or the robot that the text of a design file describes.
+@dataclass(frozen=True)
+class DesignFile:
+    """A design file: its text, and the chain or the robot that it describes.
+
+    Attributes:
+        text: TOML; "" where only its tables were given.
+        name: what messages call it.
+        subject: a Chain, or a Robot where the file has [[leg]]; in SI.
+        program: the program of the actuator that the file of a chain holds; None for none.
+    """
+
+    text: str = field(repr=False)
+    name: str
+    subject: Chain | Robot
+    program: WrittenProgram | None = None
+
+    @property
+    def chain(self) -> Chain:
+        """The chain.
+
+        Raises:
+            DesignError: the file describes a robot.
+        """
+        if isinstance(self.subject, Chain):
+            return self.subject
+        raise DesignError(
+            self.name,
+            ["is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."],
+        )
+
+    @property
+    def robot(self) -> Robot:
+        """The robot.
+
+        Raises:
+            DesignError: the file describes a chain.
+        """
+        if not isinstance(self.subject, Chain):
+            return self.subject
+        raise DesignError(
+            self.name,
+            [
+                "is a chain, and this needs a robot, which has [[leg]]: `stepwell new robot.toml "
+                "--preset robot-forward` writes one to start from."
+            ],
+        )
+
+
+def load(design: str | os.PathLike[str]) -> DesignFile:
+    """A design file, read and checked.
 
     Args:
-        text: TOML; with [[leg]] it is a robot.
-        name: what messages call it.
+        design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
+            `presets` lists, for example "preset:paper-forward".
 
-    Returns:
-        A Chain or a Robot, in SI.
+    Raises:
+        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
+            be; its text has one line for every problem.
+    """
+    return loads(text_of(design), os.fspath(design))
+
+
+def loads(text: str, name: str = "design") -> DesignFile:
+    """The text of a design file, read and checked.
+
+    Args:
+        text: TOML; with [[leg]] it describes a robot.
+        name: what messages call it.
 
     Raises:
         DesignError: the text is no TOML, or asks for what no mechanism can be; its own text
             has one line for every problem.
     """
-    return _read(text, name)[0]
+    return DesignFile(text, name, *_made(parsed(text, name, _EMPTY), name))
 
 
-def loads_chain(text: str, name: str = "design") -> Chain:
-    """The chain that the text of a design file describes, in SI.
-
-    Args:
-        text: TOML.
-        name: what messages call it.
-
-    Raises:
-        DesignError: as `loads`, or the text describes a robot.
-    """
-    return _read_chain(text, name)[0]
-
-
-def loads_program(text: str, name: str = "design") -> WrittenProgram | None:
-    """The program of the actuator that the design file of a chain holds, in SI, or None.
-
-    Args:
-        text: TOML.
-        name: what messages call it.
-
-    Raises:
-        DesignError: as `loads_chain`.
-    """
-    return _read_chain(text, name)[1]
-
-
-def loads_robot(text: str, name: str = "design") -> Robot:
-    """The robot that the text of a design file describes, in SI.
-
-    Args:
-        text: TOML with [[leg]].
-        name: what messages call it.
-
-    Raises:
-        DesignError: as `loads`, or the text describes a chain.
-    """
-    design = loads(text, name)
-    if not isinstance(design, Chain):
-        return design
-    raise DesignError(
-        name,
-        [
-            "is a chain, and this needs a robot, which has [[leg]]: `stepwell new robot.toml "
-            "--preset robot-forward` writes one to start from."
-        ],
-    )
-
-
-def loads_tables(tables: Any, name: str = "design") -> tuple[Any, WrittenProgram | None]:
-    """What a design file describes whose tables are Python values, as out of JSON.
+def loads_tables(tables: Any, name: str = "design") -> DesignFile:
+    """A design file whose tables are Python values, as out of JSON.
 
     Args:
         tables: of strings, numbers, booleans, lists and dictionaries, with the keys of the file;
             `tables_in` makes them of a text.
         name: what messages call it.
-
-    Returns:
-        A Chain or a Robot in SI; and the program of a chain, or None.
 
     Raises:
         DesignError: as `loads`, with the same words; or a value that no file can hold.
@@ -114,7 +122,7 @@ def loads_tables(tables: Any, name: str = "design") -> tuple[Any, WrittenProgram
     as_read = in_decimals(tables, problems)
     if problems:
         raise DesignError(name, problems)
-    return _made(as_read, name)
+    return DesignFile("", name, *_made(as_read, name))
 
 
 def tables_in(text: str, name: str = "design") -> dict[str, Any]:
@@ -134,59 +142,6 @@ def tables_in(text: str, name: str = "design") -> dict[str, Any]:
     tables = parsed(text, name, _EMPTY)
     _made(tables, name)
     return in_floats(tables)
-
-
-def load(design: str | os.PathLike[str]) -> Any:
-    """The chain or the robot that a design file describes.
-
-    Args:
-        design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
-            `presets` lists, for example "preset:paper-forward".
-
-    Returns:
-        A Chain, or a Robot where the file has [[leg]]; in SI.
-
-    Raises:
-        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
-            be; its text has one line for every problem.
-    """
-    return loads(text_of(design), os.fspath(design))
-
-
-def load_chain(design: str | os.PathLike[str]) -> Chain:
-    """The chain that a design file describes, in SI.
-
-    Args:
-        design: as for `load`.
-
-    Raises:
-        DesignError: as for `load`, or the file describes a robot.
-    """
-    return loads_chain(text_of(design), os.fspath(design))
-
-
-def load_program(design: str | os.PathLike[str]) -> WrittenProgram | None:
-    """The program of the actuator that the design file of a chain holds, in SI, or None.
-
-    Args:
-        design: as for `load`.
-
-    Raises:
-        DesignError: as for `load`, or the file describes a robot.
-    """
-    return loads_program(text_of(design), os.fspath(design))
-
-
-def load_robot(design: str | os.PathLike[str]) -> Robot:
-    """The robot that a design file describes, in SI.
-
-    Args:
-        design: as for `load`.
-
-    Raises:
-        DesignError: as for `load`, or the file describes a chain.
-    """
-    return loads_robot(text_of(design), os.fspath(design))
 
 
 def text_of(design: str | os.PathLike[str]) -> str:
@@ -256,20 +211,7 @@ def preset(name: str) -> Any:
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
     """
-    return loads(preset_text(name), f"preset {name}")
-
-
-def _read_chain(text: str, name: str) -> tuple[Chain, WrittenProgram | None]:
-    design, program = _read(text, name)
-    if isinstance(design, Chain):
-        return design, program
-    raise DesignError(
-        name, ["is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."]
-    )
-
-
-def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
-    return _made(parsed(text, name, _EMPTY), name)
+    return loads(preset_text(name), f"preset {name}").subject
 
 
 def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:

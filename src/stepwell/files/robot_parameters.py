@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from stepwell.base import ByValue, InputError
-from stepwell.files.design import loads_robot
+from stepwell.files.design import loads
 from stepwell.files.paths import Item, Steps, find, spelled
 from stepwell.files.robots import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
 from stepwell.files.schema import robot as schema
@@ -80,7 +80,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
         DesignError: a path that means no number, or values no robot can have.
     """
     if isinstance(robot, str):
-        robot = loads_robot(robot, "robot")
+        robot = loads(robot, "robot").robot
     tree = tree_of(robot)
     before = dict(leaves(tree))
     sizes = _sizes(before)

@@ -7,7 +7,7 @@ import re
 
 from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import arena_toml, loads_arena
-from stepwell.files.design import loads, loads_chain, loads_program
+from stepwell.files.design import loads
 from stepwell.files.design_text import chain_text, robot_text
 from stepwell.files.program import WrittenProgram
 from stepwell.files.text import DesignError
@@ -63,10 +63,10 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
         again = loads_arena(text, "this arena, written as a file")
     elif isinstance(design, Robot):
         text = robot_text(design)
-        again = loads(text, "this robot, written as a design file")
+        again = loads(text, "this robot, written as a design file").subject
     else:
         text = chain_text(design) + ("" if program is None else f"\n{program.text(design)}")
-        again = loads(text, "this chain, written as a design file")
+        again = loads(text, "this chain, written as a design file").subject
     if again != design:
         raise InputError(f"{design!r} did not survive being written: please report this design.")
     return text
@@ -82,11 +82,11 @@ def with_program(text: str, program: WrittenProgram) -> str:
     Raises:
         DesignError: the text is no chain's design file.
     """
-    chain = loads_chain(text)
+    chain = loads(text).chain
     kept = _PROGRAM.sub("", text.replace("\r\n", "\n")).rstrip("\n")
     changed = f"{kept}\n\n{program.text(chain)}"
     try:
-        same = loads_chain(changed) == chain and loads_program(changed) == program
+        same = loads(changed).chain == chain and loads(changed).program == program
     except DesignError:
         same = False
     # A table that stood there in another form, such as program = { ... } on one line.

@@ -33,7 +33,7 @@ ASSUMED = (
 
 def robot(name: str) -> Robot:
     """A robot that comes with the package."""
-    return files.load_robot(f"preset:robot-{name}")
+    return files.load(f"preset:robot-{name}").robot
 
 
 @cache

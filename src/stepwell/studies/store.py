@@ -170,7 +170,7 @@ class Study(ByValue):
         """The design that is varied."""
         from stepwell.files import loads
 
-        return loads(self.text)
+        return loads(self.text).subject
 
     @cached_property
     def identity(self) -> str:

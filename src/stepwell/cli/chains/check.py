@@ -68,7 +68,7 @@ def check(
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     wanted = want
-    if want is None and files.loads_program(text, design) is not None:
+    if want is None and files.loads(text, design).program is not None:
         wanted = own(text, design)
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)

@@ -207,7 +207,7 @@ def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cy
     if not program:
         if start or to:
             raise typer.BadParameter("needs --program.", param_hint="--to" if to else "--from")
-        return files.load_chain(design).cycle()
+        return files.load(design).chain.cycle()
     if start or to:
-        return planned(files.load_chain(design), start, to)
+        return planned(files.load(design).chain, start, to)
     return own(files.text_of(design), design)

@@ -99,8 +99,8 @@ def read_chain(design: str) -> tuple[str, Chain]:
     """The text of a design file, and the chain that it describes."""
     from stepwell import files
 
-    text = files.text_of(design)
-    return text, files.loads_chain(text, design)
+    file = files.load(design)
+    return file.text, file.chain
 
 
 def read_design(design: str) -> tuple[str, Chain | values.Robot]:
@@ -108,7 +108,7 @@ def read_design(design: str) -> tuple[str, Chain | values.Robot]:
     from stepwell import files
 
     text, design = _by_name(design)
-    return text, files.loads(text, design)
+    return text, files.loads(text, design).subject
 
 
 def read_robot(robot: str) -> tuple[str, values.Robot]:
@@ -116,7 +116,7 @@ def read_robot(robot: str) -> tuple[str, values.Robot]:
     from stepwell import files
 
     text, robot = _by_name(robot)
-    return text, files.loads_robot(text, robot)
+    return text, files.loads(text, robot).robot
 
 
 def _by_name(design: str) -> tuple[str, str]:

@@ -71,5 +71,5 @@ def calibrated_on(
         found.scatter,
     )
     measured = found.applied(chain)
-    text = files.dumps(measured, program=files.loads_program(text))
+    text = files.dumps(measured, program=files.loads(text).program)
     return text, measured, replace(spread, stiffness=found.scatter), calibrated

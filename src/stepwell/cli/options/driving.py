@@ -98,7 +98,7 @@ def own(text: str, design: str) -> Program:
     """The program that stands in a design file, on its chain."""
     from stepwell import files
 
-    chain, written = files.loads_chain(text, design), files.loads_program(text, design)
+    chain, written = files.loads(text, design).chain, files.loads(text, design).program
     if written is None:
         raise files.DesignError(design, ["has no table [program]: pass --to STATE to plan one."])
     try:

@@ -9,15 +9,7 @@ import numpy as np
 
 from stepwell.base import ByValue, amount, have, number
 from stepwell.design import Tolerances, boundaries, design, margin, transition_map
-from stepwell.files import (
-    WrittenProgram,
-    dumps,
-    load_arena,
-    load_chain,
-    load_robot,
-    preset_text,
-    with_program,
-)
+from stepwell.files import WrittenProgram, dumps, load, load_arena, preset_text, with_program
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports.story.shown import Shown, map_of, moving
 from stepwell.sequences import Cycle
@@ -151,7 +143,7 @@ def _wish(progress: Progress | None) -> Step:
 
 
 def _finger(progress: Progress | None) -> Step:
-    hand = load_chain("preset:finger-selector")
+    hand = load("preset:finger-selector").chain
     up = "".join("1" if name == _FINGER else "0" for name in hand.names)
     program = hand.program(up)
     (turn,) = program.turns
@@ -172,7 +164,7 @@ def _finger(progress: Progress | None) -> Step:
 
 
 def _walk(progress: Progress | None) -> Step:
-    robots = load_robot("preset:robot-forward"), load_robot("preset:robot-left")
+    robots = load("preset:robot-forward").robot, load("preset:robot-left").robot
     straight, turned = (robot.walk(_CYCLES) for robot in robots)
     before, after = (robot.leg("left").chain for robot in robots)
     angle = number(float(np.degrees(turned.turn[1:].mean())), 3)
@@ -196,7 +188,7 @@ def _walk(progress: Progress | None) -> Step:
 
 
 def _feel(progress: Progress | None) -> Step:
-    robot, arena = load_robot("preset:robot-antennas"), load_arena(_ARENA)
+    robot, arena = load("preset:robot-antennas").robot, load_arena(_ARENA)
     found = robot.maze(arena, limit=_LIMIT, progress=progress)
     contact = found.contacts[0]
     turned = next(change for change in found.changes if change.after == _REVERSED)
@@ -234,7 +226,7 @@ STEPS = (
 def _legs() -> tuple[Chain, Chain]:
     """The legs of the paper's robot: one that steps forward, and one that steps backward."""
     names = ("paper-forward", "First leg"), ("paper-backward", "Second leg")
-    first, second = (with_(load_chain(f"preset:{name}"), title=title) for name, title in names)
+    first, second = (with_(load(f"preset:{name}").chain, title=title) for name, title in names)
     return first, second
 
 

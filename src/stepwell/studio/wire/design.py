@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from stepwell.base import InputError
-from stepwell.files import DesignError, WrittenProgram, loads_tables
+from stepwell.files import DesignError, DesignFile, WrittenProgram, loads_tables
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
@@ -26,7 +26,7 @@ class Design:
         self.tables, self.leg = tables, leg
 
     @cached_property
-    def read(self) -> tuple[Chain | Robot, WrittenProgram | None]:
+    def read(self) -> DesignFile:
         """What the tables describe, and the program of a chain.
 
         Raises:
@@ -44,7 +44,7 @@ class Design:
             ValueError: as `read`, or there is no such leg, or it is longer than the studio can
                 show.
         """
-        chain, _ = self.read
+        chain = self.read.subject
         if isinstance(chain, Robot):
             if self.leg >= len(chain.legs):
                 raise DesignError("design", [f"leg[{self.leg}]: there are {len(chain.legs)}."])
@@ -63,7 +63,7 @@ class Design:
         Raises:
             ValueError: as `read`, or it is a chain.
         """
-        found, _ = self.read
+        found = self.read.subject
         if not isinstance(found, Robot):
             raise DesignError("design", ["is a chain, and this needs a robot."])
         return found
@@ -71,4 +71,4 @@ class Design:
     @property
     def program(self) -> WrittenProgram | None:
         """The program of the chain, where the design has one."""
-        return self.read[1]
+        return self.read.program

@@ -20,10 +20,10 @@ def script(design: Chain | Robot, toml: str) -> str:
             spelled out.
     """
     if isinstance(design, Robot):
-        made = f"from stepwell.files import loads_robot\n\nrobot = loads_robot({_block(toml)})"
+        made = f"from stepwell.files import loads\n\nrobot = loads({_block(toml)}).robot"
         return f"{made}\nprint(robot.predict())\n"
     if design.elements:
-        made = f"from stepwell.files import loads_chain\n\nchain = loads_chain({_block(toml)})"
+        made = f"from stepwell.files import loads\n\nchain = loads({_block(toml)}).chain"
     else:
         made = f"import stepwell as sw\n\nchain = {_made(design, 0)}"
     imports = "from math import inf\n\n" if "=inf" in made else ""

@@ -35,7 +35,8 @@ def answer(_design: Design, ask: Ask) -> View:
 def _moving(name: str) -> View:
     """The program of a design, or the full cycle where it has none; a robot's walk."""
     tables = tomllib.loads(files.preset_text(name))
-    design, written = files.loads_tables(tables)
+    file = files.loads_tables(tables)
+    design, written = file.subject, file.program
     if not isinstance(design, Robot):
         return _chain(name, design, written, tables["chain"]["cell"])
     try:
