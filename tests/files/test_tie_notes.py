@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from stepwell.accounts import tie_notes
-
 import stepwell as sw
+from stepwell.accounts import tie_notes
 
 FIRST, SECOND = sw.preset("paper-forward").cells
 
