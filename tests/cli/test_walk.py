@@ -18,14 +18,12 @@ FIGURES = {
 WRITTEN = {"report.html", "robot.toml", "walk.json", "walk.nc"} | FIGURES
 
 
-def test_a_forward_robot_is_told_with_its_gaits_its_numbers_and_what_is_assumed(stepwell):
+def test_a_walk_shows_its_gaits_and_how_many_numbers_are_assumed(stepwell):
     result = stepwell("walk", "robot-forward", "--cycles", 3)
     assert result.exit_code == 0
     lines = result.stdout.splitlines()
     assert any(line.split()[:5] == ["left", "1", "to", "3", "00>10>11>01>00"] for line in lines)
-    assert "cost" not in result.stdout
-    assert "of work over weight and distance" in result.stdout
-    assert re.search(r"^Assumed +\d+ of its \d+ numbers", result.stdout, re.M)
+    assert re.search(r"^Assumed numbers +\d+ of \d+$", result.stdout, re.M)
     assert "body.mass_g" not in result.stdout
 
 

@@ -12,6 +12,7 @@ import pytest
 import stepwell as sw
 from sizes import examples
 from stepwell import results
+from stepwell.accounts import account
 from stepwell.base import Column, Quantity, number, plain, record, shown, told_in, write_csv
 from stepwell.cli.text import chains as texts
 from stepwell.design import margin
@@ -207,7 +208,7 @@ def test_a_sweep_is_told_alike_in_csv_xarray_and_json(tmp_path):
     found = Sweep({"q_mm": [5.0, 15.0]}, trials)
     found.to_csv(tmp_path / "sweep.csv")
     held, data = columns_of(tmp_path / "sweep.csv"), found.to_xarray()
-    told = results.sweep_record(found)["trials"]
+    told = account(found).record["trials"]
     assert [one["values"] for one in told] == [[5.0], [15.0]]
     for q in TRIAL[:4]:
         values = data[q.name]

@@ -40,6 +40,8 @@ def test_chains_and_robots_as_values_need_no_simulator():
 
 def test_what_robots_are_can_be_shown_without_a_simulator():
     result = run(
-        "from stepwell.cli.text.robots import robot\nfrom stepwell.results import robot_record"
+        "import stepwell as sw\nfrom stepwell.accounts import schema_kinds, schema_of\n"
+        "assert 'actuator' in sw.preset('robot-forward')._repr_html_()\n"
+        "assert all(map(schema_of, schema_kinds()))"
     )
     assert result.returncode == 0, result.stderr

@@ -95,9 +95,9 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     expect(output(page, "advance")).to_be_visible(timeout=PATIENT)
     robot = sw.preset("robot-forward")
     walk = robot.walk(2)
-    from stepwell.results import walk_record
+    from stepwell.accounts import account
 
-    record = walk_record(walk)
+    record = account(walk).record
     assert number(page, "cycles") == 2
     assert number(page, "advance") == shown_as(record["mean_advance_over_u_max"])
     assert number(page, "turn") == shown_as(record["mean_turn_deg"])

@@ -9,7 +9,7 @@ pytest.importorskip("mujoco")
 
 import stepwell as sw
 from stepwell import files
-from stepwell.results import simulation_assumptions
+from stepwell.accounts import simulation_assumptions
 from stepwell.robot import Robot
 from stepwell.simulation import Maze, Walk, maze, walk
 from stepwell.studio.replay import replay

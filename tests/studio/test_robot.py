@@ -10,7 +10,7 @@ pytest.importorskip("mujoco")
 
 import stepwell as sw
 from stepwell import files
-from stepwell.results import maze_record, robot_record, walk_record
+from stepwell.accounts import account
 from stepwell.studio.panels import answer, is_long
 from stepwell.studio.replay import replay
 from stepwell.studio.wire import Ask, Design, View
@@ -36,7 +36,7 @@ def as_told(record: Any) -> Any:
 def test_a_walk_is_pythons_number_by_number():
     header, blocks, _ = run("walk", "robot-forward", cycles=2)
     walk = sw.preset("robot-forward").walk(2)
-    assert header["record"] == as_told(walk_record(walk))
+    assert header["record"] == as_told(account(walk).record)
     np.testing.assert_array_equal(blocks["time"], walk.time)
     np.testing.assert_array_equal(blocks["x"], walk.x * 1e3)
     np.testing.assert_array_equal(blocks["yaw"], np.degrees(walk.yaw))
@@ -52,7 +52,7 @@ def test_a_maze_is_pythons_and_its_antennas_move_their_anchors():
     header, blocks, _ = run("maze", "robot-explorer", arena=SMALL, limit_s=12)
     robot = sw.preset("robot-explorer")
     maze = robot.maze(files.loads_arena_tables(SMALL), limit=12)
-    assert header["record"] == as_told(maze_record(maze))
+    assert header["record"] == as_told(account(maze).record)
     assert header["outcome"] == str(maze.outcome)
     assert maze.contacts
     gear = robot.antennas[0].gear
@@ -91,7 +91,7 @@ def test_a_prediction_is_pythons_and_keeps_nobody_waiting():
     robot = sw.preset("robot-forward")
     prediction = robot.predict()
     assert header["motion"] == str(prediction.motion.value)
-    assert header["record"] == as_told(robot_record(robot, prediction))
+    assert header["record"] == as_told(account(prediction).record)
     assert is_long("predict")
     assert is_long("walk")
     assert is_long("maze")

@@ -30,9 +30,11 @@ __all__ = ["About", "Account", "account", "card", "page", "schema_kinds", "schem
 
 # Which file has the account of a class.
 ACCOUNTS: dict[str, str] = {
+    "Arena": "robot",
     "Cell": "chain",
     "Chain": "chain",
     "Check": "check",
+    "Convergence": "convergence",
     "Cycle": "run",
     "Design": "design",
     "Element": "chain",
@@ -42,16 +44,21 @@ ACCOUNTS: dict[str, str] = {
     "Landing": "events",
     "MapView": "map",
     "Margin": "changes",
+    "Maze": "maze",
     "MemoryReading": "graph",
     "Path": "run",
+    "Prediction": "robot",
     "Program": "program",
     "Reprogramming": "reprogram",
+    "Robot": "robot",
     "Robustness": "design",
     "Run": "run",
     "Sequence": "graph",
     "Survival": "survival",
+    "Sweep": "sweep",
     "TransitionGraph": "graph",
     "Unreachable": "program",
+    "Walk": "walk",
     "Walked": "walked",
     "Yield": "yields",
 }

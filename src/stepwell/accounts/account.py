@@ -28,12 +28,12 @@ class Fact:
 
     Args:
         label: a noun, without the unit.
-        text: the value with its unit.
+        text: the value with its unit, or a function that makes it where that takes time.
         level: the shortest form that has it.
     """
 
     label: str
-    text: str
+    text: str | Callable[[], str]
     level: Level = Level.CARD
 
 
@@ -195,6 +195,12 @@ class Account:
         """What JSON has of it: provenance first, then the schema's quantities."""
         first = head(self.kind, self.about.design, self.seed, *self.packages)
         return first | record(self.schema, self.value, **self.given)
+
+    def known(self, level: Level) -> dict[str, str]:
+        """The facts that a form shows, by label; those without a text are left out."""
+        kept = [fact for fact in self.facts if fact.level <= level]
+        texts = {one.label: one.text if isinstance(one.text, str) else one.text() for one in kept}
+        return {label: text for label, text in texts.items() if text}
 
     def rows(self, key: str) -> Callable[[], Sequence[Row]]:
         """What makes the rows of a table that the record has under a key."""

@@ -71,16 +71,16 @@ def assumptions(chain: Chain) -> list[str]:
 
 
 def simulation_assumptions(walk: Walk) -> list[str]:
-    """What a simulated walk rests on, a sentence each."""
+    """What the numbers of a simulated walk assume, a sentence each."""
     robot, settings = walk.robot, walk.settings
     feelers = robot.antennas
     return [
         f"Simulated with inertia, contact and friction by MuJoCo, in steps of "
         f"{amount(settings.time_step, 's')}; nothing is random.",
-        "The actuator's stroke over time is the only command: what the legs do comes of bands, "
-        "weight and contact.",
-        "Levers, links, blocks and floor are rigid, joints have no play; contacts and stops give "
-        f"way with a time constant of {amount(settings.contact_time, 's')}.",
+        "The actuator's stroke over time is the only command; gaits follow from bands, weight and "
+        "contact.",
+        "Levers, links, blocks and floor are rigid, joints have no play; contacts and stops yield "
+        f"with a time constant of {amount(settings.contact_time, 's')}.",
         f"Coulomb friction on a flat floor: coefficient {number(robot.floor.foot_friction)} under "
         f"the feet, {number(robot.support_friction)} under the supports.",
         *(
@@ -88,7 +88,7 @@ def simulation_assumptions(walk: Walk) -> list[str]:
             if feelers
             else []
         ),
-        "A robot of this design that is built differs from it in friction, bands and assembly.",
+        "A manufactured robot differs from its nominal design in friction, bands and assembly.",
     ]
 
 

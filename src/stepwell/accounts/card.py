@@ -33,12 +33,10 @@ def card(account: Account) -> str:
     parts = [f"<strong>{_safe(account.title)}</strong>"]
     parts += map(_sentence, filter(None, (account.answer, account.origin)))
     parts += [_sentence(line) for warned in account.warnings for line in warned.lines]
-    known = {fact.label: fact.text for fact in account.facts if fact.level == Level.CARD}
     rows = (
         f'<tr style="background:none"><th scope="row" style="{_CELL}left;{_FAINT}">'
         f'{_safe(headed(label))}</th><td style="{_CELL}left">{_safe(_short(text))}</td></tr>'
-        for label, text in known.items()
-        if text
+        for label, text in account.known(Level.CARD).items()
     )
     parts.append(_rows("", rows))
     for section in account.sections:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, __version__, versions
@@ -58,11 +58,13 @@ class About:
         design: text of the design file, or the value for which such a file is written.
         source: the file's name.
         calibrated: of the recordings that the design was calibrated on; None for none.
+        seeds: of what was drawn before the result was computed, by name; None of what was not.
     """
 
     design: str | Chain | Robot | None = None
     source: str | None = None
     calibrated: Calibrated | None = None
+    seeds: Mapping[str, int | None] = field(default_factory=dict)
 
 
 def head(

@@ -19,14 +19,19 @@ _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
 # The kinds of records, and the file that has each.
 KINDS = {
     "check": "check",
+    "convergence": "convergence",
     "design": "design",
     "graph": "graph",
     "implicit_graph": "walked",
     "map": "map",
+    "maze": "maze",
     "program": "program",
     "reprogram": "reprogram",
+    "robot": "robot",
     "run": "run",
     "survival": "survival",
+    "sweep": "sweep",
+    "walk": "walk",
     "yield": "yields",
 }
 

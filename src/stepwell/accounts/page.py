@@ -70,7 +70,7 @@ def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: 
         title=escape(account.title),
         origin=escape(account.origin),
         answer=escape(arrows(minus(sentence(account.answer)))),
-        facts=_facts({fact.label: fact.text for fact in account.facts if fact.text}),
+        facts=_facts(account.known(Level.PAGE)),
         warnings="\n".join(
             f'<div class="warning" role="note"><strong>{escape(one.heading)}.</strong> '
             f"{escape(one.text)}{_list(one.lines)}</div>"

@@ -31,7 +31,7 @@ def terminal(account: Account) -> list[Line]:
     """
     lines = [*paragraph(account.title), _EMPTY] if account.title else []
     lines += paragraph(account.answer)
-    lines += facts({fact.label: fact.text for fact in account.facts if fact.level < Level.PAGE})
+    lines += facts(account.known(Level.TERMINAL))
     for warned in account.warnings:
         if warned.lines:
             lines += [_EMPTY, *heading(warned.heading)]

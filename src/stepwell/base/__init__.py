@@ -41,6 +41,7 @@ from stepwell.base.quantities import (
     percent,
     percent_at_most,
     plain,
+    read_off,
     record,
     rows_of,
     shown,

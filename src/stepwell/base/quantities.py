@@ -269,6 +269,11 @@ def _measured(holds: Any, measure: Measure) -> Any:
     return holds
 
 
+def read_off(schema: Schema, part: str) -> Schema:
+    """The same quantities, read off an attribute of a value."""
+    return tuple(replace(q, read=lambda value, q=q: q.of(attrgetter(part)(value))) for q in schema)
+
+
 def plain(value: Any, factor: float = 1.0) -> Any:
     """What JSON can hold of a value: numbers in another unit, None where they are not finite."""
     if type(value).__module__ == "numpy" and not is_array(value):

@@ -10,9 +10,8 @@ from stepwell.base import of_kind
 from stepwell.cards.designs import DESIGNS
 from stepwell.cards.html import Card, html
 from stepwell.cards.measured import MEASURED
-from stepwell.cards.robots import ROBOTS
 
-_CARDS: dict[str, Callable[[Any], Card]] = {**DESIGNS, **ROBOTS, **MEASURED}
+_CARDS: dict[str, Callable[[Any], Card]] = {**DESIGNS, **MEASURED}
 
 
 def card(value: Any) -> str:

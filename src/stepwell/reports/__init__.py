@@ -21,7 +21,6 @@ from stepwell.reports.measured import (
     write_comparison,
     write_readings,
 )
-from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
 from stepwell.reports.study import write_study
 from stepwell.reports.write import write
@@ -42,11 +41,7 @@ __all__ = [
     "write",
     "write_comparison",
     "write_graph",
-    "write_maze",
     "write_readings",
-    "write_robot",
     "write_story",
     "write_study",
-    "write_sweep",
-    "write_walk",
 ]

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
-Film = Callable[[Path], None]
 
 # The width of figures that fill a phone [mm], and cells of which a page shows what those built do
 # and the motion.
@@ -36,7 +35,6 @@ def bundle(
     contents: Mapping[str, Any],
     drawn: Mapping[str, Figure] | None = None,
     *,
-    film: Film | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
@@ -48,7 +46,6 @@ def bundle(
         contents: of each file by its name: text, a record for JSON, or what writes it where it
             is told to. The first record is that of the result.
         drawn: figures by name, each for a .png and a .svg.
-        film: called with the draft folder, to add a video to it.
         progress: called with (done, total) files.
         force: replace files that others wrote or changed too.
 
@@ -75,8 +72,6 @@ def bundle(
                 content(draft / name)
             if progress is not None:
                 progress(done, len(files))
-        if film is not None:
-            film(draft)
         return tuple(sorted(file.name for file in draft.iterdir()))
 
 

@@ -40,7 +40,7 @@ class Contents:
         draws: what draws each figure, by its name: on the page, and as .png and .svg in the folder.
         on_page: what draws each figure that is on the page alone.
         motion: makes the replay as a page; raises StepwellError where there is none.
-        film: called with the draft folder, to add a video to it.
+        film: called with the draft folder and `progress`, to add a video to it.
     """
 
     command: str
@@ -49,7 +49,7 @@ class Contents:
     draws: Mapping[str, Draw] = field(default_factory=dict)
     on_page: Mapping[str, Draw] = field(default_factory=dict)
     motion: Callable[[], str] | None = None
-    film: Callable[[Path], None] | None = None
+    film: Callable[[Path, Progress | None], None] | None = None
 
 
 # Which file knows the contents of a class.
@@ -57,10 +57,14 @@ _CONTENTS = {
     "Check": "designs",
     "Design": "designs",
     "MapView": "chains",
+    "Maze": "robots",
+    "Prediction": "robots",
     "Program": "chains",
     "Reprogramming": "designs",
     "Run": "chains",
     "Survival": "designs",
+    "Sweep": "robots",
+    "Walk": "robots",
     "Yield": "designs",
 }
 
@@ -127,7 +131,7 @@ def _written(
             if progress is not None:
                 progress(done, len(files))
         if contents.film is not None:
-            contents.film(draft)
+            contents.film(draft, progress)
         return tuple(sorted(file.name for file in draft.iterdir()))
 
 

@@ -18,24 +18,6 @@ if TYPE_CHECKING:
         atlas_record,
         memory_words,
     )
-    from stepwell.results.robot import (
-        CHANGE,
-        CONTACT,
-        CYCLES,
-        FLIP,
-        MEAN,
-        PREDICTED,
-        PUSH,
-        RESOLUTION,
-        ROBOT,
-        TOUCHED,
-        WALKED,
-        convergence_record,
-        maze_record,
-        robot_record,
-        sweep_record,
-        walk_record,
-    )
     from stepwell.results.study import (
         STUDY_DECIDED,
         STUDY_OUTCOME,
@@ -47,23 +29,18 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assumptions",
-    "convergence_record",
     "head",
-    "maze_record",
-    "robot_record",
     "schema_kinds",
     "schema_of",
     "simulation_assumptions",
     "atlas_record",
     "study_record",
-    "sweep_record",
-    "walk_record",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    # Robots, studies and atlases open their rooms when their results are asked for.
-    for part in () if name.startswith("_") else ("atlas", "robot", "study"):
+    # Studies and atlases open their rooms when their results are asked for.
+    for part in () if name.startswith("_") else ("atlas", "study"):
         offered = vars(import_module(f"stepwell.results.{part}"))
         if name in offered:
             return offered[name]

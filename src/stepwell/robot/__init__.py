@@ -12,12 +12,13 @@ from stepwell.robot.prediction import (
     Push,
     PushEnd,
     depths,
+    known_depths,
     predict,
     predicted_gaits,
     too_soft,
 )
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import TOLERANCE, gait, states
+from stepwell.robot.rounds import TOLERANCE, TRIAL, gait, states
 
 __all__ = [
     "Antenna",

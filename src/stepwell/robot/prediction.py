@@ -262,6 +262,7 @@ class Prediction(ByValue, Drawn):
         turn: rotation to the left in a cycle [rad].
         first_advance: displacement forward in the first cycle over u_max [1].
         strokes: least and largest stroke of the carriage [m].
+        too_soft: what the drive's spring does to the gait, in words; "" where it changes nothing.
         assumptions: what all of this rests on.
     """
 
@@ -272,6 +273,7 @@ class Prediction(ByValue, Drawn):
     turn: float
     first_advance: float
     strokes: tuple[float, float]
+    too_soft: str
     assumptions: tuple[str, ...] = ASSUMPTIONS
 
     @property
@@ -280,17 +282,17 @@ class Prediction(ByValue, Drawn):
         return drive_needs(self.robot)
 
     @property
-    def too_soft(self) -> str:
-        """What the drive's spring does to the gait, in words; "" where it changes nothing."""
-        return too_soft(self.robot)
-
-    @property
     def depths(self) -> tuple[tuple[float, float], ...]:
         """For each leg the depths of the feet [m] between which it surely keeps its gait.
 
         Worked out when it is first asked for, in as long as the prediction took.
         """
         return depths(self.robot)
+
+    @property
+    def known_depths(self) -> tuple[tuple[float, float] | None, ...]:
+        """The same, None for every leg where statics cannot determine them."""
+        return known_depths(self.robot)
 
     @property
     def motion(self) -> Motion:
@@ -351,7 +353,7 @@ def predict(robot: Robot) -> Prediction:
     slid, firsts = slide(robot, found), tuple(one.first for one in found)
     x, y, turn = slid.displacement()
     begun = x if firsts == found else slide(robot, firsts).displacement()[0]
-    most = max(leg.stroke for leg in robot.legs)
+    most = robot.u_max
     rigid, softer = _other_drives(robot, found)
     # What can be doubted of legs that are alike, and what antennas do to them, is the same.
     doubts = cache(lambda i: _doubts(robot, firsts[i]))
@@ -381,7 +383,8 @@ def predict(robot: Robot) -> Prediction:
             )
         )
     strokes = found[0].turns.back, found[0].turns.out
-    return Prediction(robot, tuple(legs), x / most, y / most, turn, begun / most, strokes)
+    ways = x / most, y / most, turn, begun / most
+    return Prediction(robot, tuple(legs), *ways, strokes, too_soft(robot))
 
 
 def predicted_gaits(robot: Robot) -> tuple[str, ...]:
@@ -412,7 +415,7 @@ def too_soft(robot: Robot) -> str:
     firsts = tuple(one.first for one in found)
     if gaits == tuple(one.gait() for one in firsts):
         return text
-    most = max(leg.stroke for leg in robot.legs)
+    most = robot.u_max
     advance = slide(robot, firsts).displacement()[0] / most
     states = ", ".join(dict.fromkeys(gait or "none" for gait in gaits))
     stuck = all(">" not in gait for gait in gaits)
@@ -515,6 +518,14 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     found = tuple(one.first for one in rounds(robot))
     own = cache(lambda i: _depths(robot, i, found))
     return tuple(map(own, _first_alike(found)))
+
+
+def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
+    """The same, None for every leg where the engine could not go on."""
+    try:
+        return depths(robot)
+    except StaticsError:
+        return (None,) * len(robot.legs)
 
 
 def _first_alike(found: Sequence[Round]) -> list[int]:

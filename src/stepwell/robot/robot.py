@@ -82,6 +82,11 @@ class Robot(ByValue, Drawn):
         return self.mass * self.floor.gravity
 
     @property
+    def u_max(self) -> float:
+        """The largest step that the legs can make in a cycle [m]."""
+        return max(leg.stroke for leg in self.legs)
+
+    @property
     def support_friction(self) -> float:
         """Coulomb's coefficient [1] under the T-foot that gives the floor's drag."""
         return self.floor.drag / (self.mass * 9.81)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, Quantity, Schema
 from stepwell.mechanism import Cell, Chain, Load, value
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
@@ -20,6 +20,21 @@ from stepwell.robot.stance import HANDOVER, POINTS, Spring, Stance, leaning, sta
 # A cell within this share of its full travel from a stop counts as being there: weight on a foot
 # holds its cell a little open, and a compliant drive stops short.
 TOLERANCE = 0.2
+
+# What one robot of many does in a cycle, see `stepwell.simulation.Trial`.
+TRIAL: Schema = (
+    Quantity("advance", "over_u_max", "d/u_max", form=".3f"),
+    Quantity("sideways", "over_u_max"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("work", "mJ"),
+    Quantity(
+        "gaits",
+        head="states of the last cycle",
+        holds=[str],
+        form=lambda gaits: " | ".join(dict.fromkeys(gait or "none" for gait in gaits)),
+    ),
+    Quantity("stopped"),
+)
 
 
 def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, brief
-from stepwell.robot import Prediction, Robot, predicted_gaits, too_soft
+from stepwell.robot import Prediction, Robot, known_depths, predicted_gaits, too_soft
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import LOADED, Walk, walk
 from stepwell.statics import StaticsError
@@ -20,15 +20,25 @@ class GaitComparison(ByValue):
     """The gait of every leg in the last cycle of a walk, against the predicted one.
 
     Attributes:
+        robot: which walked.
         predicted: for each leg the predicted gait; empty where statics gives none.
         same: whether all legs have their predicted gaits; None without a whole cycle, or where
             statics gives none.
         text: one line: that they are the same, or which differ and why, as far as it is known.
     """
 
+    robot: Robot = field(repr=False)
     predicted: tuple[str, ...]
     same: bool | None
     text: str
+
+    @property
+    def depths(self) -> tuple[tuple[float, float] | None, ...]:
+        """For each leg the depths of the feet [m] between which it surely keeps its gait.
+
+        None where statics cannot determine them. Computed when it is first asked for.
+        """
+        return known_depths(self.robot)
 
 
 def compare_gaits(walk: Walk) -> GaitComparison:
@@ -44,16 +54,17 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     try:
         predicted = predicted_gaits(robot)
     except StaticsError as error:
-        return GaitComparison((), None, f"statics predicts no gait: {error}")
+        return GaitComparison(robot, (), None, f"statics predicts no gait: {error}")
     if not walk.cycles:
-        return GaitComparison(predicted, None, "no whole cycle to compare with the prediction")
+        text = "no whole cycle to compare with the prediction"
+        return GaitComparison(robot, predicted, None, text)
     walked = tuple(walk.gait(leg.name, walk.cycles - 1) for leg in robot.legs)
     off = [
         i for i, gaits in enumerate(zip(walked, predicted, strict=True)) if not _same_cycle(*gaits)
     ]
     why = too_soft(robot)
     if not off:
-        return GaitComparison(predicted, True, f"as predicted{f': {why}' if why else ''}")
+        return GaitComparison(robot, predicted, True, f"as predicted{f': {why}' if why else ''}")
     differ = ", ".join(
         f"{robot.legs[i].name} goes {walked[i] or 'through no state'} and not {predicted[i]}"
         for i in off
@@ -62,7 +73,7 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     reasons = [why] if why else []
     reasons += [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
     found = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
-    return GaitComparison(predicted, False, f"not as predicted: {differ}: {found}")
+    return GaitComparison(robot, predicted, False, f"not as predicted: {differ}: {found}")
 
 
 def _same_cycle(one: str, other: str) -> bool:

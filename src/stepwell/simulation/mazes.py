@@ -139,13 +139,19 @@ class Maze(ByValue, Drawn):
         pressed = (walk.antenna[late] > PRESSED * most).any()
         heading = walk.yaw[late]
         ends = np.hypot(np.diff(walk.x[late][[0, -1]]), np.diff(walk.y[late][[0, -1]]))[0]
-        step = ends / FREE_FOR / max(leg.stroke for leg in walk.robot.legs)
+        step = ends / FREE_FOR / walk.robot.u_max
         return bool(not pressed and np.ptp(heading) <= STEADY and step >= ADVANCING)
 
     @property
     def duration(self) -> float:
         """How long it took [s]."""
-        return float(self.walk.time[-1]) if len(self.walk.time) else 0.0
+        return self.walk.duration
+
+    @property
+    def end(self) -> tuple[float, float] | None:
+        """Where it was at the end [m]; None of a run that was over before its first sample."""
+        walk = self.walk
+        return (float(walk.x[-1]), float(walk.y[-1])) if len(walk.time) else None
 
     def __repr__(self):
         touched = sum(time is not None for time in self.touched.values())

@@ -18,7 +18,6 @@ from stepwell.base import (
     Drawn,
     InputError,
     Quantity,
-    Schema,
     __version__,
     brief,
     need,
@@ -27,7 +26,7 @@ from stepwell.base import (
     write_csv,
 )
 from stepwell.kernels import cores
-from stepwell.robot import Robot
+from stepwell.robot import TRIAL, Robot
 from stepwell.simulation.engine import Run
 from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
 from stepwell.simulation.walks import Walk, recorded
@@ -38,18 +37,6 @@ if TYPE_CHECKING:
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8
 CHUNK = 500  # steps at a time
-TRIAL: Schema = (
-    Quantity("advance", "over_u_max", "d/u_max", form=".3f"),
-    Quantity("sideways", "over_u_max"),
-    Quantity("turn", "deg", "turn", form="z.1f"),
-    Quantity("work", "mJ"),
-    Quantity(
-        "gaits",
-        head="states of the last cycle",
-        form=lambda gaits: " | ".join(dict.fromkeys(gait or "none" for gait in gaits)),
-    ),
-    Quantity("stopped"),
-)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,6 +29,8 @@ from stepwell.simulation.simulator import Settings
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stepwell.simulation.comparison import GaitComparison
+
 
 LOADED = 0.02  # a foot that carries more than this [N] stands
 _MEAN = "mean since the sample before"
@@ -104,11 +106,20 @@ class Walk(ByValue, Drawn):
     obstacle_force: Floats
     stopped: str
     _samples: RunSamples = field(repr=False)
+    # What is computed when it is first asked for.
+    _kept: dict[str, GaitComparison] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def positions(self) -> Floats:
         """(n, nq) of the joints of its model, in MuJoCo's order and units."""
         return self._samples.positions
+
+    @property
+    def duration(self) -> float:
+        """From the start of the first cycle to the last sample [s]."""
+        return max(0.0, float(self.time[-1])) if len(self.time) else 0.0
 
     @property
     def cycles(self) -> int:
@@ -205,6 +216,18 @@ class Walk(ByValue, Drawn):
         slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
         return slid / max(self.cycles, 1)
 
+    @property
+    def comparison(self) -> GaitComparison:
+        """The last cycle against the gait that statics predicts, see `compare_gaits`.
+
+        Computed when it is first asked for, in about as long as a prediction takes.
+        """
+        from stepwell.simulation.comparison import compare_gaits
+
+        if "comparison" not in self._kept:
+            self._kept["comparison"] = compare_gaits(self)
+        return self._kept["comparison"]
+
     def to_xarray(self) -> xr.Dataset:
         """The samples with their units, for xarray, NetCDF or Zarr."""
         need("tables")
@@ -266,7 +289,7 @@ class Walk(ByValue, Drawn):
     def _displacement(self) -> tuple[Floats, Floats]:
         dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
         yaw = self._at_starts(self.yaw)[:-1]
-        most = max(leg.stroke for leg in self.robot.legs)
+        most = self.robot.u_max
         along = dx * np.cos(yaw) + dy * np.sin(yaw)
         across = dy * np.cos(yaw) - dx * np.sin(yaw)
         return along / most, across / most

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +10,7 @@ import typer
 
 from stepwell.base import require
 from stepwell.cli.options import Force, Json, Out, Range, Robot, free, local, read_range, read_robot
-from stepwell.cli.screen import EXIT_CODES, Progress, finish, progress, styled, usable
+from stepwell.cli.screen import EXIT_CODES, Progress, progress, report, styled, usable
 
 if TYPE_CHECKING:
     import stepwell.robot as values
@@ -20,28 +19,23 @@ if TYPE_CHECKING:
 commands = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich" if styled() else None,
-    help="Say what a robot is made of, or vary it.",
+    help="Predict the gait of a robot, vary its numbers, or check its time step.",
     epilog=EXIT_CODES,
 )
 
 
 @commands.command(epilog=EXIT_CODES)
 def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = False) -> None:
-    """Say what a robot is made of, and what statics says it will do.
+    """List a robot's numbers with their sources, and predict its gait by statics.
 
-    Every number with its unit and where it comes from, and the gait predicted without
-    simulation. With --out, drawings from above and the side, the prediction and all numbers
-    as JSON are written into a folder, together with the design.
+    The prediction needs no simulation. With --out, drawings from above and the side, the
+    prediction and all numbers as JSON are written into a folder, together with the design.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import robots as texts
+    from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
     free(out, "robot show", force, robot=text)
-    prediction = design.predict()
-    record = results.robot_record(design, prediction, design=text)
-    write = partial(reports.write_robot, design, prediction, design=text)
-    finish(record, texts.robot, as_json, out, force, write)
+    report(account(design.predict(), About(text, robot)), as_json, out, force)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -79,26 +73,23 @@ def sweep(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Vary a robot's numbers and walk every one that comes out, on all cores.
+    """Simulate the walk of a robot for many values of its numbers, on all cores.
 
-    A grid over all ranges, or seeded random draws. A sweep that was interrupted goes on where
-    it stopped when it is called again. Table (CSV), data (NetCDF), JSON and a figure are
+    A grid over all ranges, or seeded random draws. An interrupted sweep resumes when the same
+    command is run again. Table (CSV), data (NetCDF), JSON and a figure are
     written into the folder.
     """
-    from stepwell import reports, results
-    from stepwell.cli.text import robots as texts
+    from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
     free(out, "robot sweep", force)
     values = _points(_ranges(ranges, random), random, seed)
-    drawn = seed if random else None
+    seeds = {"values": seed if random else None}
     keep = out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
     with usable("--out"), progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
-    record = results.sweep_record(result, design=text, seed=drawn)
-    write = partial(reports.write_sweep, result, design=text, seed=drawn)
-    finish(record, texts.sweep, as_json, out, force, write)
+    report(account(result, About(text, robot, seeds=seeds)), as_json, out, force)
     _forget(keep)
 
 
@@ -110,18 +101,17 @@ def converge(
     ] = 2,
     as_json: Json = False,
 ) -> None:
-    """Walk a robot at several time steps and say what depends on them.
+    """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
 
-    What it does in a cycle, and what the floor carries under feet and supports, against the
-    finest of them.
+    Ground reaction forces under feet and supports are compared with those at the smallest step.
     """
-    from stepwell import results, simulation as physics
-    from stepwell.cli.text import robots as texts
+    from stepwell import simulation as physics
+    from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
     with usable(robot), progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    finish(results.convergence_record(found, design=text), texts.convergence, as_json)
+    report(account(found, About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, completing, free, read_robot
-from stepwell.cli.screen import Progress, finish, progress, show_table, stopped, usable, warn
+from stepwell.cli.screen import progress, report, show_table, stopped, usable, warn
 
 if TYPE_CHECKING:
     import stepwell.robot as values
-    from stepwell.simulation import Maze, Walk
 
 
 def walk(
@@ -28,23 +24,21 @@ def walk(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Let a robot walk, and say how.
+    """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
     The actuator's position is the only command; gaits emerge from bands, weight and contact.
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
     """
-    from stepwell import reports, results, simulation
-    from stepwell.cli.text import robots as texts
+    from stepwell import simulation
+    from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
     free(out, "walk", force, robot=text)
     with usable(robot), progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
-    record = results.walk_record(result, design=text)
-    write = partial(reports.write_walk, design=text)
-    write = partial(write, result) if no_video else with_video(write, result, "walk")
-    finish(record, texts.walk, as_json, out, force, write)
+    found = account(result, About(text, robot))
+    report(found, as_json, out, force, video=not no_video, warn=warn)
     stopped(result.stopped)
 
 
@@ -92,30 +86,25 @@ def maze(
         ),
     ] = False,
 ) -> None:
-    """Let a robot find its way through an arena.
+    """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
 
     It walks until it reaches the goal, gets nowhere any more, or runs out of time; nothing
     steers it but its antennas. --disconnect and --no-antennas are the controls: the same
     robot without what reprograms its legs. With --out, figures, samples as NetCDF, the result
     as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
     """
-    from stepwell import files, reports, results, simulation
-    from stepwell.cli.text import robots as texts
+    from stepwell import files, simulation
+    from stepwell.accounts import About, account
 
     text, given = read_robot(robot)
     design = _changed(given, disconnect, no_antennas)
-    told: dict[str, Any] = {
-        "design": text if design is given else None,
-        "start_seed": start_seed,
-        "layout_seed": layout_seed,
-    }
+    seeds = {"start_seed": start_seed, "layout_seed": layout_seed}
     free(out, "maze", force)
     place = _jittered(files.load_arena(arena), start_seed, layout_seed)
     with usable(robot), progress("walking") as tell:
         result = simulation.maze(design, place, limit=limit, progress=tell)
-    write = partial(reports.write_maze, **told)
-    write = partial(write, result) if no_video else with_video(write, result, "maze")
-    finish(results.maze_record(result, **told), texts.maze, as_json, out, force, write)
+    found = account(result, About(text if design is given else design, robot, seeds=seeds))
+    report(found, as_json, out, force, video=not no_video, warn=warn)
     stopped(result.walk.stopped)
 
 
@@ -142,39 +131,3 @@ def _jittered(arena: values.Arena, start: int | None, layout: int | None) -> val
         with usable("--start-seed"):
             arena = other_start(arena, start)
     return arena
-
-
-# Nobody watches longer, and every frame takes its time to draw.
-LONGEST = 16.0  # [s]
-
-
-def with_video(
-    write: Callable[..., tuple[str, ...]], result: Walk | Maze, name: str
-) -> Callable[..., tuple[str, ...]]:
-    """What writes the folder of a run, with NAME.mp4, if PyAV is here, and NAME.gif in it."""
-
-    def written(folder: Path, *, progress: Progress | None, force: bool) -> tuple[str, ...]:
-        film = partial(_film, result, name, progress)
-        return write(result, folder, film=film, progress=progress, force=force)
-
-    return written
-
-
-def _film(result: Walk | Maze, name: str, progress: Progress | None, folder: Path) -> None:
-    from stepwell import simulation
-
-    walk = result.walk if isinstance(result, simulation.Maze) else result
-    if len(walk.time) < 2:
-        return
-    speed = max(1.0, float(walk.time[-1]) / LONGEST)
-    targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
-    for some in (targets, targets[1:]):
-        try:
-            simulation.video(result, *some, speed=speed, progress=progress)
-            return
-        except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
-            warn(str(error))
-        except simulation.VideoError as error:
-            # The figures are there, and they need none of it.
-            warn(str(error))
-            return

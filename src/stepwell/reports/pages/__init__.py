@@ -9,5 +9,4 @@ from stepwell.reports.pages.measured import (
     readings_page,
 )
 from stepwell.reports.pages.parts import image_of
-from stepwell.reports.pages.robots import maze_page, robot_page, sweep_page, walk_page
 from stepwell.reports.pages.studies import study_page

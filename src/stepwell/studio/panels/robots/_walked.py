@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell.accounts import account, simulation_assumptions
 from stepwell.base import InputError, __version__
 from stepwell.files import arena_tables
-from stepwell.results import maze_record, simulation_assumptions, walk_record
 from stepwell.studio.wire import View
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def walked(result: Walk | Maze) -> View:
         "version": __version__,
         "arena": None if walk.arena is None else arena_tables(walk.arena),
         "steps": {name: _STEPS.get(name, _STEP) for name in told},
-        "record": maze_record(result) if is_maze else walk_record(result),
+        "record": account(result).record,
         "outcome": str(result.outcome) if is_maze else "",
         "assumptions": simulation_assumptions(walk),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.results import maze_record
+from stepwell.accounts import account
 from stepwell.studio.panels.robots._arena import maze_asked
 from stepwell.studio.wire import Ask, Design, View
 
@@ -18,4 +18,4 @@ def answer(design: Design, ask: Ask) -> View:
 
     live = Live(robot, arena, ask)
     found = maze(robot, arena, limit=limit, progress=ask.tell, look=live.look)
-    return live.view(found.walk, record=maze_record(found), outcome=str(found.outcome))
+    return live.view(found.walk, record=account(found).record, outcome=str(found.outcome))

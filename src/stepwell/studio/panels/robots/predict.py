@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.results import robot_record
+from stepwell.accounts import account
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
@@ -12,6 +12,4 @@ def answer(design: Design, ask: Ask) -> View:
     """The record that `stepwell robot show --json` prints, and the prediction in words."""
     ask.close()
     prediction = design.robot.predict()
-    return View(
-        {"motion": prediction.motion.value, "record": robot_record(design.robot, prediction)}
-    )
+    return View({"motion": prediction.motion.value, "record": account(prediction).record})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.results import walk_record
+from stepwell.accounts import account
 from stepwell.studio.panels.robots._arena import walk_asked
 from stepwell.studio.wire import Ask, Design, View
 
@@ -18,4 +18,4 @@ def answer(design: Design, ask: Ask) -> View:
 
     live = Live(robot, arena, ask)
     found = walk(robot, cycles, arena=arena, progress=ask.tell, look=live.look)
-    return live.view(found, record=walk_record(found))
+    return live.view(found, record=account(found).record)

@@ -1,0 +1,290 @@
+"""A robot, the gait that statics predicts for it, and the arena that it walks in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from stepwell.accounts.account import (
+    Account,
+    Fact,
+    Level,
+    Notes,
+    Picture,
+    Row,
+    Section,
+    Table,
+    Warned,
+)
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.base import Column, Quantity, Schema, amount, counted, number, read_off, record
+from stepwell.files import provenance
+from stepwell.robot import Arena, Motion, Prediction, Robot
+
+if TYPE_CHECKING:
+    from stepwell.robot import DriveNeeds, LegPrediction
+
+KIND = "robot/1"
+# Where the sources of a robot's numbers are, for results of its simulation.
+SOURCES = "`stepwell robot show` lists every number of a robot with its source."
+
+PARAMETER: Schema = (
+    Quantity("key", read="path", head="key"),
+    Quantity("values", holds=[float]),
+    Quantity("unit", head="unit"),
+    Quantity("source", head="source"),
+)
+PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=provenance)
+_ROBOT: Schema = (
+    Quantity("title"),
+    Quantity("mass", "g"),
+    Quantity("weight", "N"),
+    Quantity("u_max", "mm"),
+    PARAMETERS,
+)
+_NEEDS: Schema = (
+    Quantity("push", "N"),
+    Quantity("pull", "N"),
+    Quantity("stiffness", "N_per_m"),
+)
+_PUSH: Schema = (
+    Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
+    Quantity("step", "mm"),
+    Quantity("gain", "mm"),
+    Quantity("load", "N"),
+    Quantity("drag", "N", "drag", form=3),
+    Quantity("largest_drag", "N", "largest drag", form=3, none="any"),
+    Quantity("limit", head="then", read="limit.value"),
+)
+_FLIP: Schema = (
+    Quantity("antenna", head="antenna"),
+    Quantity("displacement", "mm", "anchor moved", form=3),
+    Quantity("earliest", "mm"),
+    Quantity("latest", "mm"),
+    Quantity("swing", "deg", "swing", form=3),
+    Quantity("gait", head="then"),
+)
+_LEG: Schema = (
+    Quantity("name", head="leg"),
+    Quantity("gait", head="states"),
+    Quantity("first_gait"),
+    Quantity("advance", "over_u_max", "d/u_max", form=".2f"),
+    Quantity("slip", "mm"),
+    Quantity("margin", "mN", "margin", form=3, none="over 2000"),
+    Quantity("uncertainty", "mN", "uncertainty", form=3),
+    Quantity("nearest", head="past the margin"),
+    Quantity("alternatives", holds=[str]),
+    Quantity("near_boundary", holds=bool),
+    Quantity("pushes", holds=[_PUSH]),
+    Quantity("flips", holds=[_FLIP]),
+)
+# The depths at which a leg keeps its gait, in results of statics and of simulation.
+FEET = Quantity("feet", "mm", holds=[float], missing=True)
+_PREDICTION: Schema = (
+    Quantity("motion", holds=Motion),
+    Quantity("advance", "over_u_max"),
+    Quantity("sideways", "over_u_max"),
+    Quantity("turn", "deg"),
+    Quantity("first_advance", "over_u_max"),
+    Quantity("too_soft"),
+    Quantity("near_boundary", holds=bool),
+    Quantity("drive_needs", holds=_NEEDS),
+    Quantity("legs", holds=[(*read_off(_LEG, "leg"), FEET)], read=lambda found: _legs(found)),
+    Quantity("assumptions", holds=[str]),
+)
+
+
+class _Leg(NamedTuple):
+    leg: LegPrediction
+    feet: tuple[float, float] | None
+
+
+def _legs(found: Prediction) -> list[_Leg]:
+    return [_Leg(*one) for one in zip(found.legs, found.known_depths, strict=True)]
+
+
+def schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of a robot and its prediction."""
+    return (
+        *read_off(_ROBOT, "robot"),
+        Quantity("prediction", holds=_PREDICTION, read=lambda found: found),
+    )
+
+
+def account(value: Robot | Arena | Prediction, about: About | None = None) -> Account:
+    """What is reported of a robot, an arena or a prediction."""
+    if isinstance(value, Prediction):
+        return _prediction(value, about or About(value.robot))
+    facts = _robot_facts(value) if isinstance(value, Robot) else ()
+    answer = (
+        "One actuator drives every leg; what it does follows from its springs."
+        if isinstance(value, Robot)
+        else f"{counted(len(value.walls), 'wall')} and {counted(len(value.cylinders), 'cylinder')}"
+        f"{', and a goal' * (value.goal is not None)}."
+    )
+    return Account(value, value.title or type(value).__name__, answer=answer, facts=facts)
+
+
+def _robot_facts(robot: Robot) -> list[Fact]:
+    drive = robot.drive
+    return [
+        Fact("Mass", amount(robot.mass, "kg")),
+        Fact("Weight", amount(robot.weight, "N")),
+        Fact("u_max", amount(robot.u_max, "m")),
+        Fact("Legs", ", ".join(leg.name for leg in robot.legs)),
+        Fact("Drive", f"{amount(drive.amplitude, 'm')} in {amount(drive.period, 's')}"),
+        Fact("Antennas", ", ".join(one.name for one in robot.antennas)),
+    ]
+
+
+def _prediction(found: Prediction, about: About) -> Account:
+    robot = found.robot
+    doubts = [
+        f"{leg.name} may go {' or '.join(leg.alternatives or [leg.nearest])} as well."
+        for leg in found.legs
+        if leg.near_boundary
+    ]
+
+    def of_legs(key: str) -> list[Row]:
+        legs = made.record["prediction"]["legs"]
+        return [{"leg": leg["name"], **one} for leg in legs for one in leg[key]]
+
+    made = Account(
+        found,
+        kind=KIND,
+        schema=schema(),
+        title=robot.title or "A robot",
+        origin="Predicted by statics, without simulation.",
+        answer=f"{found.motion.value}: d/u_max {found.advance:z.2f} and "
+        f"{turn_words(found.turn)} per cycle",
+        about=about,
+        facts=(
+            Fact("Mass", amount(robot.mass, "kg"), Level.TERMINAL),
+            Fact("Weight", amount(robot.weight, "N"), Level.TERMINAL),
+            Fact("u_max", amount(robot.u_max, "m"), Level.TERMINAL),
+            Fact("Drive requirements", lambda: _needs(found.drive_needs), Level.TERMINAL),
+            Fact("Foot depth", lambda: depth_words(robot, found.known_depths), Level.TERMINAL),
+            assumed(robot),
+        ),
+        warnings=(
+            Warned(
+                "Too close to call",
+                "Statics cannot determine which gait these legs have.",
+                doubts,
+            ),
+            Warned(
+                "Soft drive",
+                "The stiffness of the drive changes the gait.",
+                [f"{found.too_soft}."] if found.too_soft else [],
+            ),
+        ),
+        sections=(
+            Section(
+                "The robot",
+                [
+                    Picture("robot", "The robot from the side and from above"),
+                    Picture("prediction", "The gait that statics predicts"),
+                ],
+            ),
+            Section(
+                "Predicted gaits",
+                [
+                    Table(
+                        _LEG,
+                        lambda: [record(_LEG, leg) for leg in found.legs],
+                        "Margin: the smallest force on one cell that changes the gait. "
+                        "Uncertainty: the force that the prediction does not know.",
+                        None,
+                        "legs",
+                        Level.CARD,
+                    )
+                ],
+            ),
+            Section(
+                "Pushes",
+                [
+                    Table(
+                        (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:]),
+                        partial(of_legs, "pushes"),
+                        "How far the body goes of each step, and up to which drag of the floor.",
+                        None,
+                        "pushes",
+                    )
+                ],
+            ),
+            Section(
+                "Gait changes by antennas",
+                [
+                    Table(
+                        (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:]),
+                        partial(of_legs, "flips"),
+                        "How far an antenna moves the anchor before the gait of its leg changes.",
+                        None,
+                        "changes",
+                    )
+                ],
+            ),
+            parameter_section(robot, Level.TERMINAL),
+            Section("Assumptions", [Notes(found.assumptions, Level.PAGE)]),
+        ),
+    )
+    return made
+
+
+def _needs(needs: DriveNeeds) -> str:
+    """What a motor must have for the gait."""
+    stiffness = needs.stiffness
+    enough = f"{number(stiffness, 3)} N/m or more" if stiffness else "any stiffness"
+    return f"{number(needs.push, 3)} N loading, {number(needs.pull, 3)} N unloading, {enough}"
+
+
+def _interval(flip: Row) -> str:
+    earliest = number(flip["earliest_mm"], 3)
+    if flip["latest_mm"] is None:
+        return f"from {earliest}, or never"
+    return f"{earliest} to {number(flip['latest_mm'], 3)}"
+
+
+_LEG_NAME = Column("leg", lambda row: row["leg"])
+_GAIN = Column("gains [mm]", lambda push: f"{push['gain_mm']:.1f} of {push['step_mm']:.1f}", True)
+_INTERVAL = Column("interval [mm]", _interval, True)
+# The unit of the values is in the key.
+_VALUES = Column("value", lambda row: ", ".join(f"{one:.6g}" for one in row["values"]), True)
+
+
+def turn_words(turn: float) -> str:
+    """A rotation [rad]."""
+    return f"{math.degrees(turn):z.1f}° to the left"
+
+
+def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> str:
+    """How deep the feet stand, and the depths [m] between which each leg keeps its gait."""
+    each = [
+        f"{leg.name} {1e3 * one[0]:.2f} to {1e3 * one[1]:.2f} mm"
+        for leg, one in zip(robot.legs, depths, strict=True)
+        if one is not None
+    ]
+    found = f"{amount(robot.foot.below, 'm')} below the supports"
+    return found + (f"; the predicted gait stays: {', '.join(each)}" if each else "")
+
+
+def assumed(robot: Robot) -> Fact:
+    """How many numbers of a robot are assumed."""
+    sources = [one.source for one in provenance(robot)]
+    text = f"{sources.count('assumed')} of {len(sources)}"
+    return Fact("Assumed numbers", text, Level.TERMINAL)
+
+
+def parameter_section(robot: Robot, level: Level = Level.PAGE) -> Section:
+    """Every number of a robot with its source."""
+    columns = (PARAMETER[0], _VALUES, *PARAMETER[2:])
+    about = "Every number with its source; its key is that of the design file."
+    rows = partial(_parameter_rows, robot)
+    return Section("Parameters", [Table(columns, rows, about, None, "numbers", level)])
+
+
+def _parameter_rows(robot: Robot) -> list[Row]:
+    return [record(PARAMETER, one) for one in provenance(robot)]
