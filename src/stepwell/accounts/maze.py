@@ -126,7 +126,7 @@ def account(maze: Maze, about: About | None = None) -> Account:
             ),
             Section(
                 "Obstacles",
-                [Table(_TOUCHED, rows("touched"), "When each was first touched.", None)],
+                [Table(_TOUCHED, rows("touched"), "When each was first touched.", most=None)],
             ),
             Section(
                 "Antenna contacts",

@@ -197,9 +197,9 @@ def _prediction(found: Prediction, about: About) -> Account:
                         lambda: [record(_LEG, leg) for leg in found.legs],
                         "Margin: the smallest force on one cell that changes the gait. "
                         "Uncertainty: the force that the prediction does not know.",
-                        None,
-                        "legs",
-                        Level.CARD,
+                        most=None,
+                        more="legs",
+                        level=Level.CARD,
                     )
                 ],
             ),
@@ -210,8 +210,8 @@ def _prediction(found: Prediction, about: About) -> Account:
                         (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:]),
                         partial(of_legs, "pushes"),
                         "How far the body goes of each step, and up to which drag of the floor.",
-                        None,
-                        "pushes",
+                        most=None,
+                        more="pushes",
                     )
                 ],
             ),
@@ -222,8 +222,8 @@ def _prediction(found: Prediction, about: About) -> Account:
                         (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:]),
                         partial(of_legs, "flips"),
                         "How far an antenna moves the anchor before the gait of its leg changes.",
-                        None,
-                        "changes",
+                        most=None,
+                        more="changes",
                     )
                 ],
             ),
@@ -283,7 +283,9 @@ def parameter_section(robot: Robot, level: Level = Level.PAGE) -> Section:
     columns = (PARAMETER[0], _VALUES, *PARAMETER[2:])
     about = "Every number with its source; its key is that of the design file."
     rows = partial(_parameter_rows, robot)
-    return Section("Parameters", [Table(columns, rows, about, None, "numbers", level)])
+    return Section(
+        "Parameters", [Table(columns, rows, about, most=None, more="numbers", level=level)]
+    )
 
 
 def _parameter_rows(robot: Robot) -> list[Row]:

@@ -73,18 +73,9 @@ def account(sweep: Sweep, about: About | None = None) -> Account:
                         (*varied, *TRIAL),
                         lambda: made.record["trials"],
                         "One row for each robot.",
+                        wide=[why] if failed else (),
                         more="robots",
                         level=Level.CARD,
-                    )
-                ],
-            ),
-            Section(
-                "Robots that stopped early",
-                [
-                    Table(
-                        (*varied, why),
-                        lambda: [row for row in made.record["trials"] if row["stopped"]],
-                        level=Level.PAGE,
                     )
                 ],
             ),

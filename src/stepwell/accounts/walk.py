@@ -164,8 +164,8 @@ def account(walk: Walk, about: About | None = None) -> Account:
                         (_LEG[0], *_GAITS),
                         lambda: _gaits(made.record["legs"]),
                         "The states of the cells in a cycle, and how far the foot slips.",
-                        None,
-                        "gaits",
+                        most=None,
+                        more="gaits",
                     )
                 ],
             ),
