@@ -37,5 +37,6 @@ def test_every_name_of_the_robots_json_is_documented(kind):
 
 
 def names_of(schema) -> set[str]:
-    inside = [*schema.get("properties", {}).values(), schema.get("items", {})]
-    return {*schema.get("properties", {}), *(name for part in inside for name in names_of(part))}
+    properties = schema.get("properties", {})
+    inside = [*properties.values(), *([schema["items"]] if "items" in schema else [])]
+    return {*properties, *(name for part in inside for name in names_of(part))}
