@@ -348,7 +348,7 @@ class Prediction(ByValue, Drawn):
 
 
 def predict(robot: Robot) -> Prediction:
-    """Say what a robot will do in a cycle, without simulation. All else as for `Robot.predict`."""
+    """Predict what a robot does in a cycle, without simulation. All else as for `Robot.predict`."""
     found = rounds(robot)
     slid, firsts = slide(robot, found), tuple(one.first for one in found)
     x, y, turn = slid.displacement()

@@ -160,7 +160,7 @@ class Robot(ByValue, Drawn):
         return replace(self, legs=tuple(leg if one.name == leg.name else one for one in self.legs))
 
     def predict(self) -> Prediction:
-        """Say what a robot will do in a cycle, without simulation.
+        """Predict what a robot does in a cycle, without simulation.
 
         Every leg is followed exactly through its equilibria, with the weight on its foot and the
         floor's drag as loads; then friction decides how the body slides. The theory of the robot
@@ -218,7 +218,7 @@ class Robot(ByValue, Drawn):
         settings: Settings | None = None,
         progress: Progress | None = None,
     ) -> Maze:
-        """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
+        """Simulate a robot in an arena until it reaches the goal, is trapped or runs out of time.
 
         The actuator goes out and back all the while and nothing steers but the antennas.
 

@@ -204,7 +204,7 @@ def maze(
     progress: Callable[[float, float], None] | None = None,
     look: Callable[[Callable[[], Walk]], None] | None = None,
 ) -> Maze:
-    """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
+    """Simulate a robot in an arena until it reaches the goal, is trapped or runs out of time.
 
     `look` is as for `walk`. All else as for `Robot.maze`.
     """

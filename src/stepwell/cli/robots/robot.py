@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 commands = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich" if styled() else None,
-    help="Predict the gait of a robot, vary its numbers, or check its time step.",
+    help="Compute a robot's gait by statics, vary its numbers, or check its time step.",
     epilog=EXIT_CODES,
 )
 

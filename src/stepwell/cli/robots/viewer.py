@@ -43,10 +43,10 @@ def export(
     arena: ArenaName = None,
     force: ForceFile = False,
 ) -> None:
-    """Write a robot as MJCF.
+    """Export a robot as MJCF, the format of MuJoCo.
 
-    MuJoCo's own viewer opens it: bands, levers, links and antennas are there to be seen. Its
-    keyframe `start` stands on the floor with every cell at 0.
+    MuJoCo's own viewer opens it and shows bands, levers, links and antennas. In its keyframe
+    `start` the robot stands on the floor with every cell at 0.
     """
     from stepwell import files, simulation
 
@@ -60,9 +60,9 @@ def export(
 
 
 def view(robot: RobotName, arena: ArenaName = None) -> None:
-    """Watch a robot walk in MuJoCo's viewer.
+    """Simulate a robot in MuJoCo's viewer.
 
-    It needs a display. The actuator's command runs, and the mouse can push the robot about.
+    The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
     """
     from stepwell import files
 
