@@ -1,15 +1,13 @@
 """One of every result that a user can hold, small, by the name of its class."""
 
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 import stepwell as sw
-from golden.recordings import bands, cells, rubber
-from stepwell import lab, simulation
+from lab.values import of_recordings
+from stepwell import simulation
 from stepwell.base import StepwellError
 from stepwell.design import USUAL, share_of
 from stepwell.studies import Atlas, Axis, Machine, Sampled
@@ -84,30 +82,6 @@ def of_robots() -> dict[str, Any]:
         robot.maze(arena, limit=4),
         sweep,
         simulation.convergence(robot, [0.001, 0.0005], cycles=2),
-    )
-    return {type(value).__name__: value for value in values}
-
-
-@cache
-def of_recordings() -> dict[str, Any]:
-    """Of recordings and what they say."""
-    with TemporaryDirectory() as folder:
-        for prepare in (bands, cells, rubber):
-            prepare(Path(folder))
-        batch = lab.read_all([Path(folder) / "data"])
-        pulled = lab.read_all([Path(folder) / "bands"]).recordings
-        rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
-    compared = lab.compare(batch.recordings)
-    built = sw.preset("paper-forward")
-    values = (
-        lab.as_built(built, lab.Observed("00>10>11>01>00"), n=100),
-        batch,
-        batch.recordings[0],
-        lab.band_test(pulled),
-        compared,
-        compared.cells[0],
-        compared.pairs[0],
-        lab.calibrate(lab.prepare(lab.sort_series(rubbers).series), "linear"),
     )
     return {type(value).__name__: value for value in values}
 

@@ -12,7 +12,7 @@ def test_the_command_writes_the_build_and_the_move(stepwell):
     assert str(built.cycle().sequence) == "00>01>11>10>00"
     changed = [one.name for one in parameters(built) if one.value(built) != one.value(moved)]
     assert len({name.rpartition(".")[0] for name in changed if name.count(".") > 1}) == 1
-    assert "Do now" in result.stdout and "move" in result.stdout
+    assert "Move q of" in result.stdout
     nothing = stepwell(*line[:3])
     assert nothing.exit_code == 2 and "nothing was seen" in nothing.stderr
     for option, text in (("--pulls", "3"), ("--snaps-out", "a,b")):

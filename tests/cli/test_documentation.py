@@ -13,6 +13,7 @@ import typer
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
 from stepwell import files, lab, results
+from stepwell.accounts import account
 from stepwell.cli import app
 from stepwell.design import (
     Impossible,
@@ -152,18 +153,18 @@ def lab_records() -> list[dict[str, Any]]:
     still = np.random.default_rng(0).normal(0.0, 0.01, 4000)
     pulls = [tension(s, 5, lambda u: 28.5 * u, noise=still) for s in (1, 2)]
     test = lab.band_test(pulls)
+    fit = lab.fit_bands(test, lab.choose_law(test))
     compared = lab.compare([*runs, bump])
     assert compared.cells[-1].rises
     found = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
     return [
-        {
-            "recordings": lab.summary(pulls),
-            "refused": [{"source": "", "problem": ""}],
-            "ignored": [],
-        },
-        lab.band_record(test, lab.choose_law(test), ""),
-        lab.comparison_record(compared),
-        lab.fit_record(found),
+        account(value).record
+        for value in (
+            lab.Batch(tuple(pulls), (lab.LabError("", ""),)),
+            fit,
+            compared,
+            found,
+        )
     ]
 
 

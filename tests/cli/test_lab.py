@@ -1,7 +1,6 @@
 """`stepwell lab`: thin commands over the room, files whole, advice instead of tracebacks."""
 
 import json
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -47,32 +46,14 @@ def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp
     result = stepwell("lab", "read", "data", "--out", "table")
     assert result.exit_code == 0
     assert "data/broken.txt: is binary, not text" in result.stdout
-    assert "Not tried, name them to try them: 1 .mp4." in result.stdout
-    assert "Recordings: 11. Samples: " in result.stdout and "Not read: 1." in result.stdout
+    assert "1 .mp4" in result.stdout
+    assert "11 recordings read; 1 file could not be read" in result.stdout
     assert "Written into table: recordings.csv, recordings.json, recordings.nc" in result.stdout
     rows = xr.load_dataset(tmp_path / "table" / "recordings.nc", engine="scipy")
     assert rows["stroke"].attrs["units"] == "m"
     record = json.loads(stepwell("lab", "read", "data", "--json").stdout)
     assert record["schema"] == "stepwell.lab.read/1"
     assert [r["problem"][:9] for r in record["refused"]] == ["is binary"]
-
-
-@pytest.mark.parametrize(
-    ("points", "shown"),
-    [
-        ([0.0, 20.0], "0 to 20"),
-        ([0.0, 19.9, 0.0], "0 to 19.9 to 0"),
-        ([0.0, 9.0, 1.0, 8.0], "0 to 9 to 1 to 8"),
-        ([0.0, 9.0, 1.0] + [8.0, 2.0] * 4, "0 to 9 to 1 to ... to 8 to 2"),
-    ],
-)
-def test_a_stroke_is_shown_with_the_points_where_it_turned(stepwell, tmp_path, points, shown):
-    stroke = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(points)])
-    stroke = [*stroke.tolist(), points[-1]]
-    rows = [f"{k},{mm},0.1" for k, mm in enumerate(stroke)]
-    (tmp_path / "pull.csv").write_text("\n".join(["time_s,stroke_mm,force_N", *rows]), "utf-8")
-    said = stepwell("lab", "read", "pull.csv").stdout
-    assert f" {shown} " in said.replace("\n", " ")
 
 
 def test_nothing_to_read_is_an_error_that_is_told(stepwell):
@@ -87,9 +68,7 @@ def test_nothing_to_read_is_an_error_that_is_told(stepwell):
 def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     result = stepwell("lab", "band", "bands", "--gauge-mm", "15", "--out", "band")
     assert result.exit_code == 0, result.stderr
-    assert result.stdout.startswith("Stiffness 28.")
-    for words in ("one more band, 95 %", "Used and dropped", "by window", "(chosen)", "Work lost"):
-        assert words in result.stdout
+    assert "\nStiffness 28." in result.stdout
     text = (tmp_path / "band" / "band.toml").read_text("utf-8")
     chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
     (band,) = chain.levers[0].bands
@@ -132,8 +111,6 @@ def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell
     for code in ANCHORS:
         assert f"{code}, 1 band, loading: agrees: bistable" in result.stdout
     assert "MMT, 1 band, loading: order agrees: inner then outer" in result.stdout
-    assert "F falls throughout in every series" in result.stdout
-    assert "Not judged: the first 0.5 mm of stroke" in result.stdout
     names = written(tmp_path / "seen")
     kinds = {
         f"{name}.{kind}" for name in ("forces", "energies", "pairs") for kind in ("png", "svg")
@@ -169,13 +146,11 @@ def test_a_design_can_overrule_the_names(stepwell, data):
 def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
     result = stepwell("lab", "calibrate", "data", "--law", "linear", "--out", "fit")
     assert result.exit_code == 0, result.stderr
-    for words in ("by leaving out a geometry", "left out", "Not told apart", "For a design file"):
-        assert words in result.stdout
     text = (tmp_path / "fit" / "band.toml").read_text("utf-8")
     chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
     assert chain.levers[0].bands[0].stiffness == pytest.approx(28.5, rel=0.05)
     record = json.loads(stepwell("lab", "calibrate", "data", "--json").stdout)
-    assert record["schema"] == "stepwell.lab.calibrate/1"
+    assert record["schema"] == "stepwell.lab.calibrate/2"
     # Three unit cells, and both cells of a pair.
     assert [one["in_pair"] for one in record["errors"]] == [False] * 3 + [True] * 2
 

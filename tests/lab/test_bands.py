@@ -136,9 +136,7 @@ def test_a_single_sample_is_said_to_show_no_scatter():
     assert np.isnan(found.low) and "not known" in repr(found)
     choice = lab.choose_law(test)
     assert choice.folds == "cycle"
-    assert "of others, one sample tells nothing" in lab.band_table(test, found, choice)
-    record = lab.band_record(test, choice, "")
-    assert record["stiffness_N_per_m"]["low"] is None
+    assert "of others, one sample tells nothing" in lab.band_table(lab.fit_bands(test, choice))
 
 
 @pytest.mark.slow
@@ -148,9 +146,8 @@ def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_told():
     assert choice.chosen.law.name == "cubic"
     assert choice.folds == "nothing"
     assert "No law could be tried on another curve" in choice.told
-    assert "was tried on no other curve" in lab.band_table(test, lab.stiffness(test), choice)
-    record = lab.band_record(test, choice, "")
-    assert min(law["above_best"] for law in record["laws"]) == 0
+    assert "was tried on no other curve" in lab.band_table(lab.fit_bands(test, choice))
+    assert min(law.above_best for law in choice.candidates) == 0
 
 
 @pytest.mark.slow
@@ -158,11 +155,11 @@ def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
     test, unknown = softened(), chosen()
     assert unknown.rest_length is None
     assert "cannot be identified" in unknown.rest_length_told()
-    text = lab.band_table(test, lab.stiffness(test), unknown)
+    text = lab.band_table(lab.fit_bands(test, unknown))
     assert "rest_length_mm =" not in text and "the recordings do not tell it" in text
     known = chosen(gauge=0.0213)
     assert known.rest_length == pytest.approx(0.020, abs=2e-4)
-    assert "rest_length_mm = " in lab.band_table(test, lab.stiffness(test), known)
+    assert "rest_length_mm = " in lab.band_table(lab.fit_bands(test, known))
     with pytest.raises(ValueError, match="gauge = -1 m: must be > 0"):
         lab.choose_law(test, gauge=-1)
 
@@ -170,7 +167,7 @@ def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
 @pytest.mark.parametrize("law", [law.name for law in lab.LAWS])
 def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension(law):
     test, choice = softened(0.0), chosen(0.0, 0.0213)
-    text = lab.band_table(test, lab.stiffness(test), choice, law, "my bands")
+    text = lab.band_table(lab.fit_bands(test, choice, law), "my bands")
     assert text.startswith("# From my bands, by stepwell ")
     assert "Samples 1, 2, 3, cycles 5 to 9, loading, 5 to 35 mm of stroke." in text
     chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
@@ -184,7 +181,7 @@ def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension
 def test_a_law_that_is_not_known_is_refused():
     test = softened()
     with pytest.raises(ValueError, match="law = 'quartic': must be one of linear, "):
-        lab.band_table(test, lab.stiffness(test), chosen(), "quartic")
+        lab.fit_bands(test, chosen(), "quartic")
 
 
 def test_the_loss_of_every_cycle_is_told():

@@ -1,5 +1,6 @@
 """Calibration: what was put in comes out, geometries are left out whole, ties are told."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
+from stepwell.accounts import account
 from stepwell.lab.fit_model import force, law_of, rows
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
@@ -159,12 +161,10 @@ def test_too_few_geometries_are_refused():
 
 
 def test_a_calibration_goes_to_xarray_and_json():
-    import json
-
     found = fitted(samples(TRUE, np.random.default_rng(0)), "linear")
     data = found.to_xarray()
     assert data.sizes == {"series": 18, "parameter": 6, "other": 6}
-    record = lab.fit_record(found)
+    record = account(found).record
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     with pytest.raises(KeyError, match="must be one of stiffness_1"):
         found["stiffness_3"]

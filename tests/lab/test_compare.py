@@ -1,5 +1,6 @@
 """Measured against model, where the truth is known: any direction, any names, any gaps."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,6 +9,7 @@ import pytest
 
 from lab.machine import pair, recording, there, unit
 from stepwell import lab
+from stepwell.accounts import account
 from stepwell.lab.cell_test import CLOSE
 from stepwell.lab.pair_test import _strokes
 from stepwell.lab.series import paper_cell
@@ -309,8 +311,6 @@ def test_repeats_are_averaged_where_all_of_them_reach():
 
 
 def test_results_go_to_xarray_csv_and_json(tmp_path):
-    import json
-
     data = units("MB", MB) + frictions() + pairs("MMT", DIRECTED) + no_bands()
     comparison = lab.compare(data)
     rows = comparison.to_xarray()
@@ -320,7 +320,7 @@ def test_results_go_to_xarray_csv_and_json(tmp_path):
     text = (tmp_path / "curves.csv").read_text("utf-8").splitlines()
     assert text[0] == "series,stroke_mm,measured_N,model_N,judged"
     assert len(text) == 1 + rows.sizes["row"]
-    record = lab.comparison_record(comparison)
+    record = account(comparison).record
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     assert repr(comparison) == "Comparison(1 unit cells, 1 pairs)"
 

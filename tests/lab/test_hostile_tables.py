@@ -6,6 +6,7 @@ from typer.testing import CliRunner
 
 from sizes import examples
 from stepwell import lab
+from stepwell.accounts import account
 from stepwell.base import InputError
 from stepwell.cli import app
 
@@ -17,12 +18,9 @@ def banded(text: str) -> str:
     """The table for a design file, or the line that says why there is none."""
     try:
         test = lab.band_test([lab.read_bytes(text.encode(), "pull.csv")])
-        choice = lab.choose_law(test)
-        table = lab.band_table(test, lab.stiffness(test), choice)
-        lab.band_record(test, choice, table)
+        return account(lab.fit_bands(test, lab.choose_law(test))).record["table"]
     except InputError as error:
         return str(error)
-    return table
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from lab.kitchen import GRAVITY, extensions, pulled, rubber, spring, table
 from sizes import examples
 from stepwell import files, lab
+from stepwell.accounts import About, account
 from stepwell.cli import app
 from stepwell.lab.bands.choice import this_band
 
@@ -266,15 +267,15 @@ def test_with_few_readings_only_the_line_is_tried_and_no_doubt_is_made_up(readin
     assert told is not None
     slope, _ = told
     assert np.isnan(slope.low) == (readings == 2)
-    text = lab.band_table(test, lab.stiffness(test), choice)
+    text = lab.band_table(lab.fit_bands(test, choice))
     assert ("its uncertainty is not known" in text) == (readings == 2)
 
 
 def test_the_record_and_the_table_tell_the_band_with_its_doubt():
     test = lab.band_test([pulled(SEVEN)])
-    choice = lab.choose_law(test)
-    text = lab.band_table(test, lab.stiffness(test), choice, source="pull.csv")
-    record = lab.band_record(test, choice, text)
+    fit = lab.fit_bands(test, lab.choose_law(test))
+    record = account(fit, About(source="pull.csv")).record
+    text = record["table"]
     alone = record["this_band"]
     assert alone["readings"] == 7
     k, rest = alone["stiffness_N_per_m"], alone["rest_length_mm"]

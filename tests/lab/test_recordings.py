@@ -33,18 +33,19 @@ def pair_named(comparison, name):
 
 def test_every_recording_is_read_and_the_known_oddities_are_told(recordings):
     assert len(recordings) == 200
-    odd = {row["source"].rpartition("/")[2]: row["odd"] for row in lab.summary(recordings)}
+    lines = dict(zip(recordings, lab.Batch(tuple(recordings), ()).odd, strict=True))
+    odd = {one.source.rpartition("/")[2]: each for one, each in lines.items()}
     for name in ("1unit_MM_4.txt", "1unit_MM_5.txt", "1unit_MM_6.txt"):
         assert any("end stop?" in line for line in odd[name])
     starts = [r for r in recordings if r.stroke[0] > 5e-5]
     assert [r.name for r in starts] == ["friction_3"]
     assert any("number 4 is missing" in line for line in odd["1unit_ML_5.txt"])
     first = next(
-        r
-        for r in lab.summary(recordings)
-        if r["source"].endswith("1unit/friction.is_tcyclic_Exports/friction_1.txt")
+        each
+        for one, each in lines.items()
+        if one.source.endswith("1unit/friction.is_tcyclic_Exports/friction_1.txt")
     )
-    assert any("mean force -0.018 N" in line for line in first["odd"])
+    assert any("mean force -0.018 N" in line for line in first)
     assert any("another sample?" in line for line in odd["robot_rubbers_11.txt"])
 
 

@@ -56,15 +56,19 @@ class About:
 
     Args:
         design: text of the design file, or the value for which such a file is written.
-        source: the file's name.
+        source: the name of that file, or of the folder of recordings.
         calibrated: of the recordings that the design was calibrated on; None for none.
         seeds: of what was drawn before the result was computed, by name; None of what was not.
+        data_sha256: of the file of each recording by its name.
+        designs_sha256: of each design file by its name, where recordings are compared with several.
     """
 
     design: str | Chain | Robot | None = None
     source: str | None = None
     calibrated: Calibrated | None = None
     seeds: Mapping[str, int | None] = field(default_factory=dict)
+    data_sha256: Mapping[str, str] = field(default_factory=dict)
+    designs_sha256: Mapping[str, str] = field(default_factory=dict)
 
 
 def head(

@@ -21,8 +21,14 @@ KINDS = {
     "check": "check",
     "convergence": "convergence",
     "design": "design",
+    "folder": "folder",
     "graph": "graph",
     "implicit_graph": "walked",
+    "lab.as_built": "lab.as_built",
+    "lab.band": "lab.band",
+    "lab.calibrate": "lab.calibrate",
+    "lab.compare": "lab.compare",
+    "lab.read": "lab.read",
     "map": "map",
     "maze": "maze",
     "program": "program",
@@ -53,12 +59,13 @@ def schema_of(kind: str) -> JsonSchema:
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
     module = import_module(f"stepwell.accounts.{KINDS[kind]}")
     name, of = module.KIND, module.schema
-    body = reduce(_merged, (_object((*HEAD, *of(shape))) for shape in shapes()))
+    first = getattr(module, "FIRST", HEAD)
+    body = reduce(_merged, (_object((*first, *of(shape))) for shape in shapes()))
     properties = {
         "schema": {"const": f"stepwell.{name}"},
         **body["properties"],
-        "files": {"type": "array", "items": {"type": "string"}},
     }
+    properties.setdefault("files", {"type": "array", "items": {"type": "string"}})
     version = name.partition("/")[2]
     return {
         "$schema": _DIALECT,

@@ -28,6 +28,7 @@ _UNITS = {
     "kPa": ("Pa", 1e-3),
     "mNm": ("N m", 1e3),
     "kPa_per_mL": ("Pa/m³", 1e-9),
+    "mm/N": ("m/N", 1e3),
     "percent": ("1", 1e2),
 }
 # In all others of these people are told only where a schema says so.
@@ -118,7 +119,8 @@ class Quantity:
         left: whether its column starts at the left; words do.
         dims: further dimensions in xarray.
         holds: what JSON has of it: a type, a schema, a list of one of these, or a dictionary from
-            `str` to one of these; a number where it has a unit, else text.
+            `str` to one of these; a number where it has a unit, else text. The unit is that of all
+            numbers in it.
         missing: whether JSON has null where there is none; of numbers it always has.
     """
 
@@ -221,7 +223,7 @@ def _held(holds: Any, value: Any, factor: float) -> Any:
     if value is None:
         return None
     if isinstance(holds, tuple):
-        return record(holds, value)
+        return {q.key: _held(q.holds, q.of(value), factor * q.factor) for q in holds}
     if isinstance(holds, list):
         return [_held(holds[0], one, factor) for one in value]
     if isinstance(holds, dict):

@@ -9,9 +9,8 @@ from stepwell import accounts
 from stepwell.base import of_kind
 from stepwell.cards.designs import DESIGNS
 from stepwell.cards.html import Card, html
-from stepwell.cards.measured import MEASURED
 
-_CARDS: dict[str, Callable[[Any], Card]] = {**DESIGNS, **MEASURED}
+_CARDS: dict[str, Callable[[Any], Card]] = {**DESIGNS}
 
 
 def card(value: Any) -> str:

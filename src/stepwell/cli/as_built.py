@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +9,7 @@ import typer
 
 from stepwell.base import told_in
 from stepwell.cli.options import Design, Force, Json, Out, free, read_chain, tolerances as given
-from stepwell.cli.screen import finish, progress, usable
+from stepwell.cli.screen import progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.lab import Pull
@@ -94,12 +93,12 @@ def as_built(
     with an anchor in a wrong hole, are drawn at random and weighed by how well they agree with it.
     With --out, the design as it was built and as it is with the best move go into a folder.
     """
-    from stepwell import lab, reports
-    from stepwell.cli.text import as_built as texts
+    from stepwell import lab
+    from stepwell.accounts import About, account
     from stepwell.design import Tolerances
 
     free(out, "lab as-built", force)
-    _, chain = read_chain(design)
+    text, chain = read_chain(design)
     (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
@@ -126,10 +125,7 @@ def as_built(
             seed=seed,
             progress=tell,
         )
-    record = lab.as_built_record(found)
-    finish(
-        record, texts.as_built, as_json, out, force, partial(reports.write_as_built, found, record)
-    )
+    report(account(found, About(text, design)), as_json, out, force)
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import __version__, versions
 from stepwell.cli import as_built
 from stepwell.cli.options import Force, Json, Out, free, recordings_in, window as read_window
-from stepwell.cli.screen import EXIT_CODES, finish, progress, usable
+from stepwell.cli.screen import EXIT_CODES, progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.lab import Recording, Rig
@@ -45,20 +42,12 @@ def read(
     With --out, all samples are written into a folder as one tidy table with units.
     """
     from stepwell import lab as measured
-    from stepwell.cli.text import lab as texts
-    from stepwell.reports import write_readings
+    from stepwell.accounts import account
 
     free(out, "lab read", force)
     with progress("reading") as tell:
         batch = measured.read_all(files, progress=tell)
-    record = {
-        **_head("read", batch.recordings),
-        "recordings": measured.summary(batch.recordings),
-        "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
-        "ignored": list(batch.ignored),
-    }
-    write = partial(write_readings, batch.recordings, record) if batch.recordings else None
-    finish(record, texts.readings, as_json, out, force, write)
+    report(account(batch), as_json, out if batch.recordings else None, force)
     if not batch.recordings:
         raise typer.Exit(2)
 
@@ -121,8 +110,7 @@ def band(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab as measured
-    from stepwell.cli.text import lab as texts
-    from stepwell.reports import write_band
+    from stepwell.accounts import About, account
 
     free(out, "lab band", force)
     edges = None if window is None else read_window(window)
@@ -138,10 +126,10 @@ def band(
     with usable("--gauge-mm"):
         choice = measured.choose_law(test, None if gauge is None else gauge * 1e-3)
     with usable("--law"):
-        source = ", ".join(folder.name for folder in folders)
-        table = measured.band_table(test, measured.stiffness(test), choice, law, source)
-    record = measured.band_record(test, choice, table) | {"data_sha256": measured.hashes(given)}
-    finish(record, texts.band, as_json, out, force, partial(write_band, test, choice, record))
+        found = measured.fit_bands(test, choice, law)
+    source = ", ".join(folder.name for folder in folders)
+    about = About(source=source, data_sha256=measured.hashes(given))
+    report(account(found, about), as_json, out, force)
 
 
 _Data = Annotated[
@@ -206,8 +194,8 @@ def compare(
     energy judged, a pair the order of its cells and its snaps.
     With --out, verdicts, curves and figures are written into a folder.
     """
-    from stepwell import files, lab as measured, reports
-    from stepwell.cli.text import lab as texts
+    from stepwell import files, lab as measured
+    from stepwell.accounts import About, account
 
     free(out, "lab compare", force)
     given = recordings_in([data])
@@ -219,12 +207,11 @@ def compare(
         as_designed=as_designed,
         rig=_rig(rig, bar),
     )
-    record = measured.comparison_record(comparison) | {
-        "designs_sha256": {design: files.digest(text) for design, text in designed.items()},
-        "data_sha256": measured.hashes(given),
-    }
-    write = partial(reports.write_comparison, comparison, record)
-    finish(record, texts.comparison, as_json, out, force, write)
+    about = About(
+        data_sha256=measured.hashes(given),
+        designs_sha256={design: files.digest(text) for design, text in designed.items()},
+    )
+    report(account(comparison, about), as_json, out, force)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -251,40 +238,19 @@ def calibrate(
     With --out, the numbers, a band and a pair for design files and a figure go into a folder.
     """
     from stepwell import lab as measured
-    from stepwell.cli.text import lab as texts
-    from stepwell.reports import write_calibration
+    from stepwell.accounts import About, account
 
     free(out, "lab calibrate", force)
     given = recordings_in([data])
     found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
-    data_given = measured.prepare(found.series, measured.tension_tables(given))
+    prepared = measured.prepare(found.series, measured.tension_tables(given), found.told)
     with progress("fits") as tell:
-        calibration = measured.calibrate(data_given, law, progress=tell)
-    record = {
-        **_head("calibrate", given),
-        **measured.fit_record(calibration),
-        "told": [
-            *(f"{one.name}: {line}" for one in found.series for line in one.told),
-            *found.told,
-        ],
-        "table": measured.calibrated_table(calibration, data.name),
-    }
-    write = partial(write_calibration, calibration, record)
-    finish(record, texts.calibration, as_json, out, force, write)
+        calibration = measured.calibrate(prepared, law, progress=tell)
+    about = About(source=data.name, data_sha256=measured.hashes(given))
+    report(account(calibration, about), as_json, out, force)
 
 
 commands.command("as-built", epilog=EXIT_CODES)(as_built.as_built)
-
-
-def _head(command: str, recordings: Sequence[Recording]) -> dict[str, Any]:
-    from stepwell.lab import hashes
-
-    return {
-        "schema": f"stepwell.lab.{command}/1",
-        "stepwell": __version__,
-        "versions": versions(),
-        "data_sha256": hashes(recordings),
-    }
 
 
 def _rig(file: Path | None, bar: float | None) -> Rig:

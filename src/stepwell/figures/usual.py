@@ -28,7 +28,7 @@ from stepwell.figures.robots.robot import robot_drawing
 from stepwell.figures.robots.sweeps import sweep
 from stepwell.figures.robots.trajectory import trajectory
 from stepwell.figures.yield_bars import yield_bars
-from stepwell.lab import BandTest, Comparison, choose_law
+from stepwell.lab import BandFit, BandTest, Comparison, choose_law
 from stepwell.mechanism import Chain
 
 # Mechanisms that are drawn around a design.
@@ -114,12 +114,17 @@ def _band_test(test: BandTest, **options: Any) -> Figure:
     return band_laws(test, **{"choice": choose_law(test)} | options)
 
 
+def _band_fit(found: BandFit, **options: Any) -> Figure:
+    return band_laws(found.test, found.choice, **options)
+
+
 def _comparison(found: Comparison) -> Figure:
     return measured_forces(found.cells) if found.cells else measured_pairs(found.pairs)
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": machines,
+    "BandFit": _band_fit,
     "BandTest": _band_test,
     "Calibration": calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),

@@ -1,13 +1,14 @@
 """Measured data in, calibrated bands and measured-versus-model verdicts out."""
 
 from stepwell.lab.bands.band import BandTest, band_test, hysteresis, stiffness, stiffness_by_window
+from stepwell.lab.bands.band_fit import BandFit, fit_bands
 from stepwell.lab.bands.choice import Candidate, Choice, choose_law
 from stepwell.lab.bands.halves import Estimate, Hysteresis
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.builds import Observed, Pull, WrongHole, pulls_of
-from stepwell.lab.calibration import Calibration, FittedParameter, calibrate
-from stepwell.lab.cell_test import CellReading, CellTest
-from stepwell.lab.comparison import Comparison, Refit, compare, comparison_record, refit
+from stepwell.lab.calibration import Calibration, Correlated, FittedParameter, calibrate
+from stepwell.lab.cell_test import RISE, CellReading, CellTest, Rise
+from stepwell.lab.comparison import Comparison, Refit, compare, refit
 from stepwell.lab.first_build import FIRST_BUILD, WRONG_HOLE, AsBuilt, Known, Move, Step, as_built
 from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
@@ -15,35 +16,23 @@ from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.read import (
-    SUMMARY,
     Batch,
     hashes,
     read,
     read_all,
     read_bytes,
-    summary,
     table,
     to_csv,
 )
 from stepwell.lab.recordings.recording import LabError, Recording
-from stepwell.lab.records import (
-    ERROR,
-    KNOWN,
-    MOVE,
-    PARAMETER,
-    SNAP,
-    as_built_record,
-    band_record,
-    fit_record,
-    holes_told,
-)
-from stepwell.lab.rig import CELL_TEST, PAIR_TEST, PAPER_RIG, RIG, Rig
+from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
 from stepwell.lab.series import Series, Sorted, sort_series
 from stepwell.lab.snaps import MeasuredSnap, find_snaps
 from stepwell.lab.tables import band_table, calibrated_table, tension_tables
 
 __all__ = [
     "AsBuilt",
+    "BandFit",
     "BandTest",
     "Batch",
     "Calibration",
@@ -52,6 +41,7 @@ __all__ = [
     "CellTest",
     "Choice",
     "Comparison",
+    "Correlated",
     "Curve",
     "Estimate",
     "FIRST_BUILD",
@@ -65,14 +55,17 @@ __all__ = [
     "MeasuredCurve",
     "MeasuredSnap",
     "Move",
+    "NOT_JUDGED",
     "Observed",
     "PAPER_RIG",
     "PairTest",
     "Prepared",
     "Pull",
+    "RISE",
     "Recording",
     "Refit",
     "Rig",
+    "Rise",
     "Sample",
     "Series",
     "SnapPrediction",
@@ -82,8 +75,6 @@ __all__ = [
     "Weighing",
     "WrongHole",
     "as_built",
-    "as_built_record",
-    "band_record",
     "band_table",
     "band_test",
     "batch_oddities",
@@ -91,10 +82,9 @@ __all__ = [
     "calibrated_table",
     "choose_law",
     "compare",
-    "comparison_record",
     "find_snaps",
     "fit",
-    "fit_record",
+    "fit_bands",
     "hashes",
     "hysteresis",
     "mean_curve",
@@ -109,7 +99,6 @@ __all__ = [
     "sort_series",
     "stiffness",
     "stiffness_by_window",
-    "summary",
     "table",
     "tension_tables",
     "to_csv",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -78,6 +78,14 @@ class FittedParameter(ByValue):
         )
 
 
+class Correlated(NamedTuple):
+    """Two parameters that the data cannot tell apart, and their correlation."""
+
+    parameter: str
+    other: str
+    correlation: float
+
+
 @dataclass(frozen=True, eq=False)
 class Calibration(ByValue, Drawn):
     """The model that fits all cells best, and how well it predicts one that it has not seen.
@@ -95,6 +103,7 @@ class Calibration(ByValue, Drawn):
         compliance: by which the rig gives way [m/N]; NaN where no pair tells it.
         pairs: the series of pairs beside their model without a fit.
         snaps: for each of them what is predicted of its snaps, and what was seen.
+        notes: which recordings were used, which were dropped, and what is odd, a line each.
     """
 
     law: str
@@ -109,6 +118,7 @@ class Calibration(ByValue, Drawn):
     compliance: float = math.nan
     snaps: tuple[SnapPrediction, ...] = field(repr=False, default=())
     pairs: tuple[PairTest, ...] = field(repr=False, default=())
+    notes: tuple[str, ...] = field(repr=False, default=())
 
     def __getitem__(self, name: str) -> FittedParameter:
         found = {parameter.name: parameter for parameter in self.parameters}
@@ -142,11 +152,13 @@ class Calibration(ByValue, Drawn):
         )
 
     @property
-    def tied(self) -> tuple[tuple[str, str, float], ...]:
-        """Pairs of numbers that the data cannot tell apart, with their correlation."""
+    def tied(self) -> tuple[Correlated, ...]:
+        """Pairs of numbers that the data cannot tell apart."""
         names = list(self.values)
         tied = np.argwhere(np.tril(np.abs(self.correlations) > TIED, -1))
-        return tuple((names[j], names[i], float(self.correlations[i, j])) for i, j in tied)
+        return tuple(
+            Correlated(names[j], names[i], float(self.correlations[i, j])) for i, j in tied
+        )
 
     def band(self, bands: int = 1, in_pair: bool = False) -> Band:
         """A band of a cell with so many, as it loads; anchors at their defaults.
@@ -391,6 +403,7 @@ def calibrate(
         given,
         tuple(best.predict(test, weighing) for test in data.pairs),
         data.pairs,
+        data.notes,
     )
 
 

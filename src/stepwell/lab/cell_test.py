@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, brief, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, brief
 from stepwell.lab.recordings.curve import rms
-from stepwell.lab.rig import CELL_TEST, PAPER_RIG, Rig
+from stepwell.lab.rig import PAPER_RIG, Rig
 from stepwell.lab.series import Series
 from stepwell.mechanism import Cell
 
@@ -20,6 +20,14 @@ _ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolat
 _POINTS = 401
 RISE = 0.005  # k r by which a force must rise to be called an exception
 _SMOOTH = 11  # samples of the mean curve, half a millimetre
+
+
+class Rise(NamedTuple):
+    """Strokes between which a force rises though it should fall [m], and by how much [N]."""
+
+    start: float
+    end: float
+    height: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +80,7 @@ class CellTest(ByValue, Drawn):
         plain, corrected: the measured force, without and with the correction for the rig's bar.
         model: (n,) force of the model at `plain.theta` [N].
         spread: mean standard deviation between repeats [N].
-        rises: strokes from and to [m] and height [N] where the force rises though it should fall.
+        rises: where the force rises though it should fall.
     """
 
     series: Series
@@ -80,7 +88,7 @@ class CellTest(ByValue, Drawn):
     corrected: CellReading
     model: Floats = field(repr=False)
     spread: float
-    rises: tuple[tuple[float, float, float], ...]
+    rises: tuple[Rise, ...]
 
     @property
     def cell(self) -> Cell:
@@ -134,10 +142,6 @@ class CellTest(ByValue, Drawn):
             f"mostly {way} it in size"
         )
 
-    def record(self) -> dict[str, Any]:
-        """The result as JSON can hold it; docs/commands.md describes the names."""
-        return record(CELL_TEST, self)
-
     def _gap(self, reading: CellReading) -> Floats:
         gap = (reading.force - self.cell.force(reading.theta))[reading.inside]
         return gap / self.series.scale
@@ -188,12 +192,12 @@ def _reading(cell: Cell, stroke: Floats, force: Floats, rig: Rig) -> CellReading
     return CellReading(cell.angle(s), full, energy, inside)
 
 
-def _rises(stroke: Floats, force: Floats, least: float) -> tuple[tuple[float, float, float], ...]:
+def _rises(stroke: Floats, force: Floats, least: float) -> tuple[Rise, ...]:
     """Where the force climbs by more than `least` above its lowest value so far."""
     edge = _SMOOTH // 2
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
     stroke = stroke[edge:-edge]
-    found: list[tuple[float, float, float]] = []
+    found: list[Rise] = []
     low = np.minimum.accumulate(force)
     over = force - low
     start = 0
@@ -206,6 +210,6 @@ def _rises(stroke: Floats, force: Floats, least: float) -> tuple[tuple[float, fl
         back = np.flatnonzero(force[at:] <= force[foot])
         end = at + int(back[0]) if len(back) else len(force) - 1
         top = foot + int(np.argmax(force[foot : end + 1]))
-        found.append((float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
+        found.append(Rise(float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
         start = end + 1
     return tuple(found)

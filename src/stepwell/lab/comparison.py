@@ -19,14 +19,13 @@ from stepwell.base import (
     brief,
     need,
     record,
-    versions,
     write_csv,
 )
-from stepwell.lab.cell_test import RISE, CellTest, cell_test
+from stepwell.lab.cell_test import CellTest, cell_test
 from stepwell.lab.pair_test import PairTest, pair_tests
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError, Recording
-from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, RIG, Rig, predicted_force
+from stepwell.lab.rig import PAPER_RIG, Rig, predicted_force
 from stepwell.lab.series import over_geometries, sort_series
 from stepwell.mechanism import Chain, Linear
 
@@ -136,25 +135,6 @@ def compare(
     cells = tuple(cell_test(one, rig) for one in found.series if len(one.chain) == 1)
     pairs = tuple(pair_tests([one for one in found.series if len(one.chain) == 2], rig))
     return Comparison(cells, pairs, found.told, rig)
-
-
-def comparison_record(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as JSON can hold it; docs/commands.md describes the names."""
-    counts = sorted({test.series.bands for test in comparison.cells})
-    return {
-        "schema": "stepwell.lab.compare/1",
-        "stepwell": __version__,
-        "versions": versions(),
-        "bar_mm": None if np.isinf(comparison.rig.bar) else comparison.rig.bar * 1e3,
-        "rig": record(RIG, comparison.rig),
-        "mean_rmse_over_kr": [
-            {"bands": n, "rmse_over_kr": comparison.mean_rmse(n)} for n in counts
-        ],
-        "series": [test.record() for test in comparison.tests],
-        "told": list(comparison.told),
-        "not_judged": NOT_JUDGED,
-        "rise_over_kr": RISE,
-    }
 
 
 def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:

@@ -95,11 +95,13 @@ class Prepared(ByValue):
         samples: each cell that moves in a series.
         pairs: series of pairs beside their model without a fit.
         tables: laws of bands by name, from tension tests.
+        notes: which recordings were used, which were dropped, and what is odd, a line each.
     """
 
     samples: tuple[Sample, ...]
     pairs: tuple[PairTest, ...] = ()
     tables: Mapping[str, Table] = field(default_factory=dict)
+    notes: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self):
         object.__setattr__(self, "tables", ReadOnly(self.tables))
@@ -113,7 +115,11 @@ def rubber_name(bands: int, in_pair: bool) -> str:
     return f"stiffness_{bands}{'_in_pairs' * in_pair}"
 
 
-def prepare(series: Sequence[Series], tables: Mapping[str, Table] | None = None) -> Prepared:
+def prepare(
+    series: Sequence[Series],
+    tables: Mapping[str, Table] | None = None,
+    notes: Sequence[str] = (),
+) -> Prepared:
     """Net forces of cells on even ways, in the order of motion; of pairs for each of both cells.
 
     In pairs the baseline of the cell that moves is subtracted, in the order that the forces show,
@@ -122,6 +128,7 @@ def prepare(series: Sequence[Series], tables: Mapping[str, Table] | None = None)
     Args:
         series: of one cell or of two.
         tables: laws of bands to try, by name.
+        notes: on recordings that are in no series, as `Sorted.told`.
 
     Returns:
         A sample for each series of one cell, two for each of a pair.
@@ -129,7 +136,8 @@ def prepare(series: Sequence[Series], tables: Mapping[str, Table] | None = None)
     cells = [_of_cell(one) for one in series if len(one.chain) == 1]
     pairs = pair_tests([one for one in series if len(one.chain) > 1])
     in_pairs = (sample for test in pairs for sample in _of_pair(test))
-    return Prepared((*cells, *in_pairs), tuple(pairs), tables or {})
+    used = (f"{one.name}: {line}" for one in series for line in one.told)
+    return Prepared((*cells, *in_pairs), tuple(pairs), tables or {}, (*used, *notes))
 
 
 def weigh(tests: Iterable[PairTest]) -> Weighing | None:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, record
+from stepwell.base import Bools, ByValue, Drawn, Floats
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.rig import (
     END,
-    PAIR_TEST,
     PAPER_RIG,
     Rig,
     judged,
@@ -266,10 +264,6 @@ class PairTest(ByValue, Drawn):
         if self.sigmas == 0.0:
             sigmas = "between the two"
         return f"{measured}, predicted at {both}; {sigmas}"
-
-    def record(self) -> dict[str, Any]:
-        """The result as JSON can hold it; docs/commands.md describes the names."""
-        return record(PAIR_TEST, self)
 
     def names(self, order: Order) -> list[str]:
         """What its cells are called, in an order."""

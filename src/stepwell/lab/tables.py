@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import InputError, __version__, counted
-from stepwell.lab.bands.band import BandTest, band_test
-from stepwell.lab.bands.choice import NOTHING, Candidate, Choice, this_band
-from stepwell.lab.bands.halves import Estimate
+from stepwell.base import __version__, counted
+from stepwell.lab.bands.band import band_test
+from stepwell.lab.bands.band_fit import BandFit
+from stepwell.lab.bands.choice import NOTHING
 from stepwell.lab.calibration import Calibration
 from stepwell.lab.fit_samples import rubber_name
 from stepwell.lab.recordings.recording import LabError, Recording, setup_of
@@ -25,38 +25,25 @@ from stepwell.mechanism import Cubic, Table
 _ROWS = 13
 
 
-def band_table(
-    test: BandTest, estimate: Estimate, choice: Choice, law: str | None = None, source: str = ""
-) -> str:
+def band_table(found: BandFit, source: str = "") -> str:
     """The `band` line of a design file, and above it in comments where it comes from.
 
     Args:
-        test: the tension tests.
-        estimate: their stiffness.
-        choice: their force laws.
-        law: the law to write; by default the chosen one.
+        found: the fit to tension tests.
         source: what the recordings are called.
 
     Returns:
         TOML to paste into [chain] or [[chain.cell]]; the rest length is left out where it is not
         known, and a comment says so.
-
-    Raises:
-        ValueError: a law that is not known.
     """
-    known = {candidate.law.name: candidate for candidate in choice.candidates}
-    if law is not None and law not in known:
-        raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
-    candidate = choice.chosen if law is None else known[law]
-    keys = _keys(candidate, test, estimate)
-    comments = _provenance(test, estimate, choice, candidate, source)
-    if choice.gauge is None:
+    gauge, keys, comments = found.choice.gauge, _keys(found), _provenance(found, source)
+    if gauge is None:
         comments += [
             "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
             "10 mm; measure the length at which your band begins to pull, and write it in.",
         ]
     else:
-        keys = {"rest_length_mm": (choice.gauge + candidate.fitted.onset) * 1e3} | keys
+        keys = {"rest_length_mm": (gauge + found.written.fitted.onset) * 1e3} | keys
     return "".join(f"# {line}\n" for line in comments) + band_line(keys)
 
 
@@ -69,11 +56,11 @@ def _text(value: float | list[Any]) -> str:
     return f"[{', '.join(map(_text, value))}]" if isinstance(value, list) else f"{value:.5g}"
 
 
-def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str, Any]:
-    fitted = candidate.fitted
-    if candidate.law.name == "linear":
-        return {"stiffness_N_per_m": estimate.value}
-    if candidate.law.name == "cubic":
+def _keys(found: BandFit) -> dict[str, Any]:
+    fitted = found.written.fitted
+    if fitted.law.name == "linear":
+        return {"stiffness_N_per_m": found.stiffness.value}
+    if fitted.law.name == "cubic":
         k, *over_k = fitted.coefficients
         quadratic, cubic = (c / k for c in over_k)
         return {
@@ -81,34 +68,33 @@ def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str,
             "quadratic_per_mm": quadratic * 1e-3,
             "cubic_per_mm2": cubic * 1e-6,
         }
-    e = np.linspace(0.0, test.window[1] - fitted.onset, _ROWS)
+    e = np.linspace(0.0, found.test.window[1] - fitted.onset, _ROWS)
     rows = np.stack([e * 1e3, fitted.tension(fitted.onset + e)], axis=1)
     return {"table_mm_N": rows.tolist()}
 
 
-def _provenance(
-    test: BandTest, estimate: Estimate, choice: Choice, candidate: Candidate, source: str
-) -> list[str]:
+def _provenance(found: BandFit, source: str) -> list[str]:
+    test, choice, candidate = found.test, found.choice, found.written
+    estimate, alone = found.stiffness, found.alone
     low, high = (edge * 1e3 for edge in test.window)
-    alone = this_band(test, choice)
     if alone is None:
         interval = (
             f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
             f"{estimate.spread:.3g}"
         )
-    elif math.isnan(alone[0].low):
+    elif math.isnan(alone.stiffness.low):
         interval = "one sample and too few readings: its uncertainty is not known"
     else:
         interval = (
-            f"this band 95 % {alone[0].low:.4g} to {alone[0].high:.4g}; of others, one sample "
-            f"tells nothing"
+            f"this band 95 % {alone.stiffness.low:.4g} to {alone.stiffness.high:.4g}; of others, "
+            f"one sample tells nothing"
         )
     tried = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
     if choice.folds == NOTHING:
         tried = "was tried on no other curve"
     lengths: list[str] = []
-    if alone is not None and choice.gauge is not None and candidate is choice.chosen:
-        length = [(choice.gauge + edge) * 1e3 for edge in alone[1]]
+    if alone is not None and alone.rest_length is not None and candidate is choice.chosen:
+        length = [edge * 1e3 for edge in alone.rest_length]
         lengths = ["Rest length {:.4g} mm (95 % {:.4g} to {:.4g}).".format(*length)]
     ends = f"extensions of {max(low - candidate.fitted.onset * 1e3, 0.0):.3g}"
     return [

@@ -11,16 +11,9 @@ It returns the names of the files, and raises OverwriteError where a file there 
 wrote, and OSError where the folder cannot be written; nothing has changed then.
 """
 
-from stepwell.reports.as_built import write_as_built
 from stepwell.reports.atlas import write_atlas
 from stepwell.reports.chains import boundary_rows, checked_suffix, write_graph
 from stepwell.reports.figure import PANELS, figure
-from stepwell.reports.measured import (
-    write_band,
-    write_calibration,
-    write_comparison,
-    write_readings,
-)
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
 from stepwell.reports.study import write_study
 from stepwell.reports.write import write
@@ -34,14 +27,9 @@ __all__ = [
     "boundary_rows",
     "checked_suffix",
     "figure",
-    "write_as_built",
     "write_atlas",
-    "write_band",
-    "write_calibration",
     "write",
-    "write_comparison",
     "write_graph",
-    "write_readings",
     "write_story",
     "write_study",
 ]

@@ -54,7 +54,12 @@ class Contents:
 
 # Which file knows the contents of a class.
 _CONTENTS = {
+    "AsBuilt": "measured",
+    "BandFit": "measured",
+    "Batch": "measured",
+    "Calibration": "measured",
     "Check": "designs",
+    "Comparison": "measured",
     "Design": "designs",
     "MapView": "chains",
     "Maze": "robots",

@@ -56,7 +56,7 @@ def calibrated_on(
         scatter of the bands; and what the recordings gave.
     """
     from stepwell import files, lab
-    from stepwell.accounts import Calibrated
+    from stepwell.accounts import Calibrated, account
 
     given = recordings_in([data])
     series = lab.sort_series(given).series
@@ -67,7 +67,7 @@ def calibrated_on(
         data.name,
         lab.hashes(given),
         found.law,
-        lab.fit_record(found)["summary"],
+        account(found).record["summary"],
         found.scatter,
     )
     measured = found.applied(chain)

@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,6 @@ from stepwell.base import (
     __version__,
     content_of,
     need,
-    record,
     write_csv,
 )
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
@@ -37,22 +37,6 @@ SAMPLE: Schema = (
     Quantity("time", "s"),
     Quantity("stroke", "mm"),
     Quantity("force", "N"),
-)
-SUMMARY: Schema = (
-    Quantity("source", head="file"),
-    Quantity("samples", head="samples", read=len, left=False),
-    Quantity("rate", "Hz", "rate"),
-    Quantity("speed", "mm_s", "speed", form=3),
-    Quantity("stroke_from", "mm", read=lambda one: one.stroke[0]),
-    Quantity("stroke_to", "mm", read=lambda one: one.stroke[-1]),
-    Quantity("stroke_range", "mm", read=lambda one: np.ptp(one.stroke)),
-    Quantity("force_from", "N", read=lambda one: one.force[0]),
-    Quantity("force_least", "N", read=lambda one: np.min(one.force)),
-    Quantity("force_most", "N", read=lambda one: np.max(one.force)),
-    Quantity("direction", head="direction"),
-    Quantity("halves", head="halves", read=lambda one: len(one.halves), left=False),
-    Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns]),
-    Quantity("odd"),
 )
 
 
@@ -103,15 +87,6 @@ def to_csv(recordings: Sequence[Recording], file: str | os.PathLike[str]) -> Non
     write_csv(file, [(Quantity("recording"), names), *columns.items()], 10)
 
 
-def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
-    """What each recording holds, as JSON can hold it; docs/commands.md describes the names."""
-    beside = batch_oddities(recordings)
-    return [
-        record(SUMMARY, one, odd=[*oddities(one), *beside.get(one.source, ())])
-        for one in recordings
-    ]
-
-
 def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
     """The SHA-256 of each recording's file by its name: what a result was computed from."""
     return {recording.source: recording.sha256 for recording in recordings}
@@ -136,6 +111,12 @@ class Batch(ByValue):
     recordings: tuple[Recording, ...]
     refused: tuple[LabError, ...]
     ignored: tuple[str, ...] = ()
+
+    @cached_property
+    def odd(self) -> tuple[tuple[str, ...], ...]:
+        """What is odd in each recording, by itself and beside the others, a line for each thing."""
+        beside = batch_oddities(self.recordings)
+        return tuple((*oddities(one), *beside.get(one.source, ())) for one in self.recordings)
 
     def __repr__(self):
         return f"Batch({len(self.recordings)} recordings, {len(self.refused)} refused)"

@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from stepwell.accounts import account
 from stepwell.base import Floats, InputError, Ints, Measure, plain
 from stepwell.lab import (
+    Batch,
     Comparison,
     LabError,
     Recording,
@@ -23,7 +25,6 @@ from stepwell.lab import (
     read_bytes,
     refit,
     sort_series,
-    summary,
 )
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind
@@ -56,7 +57,7 @@ def answer(design: Design, ask: Ask) -> View:
             "and force."
         )
     header: dict[str, Any] = {
-        "files": [_file(one) for one in summary(recordings)],
+        "files": [_file(one) for one in account(Batch(tuple(recordings), ())).record["recordings"]],
         "refused": refused,
         "series": [],
         "told": [],

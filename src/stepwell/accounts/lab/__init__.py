@@ -1,0 +1,1 @@
+"""Accounts of recordings and of what they show."""

@@ -1,0 +1,185 @@
+"""A first build: what it must be like to do what was seen, and which anchors to move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table, Text
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.tolerances import tolerance_words
+from stepwell.accounts.words import cells_of
+from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, percent, told_in
+from stepwell.lab import AsBuilt, Known
+
+KIND = "lab.as_built/2"
+
+
+def _in_unit(name: str) -> Callable[[Known], float]:
+    """A number of a parameter, in the unit of this parameter."""
+    return lambda one: getattr(one, name) * told_in(one.parameter.unit)[1]
+
+
+def _unit(one: Known) -> str:
+    return Quantity("", told_in(one.parameter.unit)[0]).sign
+
+
+_KNOWN: Schema = (
+    Quantity("parameter", head="parameter", read="parameter.name"),
+    Quantity("drawn", head="nominal", left=False, read=_in_unit("drawn"), holds=float),
+    Quantity("value", head="as built", left=False, read=_in_unit("value"), holds=float),
+    Quantity("doubt", head="±", left=False, read=_in_unit("doubt"), holds=float),
+    Quantity("doubt_before", head="± before", left=False, read=_in_unit("before"), holds=float),
+    Quantity("unit", head="unit", read=_unit),
+    Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
+)
+_PLACED: Schema = (
+    Quantity("anchor", read="anchor.name"),
+    Quantity("was", "mm", holds=[float]),
+    Quantity("to", "mm", holds=[float]),
+)
+_MOVE: Schema = (
+    Quantity("move", head="move", read=str),
+    *_PLACED,
+    Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
+    Quantity("share", head="yield", form=percent, left=False, holds=float),
+)
+_WRONG: Schema = (
+    Quantity("wrong", read=str),
+    *_PLACED,
+    Quantity("share", holds=float),
+)
+_PULL: Schema = (
+    Quantity("direction", holds=int),
+    Quantity("stroke", "mm"),
+    Quantity("force", "N"),
+)
+
+
+def _seen(shape: Shape) -> Schema:
+    """What was observed; snaps are at the drive, which may be a force."""
+    return (
+        Quantity("sequence", missing=True),
+        Quantity("snaps_out", shape.drive, read="out", holds=[float], missing=True),
+        Quantity("snaps_back", shape.drive, read="back", holds=[float], missing=True),
+        Quantity("pulls", holds=[in_measure(_PULL, shape.measure)]),
+        Quantity("ruler", shape.drive),
+        *in_measure([Quantity("scale", "N")], shape.measure),
+    )
+
+
+def schema(shape: Shape) -> Schema:
+    """What is reported of a build."""
+    return (
+        Quantity("title", read="drawing.title"),
+        Quantity("advice"),
+        Quantity("wanted"),
+        Quantity("share", holds=float),
+        Quantity("moves", holds=[_MOVE]),
+        Quantity("hole", "mm"),
+        Quantity("wrong_hole", holds=float, read="chance"),
+        Quantity("wrong_holes", holds=[_WRONG], read="wrong"),
+        Quantity("seen", holds=_seen(shape)),
+        Quantity("known", holds=[_KNOWN]),
+        Quantity("drawn", holds=int, read="n"),
+        Quantity("agreeing", holds=float),
+        Quantity("wider", holds=float),
+        Quantity("anchor", "mm", read="tolerances.anchor"),
+        Quantity("stiffness", "percent", read="tolerances.stiffness"),
+    )
+
+
+def account(found: AsBuilt, about: About | None = None) -> Account:
+    """What is reported of a build."""
+    drawing, about = found.drawing, about or About(found.drawing)
+    made = Account(
+        found,
+        title=drawing.title or "A first build",
+        kind=KIND,
+        schema=schema(Shape.of(drawing)),
+        origin=f"{cells_of(drawing)}.",
+        answer=f"{found.advice}.",
+        about=about,
+        seed=found.seed,
+        facts=(
+            Fact("Target", found.wanted),
+            Fact("Yield as built", percent(found.share)),
+            Fact("Yield after the move", percent(found.moves[0].share) if found.moves else ""),
+            Fact("Observed", _observed(found), Level.TERMINAL),
+            Fact("Samples", _samples(found), Level.TERMINAL),
+            Fact("Holes", _holes(found)),
+        ),
+        sections=(
+            Section(
+                "Moves of anchors",
+                [
+                    Table(
+                        _MOVE,
+                        lambda: made.record["moves"],
+                        "The best moves, and the yield after each.",
+                        more="moves",
+                    )
+                ],
+            ),
+            Section(
+                "As built, as far as observations identify it",
+                [
+                    Table(
+                        _KNOWN,
+                        lambda: made.record["known"],
+                        "Means and standard deviations, with those before the observation.",
+                        more="parameters",
+                        level=Level.CARD,
+                    )
+                ],
+            ),
+            Section(
+                "Assumptions",
+                [Text(_ANCHORS if Shape.of(drawing).levers else ""), Notes(_ASSUMED, Level.PAGE)],
+            ),
+        ),
+    )
+    return made
+
+
+_ANCHORS = (
+    "A motion identifies only q - p of the anchors: p is taken as nominal, and q has the deviation "
+    "of both."
+)
+_ASSUMED = (
+    "Parts vary independently within the tolerances; an anchor may be in the hole next to its own. "
+    "An observation counts by its uncertainty alone.",
+    "Several builds explain the same motion; where an observation does not identify a parameter, "
+    "its mean is that of all builds within the tolerances.",
+)
+
+
+def _samples(found: AsBuilt) -> str:
+    """Within which tolerances builds were drawn, and how many of them agree."""
+    wider = f", {number(found.wider)} times those given" * (found.wider > 1)
+    return (
+        f"{found.n} with {tolerance_words(found.tolerances, found.drawing)}{wider}; "
+        f"{percent(found.agreeing)} of random builds move as observed"
+    )
+
+
+def _observed(found: AsBuilt) -> str:
+    seen, unit = found.seen, found.drawing.drive_unit
+    words = [seen.sequence or ""]
+    for strokes, way in ((seen.out, "loading"), (seen.back, "unloading")):
+        if strokes is not None:
+            each = ", ".join(amount(one, unit) for one in strokes)
+            words.append(f"snaps at {each} {way}" if each else f"no snap {way}")
+    words.append(counted(len(seen.pulls), "force") if seen.pulls else "")
+    return "; ".join(filter(None, words))
+
+
+def _holes(found: AsBuilt) -> str:
+    if not Shape.of(found.drawing).levers:
+        return ""
+    if not found.chance:
+        return "nominal; wrong holes were not searched"
+    if not found.wrong:
+        return "nominal, as far as observed"
+    each = ", ".join(f"{one} in {percent(one.share)}" for one in found.wrong)
+    return f"{each} of the builds that would do this; p the other way does the same"

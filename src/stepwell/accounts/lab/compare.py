@@ -1,0 +1,269 @@
+"""Unit cells and pairs on a test machine, compared with their models."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from stepwell.accounts.account import (
+    Account,
+    Fact,
+    Level,
+    Notes,
+    Picture,
+    Section,
+    Table,
+    Text,
+)
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
+from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
+
+KIND = "lab.compare/2"
+_MM = Quantity("stroke", "mm").factor
+
+_RIG: Schema = (
+    Quantity("stretch", holds=float),
+    Quantity("start_loading", "mm"),
+    Quantity("start_unloading", "mm"),
+    Quantity("compliance", "mm/N"),
+    Quantity("friction", "N"),
+)
+_MEANS: Schema = (Quantity("bands", holds=int), Quantity("rmse", "over_kr"))
+_RISE: Schema = (
+    Quantity("from", "mm", read="start"),
+    Quantity("to", "mm", read="end"),
+    Quantity("by", "N", read="height"),
+)
+
+
+class _Both(NamedTuple):
+    """A number of the measured force and of the model."""
+
+    measured: float
+    model: float
+
+
+def _both(name: str) -> Any:
+    return lambda test: _Both(getattr(test.plain, name), getattr(test.cell, name))
+
+
+def _of_both(kind: type) -> Schema:
+    return Quantity("measured", holds=kind), Quantity("model", holds=kind)
+
+
+def _beside(both: Mapping[str, float]) -> str:
+    return f"{both['measured']:.3f} ({both['model']:.3f})"
+
+
+def _of(kind: type, *quantities: Quantity) -> Schema:
+    """Quantities of one kind of test; of the other kind JSON has null."""
+
+    def read(quantity: Quantity) -> Any:
+        return lambda test: quantity.of(test) if isinstance(test, kind) else None
+
+    return tuple(replace(one, read=read(one), missing=True) for one in quantities)
+
+
+_EACH: Schema = (
+    Quantity("series", head="series", read="series.name"),
+    Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
+    Quantity("runs", holds=[str], read=lambda test: [one.source for one in test.series.recordings]),
+    Quantity(
+        "baseline", holds=[str], read=lambda test: [one.source for one in test.series.baseline]
+    ),
+    Quantity("told", holds=[str], read="series.told"),
+    Quantity("k_r", "N", read="series.scale"),
+    Quantity("rmse", "over_kr", "RMSE", form=".3f"),
+    Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
+    Quantity("max", "over_kr", "max", "worst", ".3f"),
+    Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale),
+    Quantity("verdict"),
+)
+_CELL = _of(
+    CellTest,
+    Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
+    Quantity("F0", "N", "F0", _both("force_0"), _beside, holds=_of_both(float)),
+    Quantity("F1", "N", "F1", _both("force_1"), _beside, holds=_of_both(float)),
+    Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside, holds=_of_both(float)),
+    Quantity("bistable", read=_both("is_bistable"), holds=_of_both(bool)),
+    Quantity("rises", holds=[_RISE]),
+)
+_PAIR = _of(
+    PairTest,
+    Quantity(
+        "order_shown", "", "order shown", lambda test: test.names(test.shown), " then ".join,
+        holds=[str],
+    ),
+    Quantity(
+        "order_predicted", "", "model", lambda test: test.names(test.predicted), " then ".join,
+        holds=[str],
+    ),
+    Quantity("order_tie", read="tie", holds=bool),
+    Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False, holds=float),
+    Quantity("snaps", "mm", holds=[[float]]),
+    Quantity("slips", "mm", holds=[[float]]),
+    Quantity("missing_samples", read="missing", holds=[int]),
+    Quantity("snap_mean", "mm", read=lambda test: test.snap_strokes[0]),
+    Quantity("snap_spread", "mm", read=lambda test: test.snap_strokes[1]),
+    Quantity("snap_doubt", "mm", read="doubt"),
+    Quantity("snap_off", "sigma", read="sigmas"),
+    Quantity("snaps_agree", read="right_snaps", holds=bool),
+    Quantity("warning"),
+    Quantity("snaps_predicted", "mm", holds=[float]),
+    Quantity("snaps_with_friction", "mm", holds=[float]),
+    Quantity("pull", "N", read=lambda test: test.pull if test.held else None),
+    Quantity("hold", "N", read=lambda test: test.hold if test.held else None),
+)  # fmt: skip
+_SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
+_PAIR_COLUMNS: Columns = tuple(
+    Column(one.head, lambda pair, one=one: "a tie" if pair["order_tie"] else one.cell(pair))
+    if one.name == "order_predicted"
+    else one
+    for one in (*_EACH, *_PAIR)
+)
+
+
+def schema(_: Shape) -> Schema:
+    """What is reported of a comparison."""
+    return (
+        Quantity("data_sha256", holds={str: str}),
+        Quantity("designs_sha256", holds={str: str}),
+        Quantity("bar", "mm", read="rig.bar"),
+        Quantity("rig", holds=_RIG),
+        Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),
+        Quantity("series", holds=[_SERIES], read="tests"),
+        Quantity("told", holds=[str]),
+        Quantity("not_judged", read=lambda _: NOT_JUDGED),
+        Quantity("rise", "over_kr", read=lambda _: RISE),
+    )
+
+
+class _Mean(NamedTuple):
+    """The mean error of the unit cells with so many bands [k r]."""
+
+    bands: int
+    rmse: float
+
+
+def _means(found: Comparison) -> list[_Mean]:
+    counts = sorted({test.series.bands for test in found.cells})
+    return [_Mean(count, found.mean_rmse(count)) for count in counts]
+
+
+def account(found: Comparison | CellTest | PairTest, about: About | None = None) -> Account:
+    """What is reported of a comparison, or of a single series."""
+    if not isinstance(found, Comparison):
+        return Account(found, found.series.name, answer=f"{found.verdict}.")
+    about = about or About()
+    cells, pairs, tests = found.cells, found.pairs, found.tests
+
+    def rows(kind: str) -> list[dict[str, Any]]:
+        return [one for one in made.record["series"] if one["kind"] == kind]
+
+    made = Account(
+        found,
+        title="Measured against model",
+        kind=KIND,
+        schema=schema(Shape()),
+        answer=_answer(found),
+        about=about,
+        given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},
+        facts=(
+            Fact("Unit cells", f"{len(cells)}" if cells else ""),
+            Fact("Pairs", f"{len(pairs)}" if pairs else ""),
+            Fact("Mean RMSE of unit cells", _mean_words(found)),
+            Fact("Force rises", _rises(cells), Level.TERMINAL),
+        ),
+        sections=(
+            Section(
+                "Verdicts",
+                [
+                    Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
+                    Picture("forces", "Forces of unit cells, measured and modelled"),
+                    Picture("energies", "Energies of unit cells, measured and modelled"),
+                    Picture("pairs", "Forces of pairs, measured and modelled"),
+                ],
+            ),
+            Section(
+                "Unit cells: measured (model); errors in k r and k r²",
+                [
+                    Table(
+                        (*_EACH, *_CELL),
+                        lambda: rows("cell"),
+                        most=None,
+                        more="unit cells",
+                        level=Level.CARD,
+                    )
+                ],
+            ),
+            Section(
+                "Pairs: errors in k r; ratio of the errors against the two orders",
+                [
+                    Table(
+                        _PAIR_COLUMNS,
+                        lambda: rows("pair"),
+                        most=None,
+                        more="pairs",
+                        level=Level.TERMINAL if cells else Level.CARD,
+                    )
+                ],
+            ),
+            Section("Rig", [Text(_rig_words(found.rig) if pairs else "")]),
+            Section(
+                "Used, dropped and odd",
+                [
+                    Notes(
+                        [
+                            *(f"{t.series.name}: {line}" for t in tests for line in t.series.told),
+                            *found.told,
+                        ]
+                    )
+                ],
+            ),
+            Section("Assumptions", [Text(NOT_JUDGED)]),
+        ),
+    )
+    return made
+
+
+def _answer(found: Comparison) -> str:
+    ordered = [pair for pair in found.pairs if not pair.tie]
+    right = sum(pair.shown == pair.predicted for pair in ordered)
+    agreed = sum(cell.agrees for cell in found.cells)
+    of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
+    of_cells = f"{agreed} of {counted(len(found.cells), 'unit cell')} agree with the model"
+    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(found.cells))
+
+
+def _mean_words(found: Comparison) -> str:
+    return "; ".join(
+        f"{one.rmse:.3f} k r with {counted(one.bands, 'band')}" for one in _means(found)
+    )
+
+
+def _rises(cells: Sequence[CellTest]) -> str:
+    """Where the force of unit cells rises though it should fall."""
+    if not cells:
+        return ""
+    found = [
+        f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
+        f"{number(one.end * _MM)} mm"
+        for test in cells
+        for one in test.rises
+    ]
+    return "; ".join(found) or f"in no series, to {RISE:g} k r"
+
+
+def _rig_words(rig: Rig) -> str:
+    """How predicted snaps are moved to the strokes of the machine; "" where they are not."""
+    if record(_RIG, rig) == record(_RIG, Rig()):
+        return ""
+    return (
+        f"Predicted snaps are at the strokes of the machine: travels {rig.stretch:.4g} times "
+        f"nominal, {rig.start_loading * _MM:+.2f} mm before loading, "
+        f"{rig.start_unloading * _MM:+.2f} mm before unloading; the compliance of the rig is "
+        f"{amount(rig.compliance, 'm/N', 2)}, its own friction {amount(rig.friction, 'N', 2)}."
+    )

@@ -1,0 +1,157 @@
+"""Recordings: what each file holds, and what is odd about it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import PurePath
+from typing import Any, NamedTuple
+
+from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.base import Column, Columns, Quantity, Schema, counted, headed, number, record
+from stepwell.lab import Batch, Recording, hashes
+
+KIND = "lab.read/1"
+# More turning points of a stroke than this are not listed.
+_MOST_POINTS = 6
+
+_RECORDING: Schema = (
+    Quantity("source", head="file"),
+    Quantity("samples", head="samples", read=len, holds=int, left=False),
+    Quantity("rate", "Hz", "rate"),
+    Quantity("speed", "mm_s", "speed", form=3),
+    Quantity("stroke_from", "mm", read=lambda one: one.stroke[0]),
+    Quantity("stroke_to", "mm", read=lambda one: one.stroke[-1]),
+    Quantity("stroke_range", "mm", read=lambda one: one.stroke.max() - one.stroke.min()),
+    Quantity("force_from", "N", read=lambda one: one.force[0]),
+    Quantity("force_least", "N", read=lambda one: one.force.min()),
+    Quantity("force_most", "N", read=lambda one: one.force.max()),
+    Quantity("direction", head="direction"),
+    Quantity("halves", head="halves", read=lambda one: len(one.halves), holds=int, left=False),
+    Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]),
+)
+
+
+class _Read(NamedTuple):
+    """A recording, and what is odd about it."""
+
+    recording: Recording
+    odd: tuple[str, ...]
+
+
+def _of_recording(quantity: Quantity) -> Callable[[_Read], Any]:
+    return lambda read: quantity.of(read.recording)
+
+
+_READ: Schema = (
+    *(replace(quantity, read=_of_recording(quantity)) for quantity in _RECORDING),
+    Quantity("odd", holds=[str]),
+)
+
+
+def schema(_: Shape) -> Schema:
+    """What is reported of recordings."""
+    return (
+        Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
+        Quantity("recordings", holds=[_READ], read=_rows),
+        Quantity("refused", holds=[(Quantity("source", read="name"), Quantity("problem"))]),
+        Quantity("ignored", holds=[str]),
+    )
+
+
+def _rows(batch: Batch) -> list[_Read]:
+    return [_Read(*one) for one in zip(batch.recordings, batch.odd, strict=True)]
+
+
+def account(found: Batch | Recording, about: About | None = None) -> Account:
+    """What is reported of recordings, or of a single one."""
+    return _recording(found) if isinstance(found, Recording) else _batch(found, about or About())
+
+
+def _batch(found: Batch, about: About) -> Account:
+    odd = [f"{one.recording.source}: {line}" for one in _rows(found) for line in one.odd]
+    read, refused = len(found.recordings), len(found.refused)
+    not_read = f"; {counted(refused, 'file')} could not be read" * (refused > 0)
+    made = Account(
+        found,
+        title="Recordings",
+        kind=KIND,
+        schema=schema(Shape()),
+        origin=f"{counted(read + refused, 'file')} tried.",
+        answer=f"{counted(read, 'recording')} read{not_read}",
+        about=about,
+        facts=(
+            Fact("Samples", f"{sum(map(len, found.recordings))}"),
+            Fact("Oddities", f"{len(odd)}"),
+            Fact("Not read", f"{refused}"),
+        ),
+        sections=(
+            Section(
+                "Recordings",
+                [
+                    Table(
+                        _COLUMNS,
+                        lambda: made.record["recordings"],
+                        most=None,
+                        more="recordings",
+                        level=Level.CARD,
+                    )
+                ],
+            ),
+            Section("Oddities", [Notes(odd)]),
+            Section("Not read", [Notes([str(one) for one in found.refused])]),
+            Section("Not tried", [Notes(_ignored(found))]),
+        ),
+    )
+    return made
+
+
+def _recording(found: Recording) -> Account:
+    known = record(_RECORDING, found)
+    texts = {
+        q.head or q.name.replace("_", " "): f"{q.text(known[q.key])} {q.sign}".strip()
+        for q in _RECORDING
+        if q.name not in ("source", "turns") and known[q.key] is not None
+    }
+    return Account(
+        found,
+        title=f"Recording {found.name}",
+        answer="; ".join(found.remarks),
+        facts=[Fact(headed(label), text) for label, text in texts.items()],
+    )
+
+
+def _ignored(found: Batch) -> list[str]:
+    """How many files of each ending were not tried."""
+    endings = Counter(PurePath(name).suffix or PurePath(name).name for name in found.ignored)
+    each = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
+    return [f"{each}. A file that is named is always tried."] if each else []
+
+
+def _strokes(row: Mapping[str, Any]) -> str:
+    """Where the stroke began, turned and ended; of many turns the first two and the last."""
+    points = [row["stroke_from_mm"], *row["turns_mm"], row["stroke_to_mm"]]
+    texts = [number(one) for one in points]
+    if len(texts) > _MOST_POINTS:
+        texts = [*texts[:3], "...", *texts[-2:]]
+    return " to ".join(texts)
+
+
+def _forces(row: Mapping[str, Any]) -> str:
+    return f"{number(row['force_least_N'])} to {number(row['force_most_N'])}"
+
+
+def _columns() -> Columns:
+    shown = [quantity for quantity in _RECORDING if quantity.head]
+    return [
+        *shown[:4],
+        Column("stroke [mm]", _strokes, True),
+        Column("force [N]", _forces, True),
+        *shown[4:],
+    ]
+
+
+_COLUMNS = _columns()

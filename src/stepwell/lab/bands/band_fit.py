@@ -1,0 +1,113 @@
+"""What tension tests show of bands: stiffness, its dependence on the window, losses, force laws."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from stepwell.base import ByValue, Drawn, InputError
+from stepwell.lab.bands.band import BandTest, stiffness, stiffness_grid
+from stepwell.lab.bands.choice import Candidate, Choice, Interval, this_band
+from stepwell.lab.bands.halves import Estimate, of_samples
+
+
+class WindowStiffness(NamedTuple):
+    """The stiffness of the line from one stroke [m] to another one [N/m]."""
+
+    start: float
+    end: float
+    stiffness: float
+
+
+class OneBand(NamedTuple):
+    """What the readings of one band tell of this band alone.
+
+    Attributes:
+        readings: how many.
+        stiffness: of the line through the window [N/m].
+        rest_length: [m]; None where the recordings do not hold the length of the band.
+    """
+
+    readings: int
+    stiffness: Interval
+    rest_length: Interval | None
+
+
+@dataclass(frozen=True, eq=False)
+class BandFit(ByValue, Drawn):
+    """Tension tests with all that follows from them.
+
+    Attributes:
+        test: samples and cycles.
+        choice: the force laws that were tried.
+        written: the law that a design file gets.
+        stiffness: of the line through the window [N/m].
+        loss: share of the loading work that a cycle loses [1]; None where no cycle unloads.
+        alone: the one band that was tested; None for several.
+        windows: the stiffness in other windows.
+    """
+
+    test: BandTest
+    choice: Choice
+    written: Candidate = field(repr=False)
+    stiffness: Estimate
+    loss: Estimate | None = field(repr=False)
+    alone: OneBand | None = field(repr=False)
+    windows: tuple[WindowStiffness, ...] = field(repr=False)
+
+
+def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit:
+    """Stiffness, losses and force law of bands.
+
+    Args:
+        test: the tension tests.
+        choice: their force laws.
+        law: the law that a design file gets; by default the chosen one.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ValueError: a law that is not known.
+    """
+    known = {candidate.law.name: candidate for candidate in choice.candidates}
+    if law is not None and law not in known:
+        raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
+    edges, grid = stiffness_grid(test)
+    return BandFit(
+        test,
+        choice,
+        choice.chosen if law is None else known[law],
+        stiffness(test),
+        _loss(test),
+        _alone(test, choice),
+        tuple(
+            WindowStiffness(float(low), float(high), float(k))
+            for low, row in zip(edges, grid, strict=True)
+            for high, k in zip(edges, row, strict=True)
+            if not math.isnan(k)
+        ),
+    )
+
+
+def _loss(test: BandTest) -> Estimate | None:
+    """Loss of the cycles that are used, a mean for each sample first."""
+    each: dict[int, list[float]] = defaultdict(list)
+    for loop in test.used:
+        if not math.isnan(loop.loss):
+            each[loop.sample].append(loop.loss)
+    return of_samples({s: sum(v) / len(v) for s, v in each.items()}) if each else None
+
+
+def _alone(test: BandTest, choice: Choice) -> OneBand | None:
+    found = this_band(test, choice)
+    if found is None:
+        return None
+    slope, onset = found
+    length = None
+    if choice.gauge is not None:
+        length = Interval(*(choice.gauge + edge for edge in onset))
+    readings = sum(len(test.samples_of(sample, test.window)[0]) for sample in test.samples)
+    return OneBand(readings, slope, length)

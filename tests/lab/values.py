@@ -1,0 +1,37 @@
+"""One of every result of recordings, small, by the name of its class."""
+
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import stepwell as sw
+from golden.recordings import bands, cells, rubber
+from stepwell import lab
+
+
+@cache
+def of_recordings() -> dict[str, Any]:
+    """Of recordings and what they show."""
+    with TemporaryDirectory() as folder:
+        for prepare in (bands, cells, rubber):
+            prepare(Path(folder))
+        batch = lab.read_all([Path(folder) / "data"])
+        pulled = lab.read_all([Path(folder) / "bands"]).recordings
+        rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
+    compared = lab.compare(batch.recordings)
+    built = sw.preset("paper-forward")
+    test = lab.band_test(pulled)
+    sorted_ = lab.sort_series(rubbers)
+    values = (
+        lab.as_built(built, lab.Observed("00>10>11>01>00"), n=100),
+        batch,
+        batch.recordings[0],
+        test,
+        lab.fit_bands(test, lab.choose_law(test)),
+        compared,
+        compared.cells[0],
+        compared.pairs[0],
+        lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.told), "linear"),
+    )
+    return {type(value).__name__: value for value in values}
