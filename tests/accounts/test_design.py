@@ -7,7 +7,7 @@ from accounts.schemas import violations
 from stepwell.accounts import account, card, page, terminal
 from stepwell.base import number, percent
 from stepwell.design import Impossible
-from stepwell.elements import LIBRARY
+from stepwell.mechanism import LIBRARY
 
 BACK = "00>01>11>10>00"
 

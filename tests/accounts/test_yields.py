@@ -24,7 +24,11 @@ def loose():
 
 def _forms(found) -> tuple[str, ...]:
     screen = "\n".join(line.text for line in terminal(found))
-    return screen, card(found).replace("&gt;", ">"), page(found).replace(" → ", ">")
+    return (
+        screen,
+        card(found).replace("&gt;", ">"),
+        page(found).replace(" → ", ">").replace("&gt;", ">"),
+    )
 
 
 @pytest.mark.parametrize("name", _CHAINS)
