@@ -18,19 +18,19 @@ FEW = ("--samples", 2000)
 def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     result = stepwell("design", BACK, *FEW, "--out", "out")
     assert result.exit_code == 0
-    assert f"Sequence  {BACK}" in result.stdout.splitlines()
+    assert BACK in result.stdout.splitlines()
     names = {"design.toml", "design.json", "report.html", "yield.csv"}
     names |= {"force-plane.png", "force-plane.svg"}
     assert written(tmp_path / "out") == names
     assert str(sw.load("out/design.toml").cycle().sequence) == BACK
-    assert f"Sequence    {BACK}" in stepwell("run", "out/design.toml").stdout.splitlines()
+    assert BACK in stepwell("run", "out/design.toml").stdout.splitlines()
 
 
 def test_json_alone_says_everything(stepwell, tmp_path):
     result = stepwell("design", "all:3", *FEW, "--holes", 5, "--out", "out", "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
     chain = sw.load("out/design.toml")
-    assert record["schema"] == "stepwell.design/1"
+    assert record["schema"] == "stepwell.design/2"
     assert record["possible"]
     assert record["proved"]
     assert len(record["states"]) == record["state_count"] == 8
@@ -55,7 +55,7 @@ def test_the_states_of_long_chains_are_counted_and_not_listed(stepwell):
     record = json.loads(stepwell("design", "all:13", "--samples", 10, "--json").stdout)
     assert record["state_count"] == 2**13
     assert record["states"] is None
-    assert "In reach  8192 states\n" in stepwell("design", "all:13", "--samples", 10).stdout
+    assert "\n8192 states\n" in stepwell("design", "all:13", "--samples", 10).stdout
 
 
 @pytest.mark.slow
@@ -169,15 +169,15 @@ def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
     result = stepwell("design", BACK, "--element", "balloon", "--drive", "force", "--json")
     record = json.loads(result.stdout)
     assert record["gap_needed_kPa"] == pytest.approx(1e-5, rel=0.1)
-    assert "largest_gap_N" not in record
+    assert "largest_gap_N" not in record and record["cells"] is None
 
 
 def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
     found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
     assert 0.0 < found["share"] < 1.0
-    assert "radius_mm" not in found
-    told = f"all forces may be off by {found['share'] * 100:.4g} % at once"
+    assert found["radius_mm"] is None
+    told = f"All forces may be off by {found['share'] * 100:.4g} % at once"
     assert told in " ".join(stepwell("design", BACK, *options).stdout.split())
 
 

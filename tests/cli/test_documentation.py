@@ -12,11 +12,13 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
-from stepwell import files, lab, results
+from stepwell import files, lab
 from stepwell.accounts import account
 from stepwell.cli import app
 from stepwell.design import (
     Impossible,
+    MapView,
+    Run,
     Tolerances,
     boundaries,
     design,
@@ -24,6 +26,7 @@ from stepwell.design import (
     parameter_map,
     reprogram,
     survival,
+    transition_map,
     yields,
 )
 from stepwell.files.arena import TABLES as ARENA_TABLES
@@ -174,42 +177,38 @@ def motion_records() -> list[dict[str, Any]]:
     axes = ("outer.q.x", [0.0, 0.01, 0.02]), ("inner.stiffness", [20.0, 30.0, 40.0])
     spread = Tolerances(anchor=0.002, stiffness=0.1)
     found = forward.program("01")
-    graphs = (wave.graph(), wave.graph("force"), sw.preset("countdown").graph())
+    x, y = [0.0, 0.01, 0.02], [-0.01, 0.0, 0.01]
     with pytest.raises(Unreachable) as unreachable:
         sw.preset("used-before").program("01")
     with pytest.raises(Impossible) as impossible:
         design("00>01>11>10>00", holes=0.04)
-    return [
-        *(results.graph_record(graph) for graph in graphs),
-        results.implicit_graph_record(wave.implicit_graph("force")),
-        results.program_record(found),
-        results.program_record(sw.preset("force-control").program("01")),
-        results.unreachable_record(forward, None, "01", unreachable.value),
-        results.design_record(design("00>01>11>10>00", n=100)),
-        results.impossible_record(impossible.value),
-        results.yield_record(yields(forward, spread, n=500, sensitivity=True)),
-        results.check_record(sw.check(forward, None, spread, samples=100)),
-        results.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
-        results.reprogram_record(reprogram(forward, None, "inner.p")),
-        results.map_record(parameter_map(forward, *axes), parameter_boundaries(forward, *axes)),
-    ]
+    values = (
+        wave.graph(),
+        wave.graph("force"),
+        sw.preset("countdown").graph(),
+        wave.implicit_graph("force").walked(),
+        found,
+        sw.preset("force-control").program("01"),
+        unreachable.value,
+        design("00>01>11>10>00", n=100),
+        impossible.value,
+        yields(forward, spread, n=500, sensitivity=True),
+        sw.check(forward, None, spread, samples=100),
+        survival(forward, found.turning_points, "01", spread, n=3),
+        reprogram(forward, None, "inner.p"),
+        reprogram(sw.preset("balloon"), None, "thin.force_scale"),
+        MapView(parameter_map(forward, *axes), parameter_boundaries(forward, *axes)),
+        MapView(transition_map(forward, 1, x=x, y=y), boundaries(forward, 1, x=x, y=y)),
+        Run.of(forward),
+        Run.of(sw.preset("force-control")),
+    )
+    return [account(value).record for value in values]
 
 
 @pytest.mark.slow
 def test_every_name_of_the_json_is_documented():
     text = page("commands")
-    chain = sw.preset("paper-forward")
-    forced = sw.preset("force-control").cycle()
-    x, y = [0.0, 0.01, 0.02], [-0.01, 0.0, 0.01]
-    shown, curves = sw.transition_map(chain, 1, x=x, y=y), boundaries(chain, 1, x=x, y=y)
-    records = [
-        *lab_records(),
-        *motion_records(),
-        results.run_record(chain.cycle(), sw.margin(chain)),
-        results.run_record(forced, sw.margin(forced.chain)),
-        results.map_record(shown, curves),
-        paper_record([VERDICT]),
-    ]
+    records = [*lab_records(), *motion_records(), paper_record([VERDICT])]
     names = {name for record in records for name in keys_of(record)} - {"unsolved"}
     for name in sorted(names):
         # Drives that are forces end in _N, as the page says once for all of them.

@@ -216,22 +216,6 @@ def test_the_screen_tells_what_the_record_holds(measure, capsys):
     assert len(re.findall(" at [01]", screen)) == len(arrivals)
 
 
-def test_tolerances_are_those_that_the_cells_have():
-    lever = sw.preset("paper-forward").cells[0]
-    levers, mixed = sw.Chain([lever, lever]), sw.Chain([lever, pair(Measure.TRAVEL).cells[0]])
-    names = {
-        "levers": [q.name for q in results.tolerance_schema(levers)],
-        "mixed": [q.name for q in results.tolerance_schema(mixed)],
-        "volumes": [q.key for q in results.tolerance_schema(pair(Measure.VOLUME))],
-    }
-    plain = ["anchor", "stiffness", "rest_length", "lever", "friction"]
-    assert names == {
-        "levers": [*plain, "mobility"],
-        "mixed": [*plain, "travel", "mobility"],
-        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent", "mobility"],
-    }
-
-
 def test_the_smallest_changes_are_told_by_what_they_change():
     chain = pair(Measure.VOLUME)
     changes = [
@@ -264,14 +248,3 @@ def test_a_map_over_scales_has_no_unit_and_one_over_friction_that_of_the_chain(c
         "Across  stiff.force_scale 0.5 to 1, 2 values\nUp      soft.friction 0 to 0.1 kPa" in screen
     )
     assert (found["across"]["unit"], found["up"]["unit"]) == ("1", "kPa")
-
-
-def test_what_was_set_of_an_element_is_told(capsys):
-    chain = pair(Measure.VOLUME)
-    found = chain.reprogram(None, "stiff.force_scale")
-    told = results.reprogram_record(found)
-    texts.reprogram(told)
-    screen = capsys.readouterr().out
-    assert f"Set    stiff.force_scale to {number(told['place'])} (" in screen
-    assert not re.search("state 0|Force|way", screen)
-    assert (told["distance"], told["way"]) == (found.distance, [])

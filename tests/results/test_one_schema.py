@@ -179,27 +179,6 @@ def test_a_program_is_told_alike_in_csv_json_and_on_the_console(tmp_path, capsys
     assert row[4] == ", ".join(turn["branch"])
 
 
-def test_a_reprogramming_is_told_alike_in_csv_xarray_json_and_on_the_console(tmp_path, capsys):
-    found = sw.preset("paper-forward").reprogram("00>01>11>10>00", "inner.q")
-    found.to_csv(tmp_path / "way.csv")
-    held, data = columns_of(tmp_path / "way.csv"), found.to_xarray()
-    told = results.reprogram_record(found)
-    texts.reprogram(told)
-    rows = on_screen(capsys, "On the way")[1:]
-    names = {"force_0_N": "force_at_0_N", "force_1_N": "force_at_1_N", "peak_N": "largest_force_N"}
-    for key, name in names.items():
-        column = [one[name] for one in told["way"]]
-        assert held[key].astype(float) == pytest.approx(column, rel=1e-10, abs=1e-15)
-        assert data[key.removesuffix("_N")].values == pytest.approx(column)
-        assert data[key.removesuffix("_N")].attrs["units"] == "N"
-    assert data["x"].values * 1e3 == pytest.approx([one["at_mm"][0] for one in told["way"]])
-    assert data["x"].attrs["units"] == "m"
-    for row, one in zip(rows, told["way"][::5], strict=True):
-        numbers = [one["fraction"] * told["distance_mm"], *one["at_mm"]]
-        numbers += [one[name] for name in names.values()]
-        assert row == [number(value) for value in numbers]
-
-
 def test_a_sweep_is_told_alike_in_csv_xarray_and_json(tmp_path):
     trials = (
         Trial(0.7, -0.1, 0.3, ("00", ""), 0.0021, ""),

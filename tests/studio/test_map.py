@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.accounts import account
 from stepwell.design import USUAL, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
-from stepwell.results import design_record, yield_record
 from stepwell.studio.answering import answered
 from stepwell.studio.wire import Ask, Design, Message, View
 from stepwell.studio.wire.message import unpacked
@@ -175,7 +175,7 @@ def test_a_set_of_states_is_granted_as_by_python():
     states = ["00", "10", "11"]
     header, blocks = ask("wish", states=" ".join(states), seed=3, objective="worst")
     found = sw.design(states=states, seed=3, objective="worst")
-    told = json.loads(json.dumps(design_record(found)))
+    told = json.loads(json.dumps(account(found).record))
     assert {key: header[key] for key in told} == told
     assert sorted(header["states"]) == states
     # What is shown of it is what is shown of any design.
@@ -230,7 +230,7 @@ def test_a_yield_shows_few_first_and_is_pythons():
 def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
     """The record of a yield, and the verdict on what the drawing does."""
     checked = check(chain, tolerances=found.tolerances, samples=found.n, seed=found.seed)
-    return {**yield_record(found), "verdict": checked.verdict}
+    return {**account(found).record, "verdict": checked.verdict}
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.accounts import account
 from stepwell.design import USUAL
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
-from stepwell.results import design_record, yield_record
 from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
@@ -297,7 +297,7 @@ def test_a_program_that_cannot_be_is_refused(keys: Any, words: str):
 def test_the_yield_is_pythons():
     header = ask("yield", FORWARD, anchor_mm=0.5, stiffness_percent=3, samples=2000).header
     tolerances = sw.Tolerances(anchor=0.5e-3, stiffness=0.03)
-    found = yield_record(sw.preset("paper-forward").yields(tolerances, n=2000))
+    found = account(sw.preset("paper-forward").yields(tolerances, n=2000)).record
     told = json.loads(json.dumps(found))
     assert {key: header[key] for key in told} == told
 
@@ -320,7 +320,7 @@ def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
 def test_a_wish_is_granted_as_by_python():
     header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
     found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
-    told = json.loads(json.dumps(design_record(found)))
+    told = json.loads(json.dumps(account(found).record))
     assert {key: header[key] for key in told} == told
     assert loads_tables(header["design"]).subject == found.chain
     assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"

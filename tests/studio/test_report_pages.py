@@ -7,8 +7,8 @@ import pytest
 
 from chromium import needed
 from stepwell import files
-from stepwell.design import margin, yields
-from stepwell.reports import write_run, write_yield
+from stepwell.design import Run, yields
+from stepwell.reports import write
 
 needed()
 
@@ -34,9 +34,8 @@ async () => {
 def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     for name in ("paper-forward", "paper-identical"):
-        chain = files.preset(name)
-        write_run(chain.cycle(), margin(chain), folder / name)
-    write_yield(yields(files.preset("friction"), n=200, sensitivity=True), folder / "yield")
+        write(Run.of(files.preset(name)), folder / name)
+    write(yields(files.preset("friction"), n=200, sensitivity=True), folder / "yield")
     return {one.parent.name: one for one in folder.glob("*/report.html")}
 
 
