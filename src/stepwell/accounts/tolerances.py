@@ -79,8 +79,7 @@ def yield_words(found: Yield | Survival) -> str:
 
 def sample_words(found: Yield | Survival) -> str:
     """How many samples were made, and within which tolerances."""
-    count = f"{found.n:,}".replace(",", "\N{THIN SPACE}")
-    return f"{count} samples with {tolerance_words(found.tolerances, found.chain)}"
+    return f"{found.n} samples with {tolerance_words(found.tolerances, found.chain)}"
 
 
 def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
