@@ -37,11 +37,9 @@ def test_the_same_shares_are_printed(stepwell):
     for name, share in record["pathway_shares"].items():
         assert (f"{100 * share:.1f} %" in text) == (share > 0)
         assert (name.replace("_", " ") in text) == (share > 0)
-    assert (
-        "Across  outer.q.x 0 to 20 mm, 41 values\nUp      outer.q.y -15 to 15 mm, 41 values" in text
-    )
-    monostable = f"outer is monostable on {100 * record['monostable_fraction']:.1f} % of the map"
-    assert monostable in text
+    assert "outer.q.x 0 to 20 mm, 41 values" in text
+    assert "outer.q.y -15 to 15 mm, 41 values" in text
+    assert f"{100 * record['monostable_fraction']:.1f} %" in text
 
 
 def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
@@ -125,7 +123,7 @@ def test_any_two_parameters_span_a_map(stepwell, tmp_path):
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())
-    assert record["schema"] == "stepwell.map/2"
+    assert record["schema"] == "stepwell.map/3"
     assert record["across"] == {
         "parameter": "outer.q.x",
         "unit": "mm",
@@ -165,10 +163,6 @@ def test_angles_are_in_degrees_and_ratios_may_be_equal(stepwell, monkeypatch):
     assert record["across"]["design"] == pytest.approx(45)
     assert (record["up"]["unit"], record["up"]["to"]) == ("N/m", pytest.approx(1000))
     assert record["up"]["design"] is None
-    text = stepwell("map", "forward.toml", *axes).stdout
-    assert (
-        "Across  inner.limit 40 to 50 deg, 3 values\nUp      actuator_stiffness 10 to 1000" in text
-    )
 
 
 @pytest.mark.parametrize(
@@ -209,7 +203,7 @@ def test_a_chain_of_any_length_has_a_map_over_an_anchor(stepwell):
     axes = ("--x", "0:20:5", "--y", "-15:15:5", "--cell", "2")
     record = json.loads(stepwell("map", "preset:three-wave", *axes, "--json").stdout)
     assert record["closed_form_designs"] == 25
-    assert "pathway_shares" not in record
+    assert record["pathway_shares"] is None
     assert sum(record["shares"].values()) == pytest.approx(1.0)
     (own,) = {band.q for band in sw.preset("three-wave").cells[1].bands}
     assert [record[name]["design"] for name in ("across", "up")] == pytest.approx(
