@@ -50,12 +50,12 @@ def event_schema(shape: Shape) -> Schema:
         Quantity("distance_force", "N"),
         Quantity("distance_travel", "mm"),
         Quantity("error", "mm"),
-        Quantity("decided"),
+        Quantity("decided", missing=True),
     )
     return in_measure(schema, shape.measure)
 
 
-_STATE = Quantity("state", read=lambda one: one[1])
+_STATE = Quantity("state", read=lambda one: one[1], holds=int)
 
 
 def way(event: Any) -> str:
