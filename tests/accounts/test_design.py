@@ -1,7 +1,6 @@
 """The account of a design: what to build and how surely it works, or why there is none."""
 
 import pytest
-from stepwell.elements import LIBRARY
 
 import stepwell as sw
 from accounts.schemas import violations

@@ -7,12 +7,12 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
+from stepwell.results.head import tie_notes
 
 from stepwell import figures, files, results
 from stepwell.design import Change, margin
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load
 from stepwell.reports import report, write_run
-from stepwell.results.head import tie_notes
 from stepwell.studio.replay import replay
 
 VOID = {"meta", "img", "br", "hr", "link", "source"}

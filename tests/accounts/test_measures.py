@@ -1,28 +1,22 @@
-"""What is told of elements, of whatever travel and force are: words, units, phases."""
+"""What is reported of elements, of whatever travel and force are: words, units, phases."""
 
 import csv
-import math
 import re
 from collections.abc import Iterable
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell import results
+from accounts.forms import SCALES, folded, forms, mixed, pair, shown
+from stepwell.accounts import account
+from stepwell.accounts.changes import margin_section, margin_words
+from stepwell.accounts.shape import Shape
+from stepwell.accounts.tolerances import tolerance_schema
 from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, record, told_in
-from stepwell.cli.text import chains as texts
-from stepwell.reports import report
+from stepwell.design import Run
 
-# One shape in three measures: travels and forces by what makes SI of mm and N, mL and kPa, deg and
-# mN m.
-SCALES = {
-    Measure.TRAVEL: (1e-3, 1.0),
-    Measure.VOLUME: (1e-6, 1e3),
-    Measure.ANGLE: (math.pi / 180, 1e-3),
-}
 KEYS = {
     Measure.TRAVEL: ("stroke_mm", "travel_{}_mm", "force_N", "stability_N_per_m"),
     Measure.VOLUME: ("volume_mL", "volume_{}_mL", "pressure_kPa", "stability_kPa_per_mL"),
@@ -31,24 +25,8 @@ KEYS = {
 OF_LEVERS = re.compile(r"lever|block|band|anchor|θ|F0|F1", re.IGNORECASE)
 
 
-def pair(measure: Measure, stops: bool = False) -> sw.Chain:
-    """A clockwise pair, of the same numbers in whatever they are told in."""
-    travel, force = SCALES[measure]
-    cells = [
-        sw.Element.from_points(
-            [at * travel for at in (0.0, 10.0, 30.0, 50.0)],
-            [at * force for at in (0.0, peak, -peak, 2.0)],
-            name,
-            stops=stops,
-            measure=measure,
-        )
-        for name, peak in (("soft", 1.0), ("stiff", 1.2))
-    ]
-    return sw.Chain(cells, title="pair")
-
-
 def told(chain: sw.Chain) -> dict:
-    return results.run_record(chain.cycle(), None)
+    return account(Run.of(chain)).record
 
 
 def numbers_of(found: object) -> Iterable[float]:
@@ -149,11 +127,8 @@ def test_samples_have_units_in_csv_and_the_names_of_the_path_in_xarray(tmp_path,
         assert held[travel.format(name)] == pytest.approx(path.travel[:, k] * factor, rel=1e-11)
 
 
-def test_samples_tell_the_sheet_where_a_curve_folds_back(tmp_path):
-    travel = np.linspace(0.0, 5e-3, 200)
-    force = np.interp(travel, [0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5])
-    folded = sw.Element.from_curve((travel + force / 400).tolist(), force.tolist(), "folded")
-    cycle = sw.Chain([folded]).cycle()
+def test_samples_and_events_have_the_sheet_where_a_curve_folds_back(tmp_path):
+    cycle = folded().cycle()
     cycle.path.to_csv(tmp_path / "path.csv")
     assert "sheet_folded" in (tmp_path / "path.csv").read_text().partition("\n")[0]
     assert set(np.ravel(cycle.path.to_xarray()["sheet"])) == {0, 1}
@@ -173,78 +148,68 @@ def test_switching_forces_are_those_at_which_the_cell_goes_on():
     assert cell["stable"] == [0, 1, 2]
 
 
-def test_a_lever_cell_among_elements_is_told_as_both():
-    lever = sw.preset("paper-forward").cells[0]
-    dome = sw.Element.from_points([0, 5e-3, 13e-3, 20e-3], [0, 0.3, -0.3, 0.5], "dome")
-    chain = sw.Chain([lever, dome])
-    first, second = told(chain)["cells"]
-    assert first["force_up_N"] == [first["F0_N"]] == [lever.force_0]
-    assert first["force_down_N"] == [first["F1_N"]] == [lever.force_1]
-    assert first["stopped"] == [True, True]
-    assert "F0_N" not in second
-    page = report(chain.cycle(), None, {})
+def test_the_page_of_a_mixed_chain_has_bands_and_the_assumptions_of_levers():
+    page = forms(account(Run.of(mixed())))[2]
     assert "Levers and blocks are rigid" in page
-    assert "p (\N{MINUS SIGN}10, 0) mm" in page
+    assert "-10, 0" in page
 
 
 @pytest.mark.parametrize("measure", Measure)
-def test_nothing_of_levers_is_shown_of_elements(measure, capsys):
-    chain = pair(measure)
-    found = told(chain)
-    found["margin"] = {"changes": [], "reach_mm": 20.0, "method": "search"}
-    texts.run(found, chain)
-    screen = capsys.readouterr().out
-    page = report(chain.cycle(), None, {})
-    page = re.sub(r"<style>.*?</style>|<[^>]*>", " ", page, flags=re.DOTALL)
-    for shown in (screen, page):
-        assert not OF_LEVERS.findall(shown)
+def test_nothing_of_levers_is_shown_of_elements(measure):
+    found = account(Run.of(pair(measure)))
+    screen, _, page = forms(found)
+    for form in (screen, page):
+        assert not OF_LEVERS.findall(form)
         if measure is not Measure.TRAVEL:
-            assert not re.search(r"\b(force|stroke|travel|mm|N)\b", shown)
+            assert not re.search(r"\b(force|stroke|travel|mm|N)\b", form)
 
 
 @pytest.mark.parametrize("measure", Measure)
-def test_the_screen_tells_what_the_record_holds(measure, capsys):
-    chain = pair(measure)
-    found = told(chain)
-    texts.run(found | {"margin": {"changes": [], "reach_mm": 20.0, "method": "search"}}, chain)
-    screen = capsys.readouterr().out
-    force, unit = measure.force, Quantity("", told_in(measure.force_unit)[0])
-    key = replace(unit, name=f"peak_{force}").key
-    assert f"Peak {force}" in screen
-    assert f"{number(found[key])} {unit.sign}" in screen
+def test_every_form_has_what_the_record_holds(measure, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "1000")
+    account_ = account(Run.of(pair(measure)))
+    found = account_.record
+    unit = Quantity(f"peak_{measure.force}", told_in(measure.force_unit)[0])
     arrivals = [arrival for event in found["events"] for arrival in event["arrivals"]]
-    assert len(re.findall(" at [01]", screen)) == len(arrivals)
+    assert len(re.findall(" at [01]", shown(account_))) == len(arrivals)
+    for form in forms(account_):
+        assert f"Peak {measure.force}" in form
+        assert f"{number(found[unit.key])} {unit.sign}" in form
 
 
-def test_the_smallest_changes_are_told_by_what_they_change():
-    chain = pair(Measure.VOLUME)
-    changes = [
-        {"parameter": "force_scale", "distance_percent": 12.0, "move_percent": -12.0},
-        {"parameter": "force_scale", "distance_percent": 3.0, "move_percent": 3.0},
-        {"parameter": "travel_scale", "distance_percent": None, "move_percent": None},
-        {"parameter": "friction", "distance_percent": 5.0, "move_percent": 5.0},
-    ]
-    assert list(results.nearest_changes(chain, changes).values()) == [
-        "3 % in pressure",
-        "5 % in friction",
-    ]
-    rows = [one | {"cell": k % 2, "becomes": ""} for k, one in enumerate(changes)]
-    *_, far, way = results.change_columns(chain, rows)
-    assert [(far.cell(row), way.cell(row)) for row in rows] == [
-        ("12 %", "pressures by -12 %"),
-        ("3 %", "pressures by +3 %"),
-        ("none", ""),
-        ("5 %", "by +5 % of the largest pressure"),
-    ]
+def test_tolerances_are_those_that_the_cells_have():
+    lever = sw.preset("paper-forward").cells[0]
+    levers, both = sw.Chain([lever, lever]), sw.Chain([lever, pair(Measure.TRAVEL).cells[0]])
+    names = {
+        "levers": [q.name for q in tolerance_schema(Shape.of(levers))],
+        "mixed": [q.name for q in tolerance_schema(Shape.of(both))],
+        "volumes": [q.key for q in tolerance_schema(Shape.of(pair(Measure.VOLUME)))],
+    }
+    plain = ["anchor", "stiffness", "rest_length", "lever", "friction"]
+    assert names == {
+        "levers": [*plain, "mobility"],
+        "mixed": [*plain, "travel", "mobility"],
+        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent", "mobility"],
+    }
 
 
-def test_a_map_over_scales_has_no_unit_and_one_over_friction_that_of_the_chain(capsys):
-    chain = pair(Measure.VOLUME)
-    axes = ("stiff.force_scale", np.array([0.5, 1.0])), ("soft.friction", np.array([0.0, 100.0]))
-    found = results.map_record(sw.parameter_map(chain, *axes), [], (1.0, 0.0))
-    texts.map_(found)
-    screen = capsys.readouterr().out
-    assert (
-        "Across  stiff.force_scale 0.5 to 1, 2 values\nUp      soft.friction 0 to 0.1 kPa" in screen
-    )
-    assert (found["across"]["unit"], found["up"]["unit"]) == ("1", "kPa")
+def test_the_smallest_changes_are_reported_by_what_they_change():
+    margin = pair(Measure.VOLUME).margin()
+    words = margin_words(margin)
+    for kind, label in (("force_scale", "% in pressure"), ("friction", "% in friction")):
+        least = min(one.distance for one in margin.changes if one.parameter == kind)
+        assert f"{number(least * 100)} {label}" in words
+    (table,) = margin_section(margin).parts
+    ways = [table.columns[3].cell(row) for row in table.rows()]
+    assert any(re.match(r"pressures by [-+][\d.]+ %$", way) for way in ways)
+    assert any(re.match(r"by \+[\d.]+ % of the largest pressure$", way) for way in ways)
+
+
+def test_what_was_set_of_an_element_is_in_every_form():
+    reprogramming = pair(Measure.VOLUME).reprogram(None, "stiff.force_scale")
+    found = account(reprogramming)
+    place = number(found.record["place"])
+    assert found.record["distance"] == reprogramming.distance
+    for form in forms(found):
+        assert f"stiff.force_scale to {place}" in form or f"changed to {place}" in form
+        assert "state 0" not in form
