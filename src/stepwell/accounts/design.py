@@ -22,10 +22,10 @@ from stepwell.accounts.tolerances import FORCE_PLANE, counted_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.accounts.yields import advised, critical_fact, other_outcomes, yield_schema
 from stepwell.base import Quantity, Schema, in_measure, record
-from stepwell.design import Impossible
+from stepwell.design import Impossible, Robustness
 
 if TYPE_CHECKING:
-    from stepwell.design import Design, Robustness
+    from stepwell.design import Design
 
 KIND = "design/2"
 # More states than these are not read in a line.
@@ -125,7 +125,7 @@ def account(value: Design | Impossible | Robustness, about: About | None = None)
             origin=proved,
             about=about or About(),
         )
-    if type(value).__name__ == "Robustness":
+    if isinstance(value, Robustness):
         return Account(value=value, title="Robustness", answer=str(value))
     return _design(value, about or About(value.chain))
 

@@ -9,24 +9,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import StepwellError, write_atomic, write_netcdf
+from stepwell.base import write_atomic, write_netcdf
 from stepwell.files import staged_folder
-from stepwell.mechanism import Chain
-from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from stepwell.design import Margin
-    from stepwell.sequences import Program
-
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
 
-# The width of figures that fill a phone [mm], and cells of which a page shows what those built do
-# and the motion.
-PHONE, MOST_BUILT = 85.0, 12
+# The width of figures that fill a phone [mm].
+PHONE = 85.0
 
 
 def bundle(
@@ -104,13 +98,3 @@ def pictured(draws: Mapping[str, Callable[[], Figure]], captions: Mapping[str, s
         {captions[name]: figure for name, figure in files.items()},
         {captions[name]: narrow(draws[name]) for name in wider},
     )
-
-
-def replay_of(result: Chain | Program, title: str, margin: Margin | None = None) -> str:
-    """The motion as a page; nothing where it would be too heavy to look at."""
-    if len(result if isinstance(result, Chain) else result.chain) > MOST_BUILT:
-        return ""
-    try:
-        return replay(result, title=title, margin=margin)
-    except StepwellError:
-        return ""
