@@ -176,7 +176,8 @@ def find(
     machines = studies.find(chart, query, yields)
     if out is not None and machines:
         files.save(machines[0].chain, out)
-        show_lines(f"Written into {out}: {machines[0].name}.")
+        if not as_json:
+            show_lines(f"Written into {out}: {machines[0].name}.")
     finish(results.atlas_record(chart, machines), texts.found, as_json)
 
 
