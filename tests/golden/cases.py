@@ -1,7 +1,8 @@
-"""What is frozen: command lines, each with everything that it shows and writes.
+"""What is frozen: command lines, with the results that each prints and writes.
 
-A case is one file under frozen/. Its commands run one after another in one new folder, which
-holds `given` files.
+A case is an entry of frozen/KIND.json, where KIND is what its name begins with. Its commands run
+one after another in one new folder, which holds `given` files. One case of a kind is shown: its
+screens and its page are frozen too, in frozen/shown/.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -20,16 +21,16 @@ from stepwell.files import preset_text, presets
 
 @dataclass(frozen=True)
 class Case:
-    """Commands of one frozen file.
+    """Commands that run in one folder.
 
     Args:
-        name: of the file under frozen/, without .txt.
+        name: its kind, a slash and its own name.
         commands: command lines without `stepwell`, run in this order.
         given: texts of files that are there before.
         prepare: makes other files in a folder.
         within: how closely numbers are compared.
-        words: the words in figures are told too.
-        slow: takes about a second or more, or shows what others show too.
+        shown: its screens, its page and the words in its figures are frozen too.
+        slow: takes about a second or more, or differs little from a case that does not.
     """
 
     name: str
@@ -37,8 +38,12 @@ class Case:
     given: Mapping[str, str] = field(default_factory=dict)
     prepare: Callable[[Path], None] = lambda folder: None
     within: Tolerance = EXACT
-    words: bool = True
+    shown: bool = False
     slow: bool = False
+
+    @property
+    def kind(self) -> str:
+        return self.name.partition("/")[0]
 
 
 def commands(group: Any = None, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -49,9 +54,14 @@ def commands(group: Any = None, name: str = "") -> Iterator[tuple[str, Any]]:
         yield from commands(command, f"{name} {word}".strip())
 
 
-def _both(name: str, command: str, **rest) -> Case:
-    """A command that writes a folder and shows text, then shows JSON."""
-    return Case(name, (f"{command} --out out", f"{command} --json"), **rest)
+def _one(name: str, command: str, **rest: Any) -> Case:
+    """A result in JSON."""
+    return Case(name, (f"{command} --json",), **rest)
+
+
+def _folder(name: str, command: str, **rest: Any) -> Case:
+    """A screen, and a folder with the result in JSON, its figures and its page."""
+    return Case(name, (f"{command} --out out",), **rest)
 
 
 _FORWARD = preset_text("paper-forward")
@@ -59,42 +69,34 @@ _BACK = "00>01>11>10>00"
 _TOLERANCES = (
     "--anchor 0.5 --stiffness-spread 4 --rest-length-spread 3 --lever-tolerance 0.2 --friction 0.01"
 )
-# One of each kind; figures, files and pages of the others say the same in other numbers.
-_DRAWN = {
-    "paper-forward", "paper-cell-0-m15", "paper-identical", "three-wave", "force-control",
-    "compliant-actuator", "used-before",
-}  # fmt: skip
-
 # Of a cell, a chain and another drive; all others are slow.
 _QUICK = {"paper-forward", "paper-cell-0-m15", "three-wave", "force-control"}
+# What is written hangs on whether there is one cell, on the drive and on the program.
+_WRITTEN = {"paper-cell-0-m15", "three-wave", "force-control", "used-before"}
 
 RUNS = [
-    Case("run/json", ("run preset:paper-forward --json", "run preset:paper-identical --json")),
-    Case(
-        "run/mobilities",
-        ("run preset:three-wave --mobility-ratio 100", "run preset:three-wave --mobility-ratio 0"),
-    ),
     *(
-        Case(
-            f"run/{name}",
-            (f"run preset:{name} --out out" if name in _DRAWN else f"run preset:{name}",),
-            slow=name not in _QUICK,
+        (_folder if name in _WRITTEN else _one)(
+            f"run/{name}", f"run preset:{name}", slow=name not in _QUICK, shown=name == "three-wave"
         )
         for name in presets()
         if not name.startswith("robot-")
     ),
+    _one("run/mobility", "run preset:three-wave --mobility-ratio 100"),
+    Case("run/no-mobility", ("run preset:three-wave --mobility-ratio 0",)),
 ]
 
 MAPS = [
-    _both("map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7"),
-    _both("map/inner", "map preset:paper-via-01 --cell inner --x 0:20:5 --y -15:15:5"),
-    _both(
+    _folder("map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7", shown=True),
+    _one("map/inner", "map preset:paper-via-01 --cell inner --x 0:20:5 --y -15:15:5"),
+    _folder(
         "map/parameters",
         "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5",
     ),
-    _both(
+    _one(
         "map/three-cells",
         "map preset:three-wave --across 1.q.x=2:20:5 --up 3.stiffness=15:40:4:log",
+        slow=True,
     ),
 ]
 
@@ -105,7 +107,11 @@ _LONG = "[chain]\nactuator_stiffness_N_per_m = 0\n" + "".join(
 )
 
 GRAPHS = [
-    Case("graph/three-wave", ("graph preset:three-wave", "graph preset:three-wave --json")),
+    Case(
+        "graph/three-wave",
+        ("graph preset:three-wave", "graph preset:three-wave --json"),
+        shown=True,
+    ),
     Case(
         "graph/files",
         tuple(
@@ -113,22 +119,22 @@ GRAPHS = [
             for suffix in ("svg", "png", "dot", "graphml", "json")
         ),
     ),
-    Case("graph/used-before", ("graph preset:used-before", "graph preset:used-before --json")),
     Case(
         "graph/start-and-drive",
         (
+            "graph preset:used-before --json",
             "graph preset:used-before --start 00 --json",
-            "graph preset:paper-forward --drive force",
+            "graph preset:paper-forward --drive force --json",
             "graph preset:paper-forward --drive 100 --json",
-            "graph preset:countdown --start 000",
+            "graph preset:countdown --start 000 --json",
         ),
     ),
     Case(
         "graph/not-listed",
         (
-            "graph long.toml",
+            "graph long.toml --json",
             f"graph long.toml --start {'1' * 24} --json",
-            "graph long.toml --drive stroke",
+            "graph long.toml --drive stroke --json",
             "graph long.toml --out long.svg",
         ),
         given={"long.toml": _LONG},
@@ -137,143 +143,141 @@ GRAPHS = [
 ]
 
 PROGRAMS = [
-    _both("program/planned", "program preset:paper-forward --from 10 --to 01"),
-    _both("program/robust", "program preset:three-wave --to 011 --robust 10"),
-    _both("program/own", "program preset:combination-lock"),
-    _both("program/force", "program preset:force-control --to 01"),
-    _both("program/unreachable", "program preset:used-before --to 01"),
+    _folder("program/planned", "program preset:paper-forward --from 10 --to 01", shown=True),
+    _one("program/robust", "program preset:three-wave --to 011 --robust 10"),
+    _one("program/own", "program preset:combination-lock"),
+    _one("program/force", "program preset:force-control --to 01"),
+    _folder("program/unreachable", "program preset:used-before --to 01"),
 ]
 
 DESIGNED = [
-    _both("design/cycle", f"design '{_BACK}' --samples 100 --seed 3"),
-    _both("design/all", "design all:3 --samples 50"),
-    _both("design/states", "design 00,10,11 --samples 20 --drive 200"),
+    _folder("design/cycle", f"design '{_BACK}' --samples 100 --seed 3", shown=True),
+    _one("design/all", "design all:3 --samples 50"),
+    _folder("design/states", "design 00,10,11 --samples 20 --drive 200"),
     Case(
         "design/options",
         (
             f"design '{_BACK}' --samples 50 --holes 5 --band antennas --band 30:10:2 --lever 14 "
-            f"--lever 20 --mixed-levers --unusual --x 0:25 --y -10:10 {_TOLERANCES}",
+            f"--lever 20 --mixed-levers --unusual --x 0:25 --y -10:10 {_TOLERANCES} --json",
             f"design '{_BACK}' --samples 20 --objective worst --force-limit 0.6 --json",
-        ),
-    ),
-    Case(
-        "design/other-anchors",
-        (
-            f"design '{_BACK}' --samples 20 --holes 5 --free p",
-            f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward",
-        ),
-    ),
-    Case(
-        "design/impossible-elements",
-        (
-            "design '00>10>11>10>00' --element trilinear --drive force --force-scale 0.5:4 "
-            "--travel-scale 1:1",
+            f"design '{_BACK}' --samples 20 --holes 5 --free p --json",
+            f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward "
+            "--json",
         ),
     ),
     Case(
         "design/impossible",
-        (f"design '{_BACK}' --holes 40", f"design '{_BACK}' --holes 40 --json"),
+        (
+            "design '00>10>11>10>00' --element trilinear --drive force --force-scale 0.5:4 "
+            "--travel-scale 1:1 --json",
+            f"design '{_BACK}' --holes 40 --json",
+        ),
     ),
 ]
 
 YIELDS = [
-    _both(
+    _folder(
         "yield/cycle",
         "yield preset:paper-forward --anchor 6 --stiffness-spread 20 --samples 100 --seed 2",
+        shown=True,
     ),
-    _both(
+    _folder(
         "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
     ),
-    _both("yield/states", "yield preset:paper-via-01 --wanted 00,01,11 --samples 100"),
-    _both("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
-    _both("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
-    _both("yield/program", "yield preset:finger-selector --program --samples 10"),
-    Case(
+    _one("yield/states", "yield preset:paper-via-01 --wanted 00,01,11 --samples 100"),
+    _one("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
+    _one("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
+    _one("yield/program", "yield preset:finger-selector --program --samples 10"),
+    _folder(
         "yield/calibrated",
-        (
-            "yield preset:paper-cell-20-0 --data rubber --samples 50 --out out",
-            "yield preset:paper-cell-20-0 --data rubber --samples 50 --json",
-        ),
+        "yield preset:paper-cell-20-0 --data rubber --samples 50",
         prepare=rubber,
         within=FITTED,
+        slow=True,
     ),
 ]
 
 CHECKS = [
-    _both("check/works", "check preset:paper-forward --samples 100"),
-    _both("check/wont", "check preset:paper-forward --want '00>01>11>10>00' --samples 50"),
-    _both(
+    _one("check/works", "check preset:paper-forward --samples 100"),
+    _one("check/wont", "check preset:paper-forward --want '00>01>11>10>00' --samples 50"),
+    _folder(
         "check/fragile",
         "check preset:three-wave --anchor 0.5 --stiffness-spread 20 --rest-length-spread 3 "
         "--lever-tolerance 0.2 --friction 0.01 --travel-spread 0 --samples 100 --seed 2",
+        shown=True,
     ),
-    _both("check/tie", "check preset:paper-identical --samples 100"),
-    _both("check/program", "check preset:finger-selector --samples 10"),
-    Case(
+    _one("check/tie", "check preset:paper-identical --samples 100"),
+    _one("check/program", "check preset:finger-selector --samples 10", slow=True),
+    _one(
         "check/calibrated",
-        ("check preset:paper-cell-20-0 --data rubber --samples 50 --out out",),
+        "check preset:paper-cell-20-0 --data rubber --samples 50",
         prepare=rubber,
         within=FITTED,
+        slow=True,
     ),
-    _both("check/pressures", "check preset:balloon --samples 10", slow=True),
+    _folder("check/pressures", "check preset:balloon --samples 10", slow=True),
 ]
 
 REPROGRAMS = [
-    _both("reprogram/target", f"reprogram preset:paper-forward --by inner.p --target '{_BACK}'"),
-    _both("reprogram/any", "reprogram preset:three-wave --by 2.q"),
+    _folder(
+        "reprogram/target",
+        f"reprogram preset:paper-forward --by inner.p --target '{_BACK}'",
+        shown=True,
+    ),
+    _one("reprogram/any", "reprogram preset:three-wave --by 2.q"),
     Case(
         "reprogram/along",
         (
-            "reprogram preset:paper-forward --by inner.p --along -1:0 --one-way --reach 30",
+            "reprogram preset:paper-forward --by inner.p --along -1:0 --one-way --reach 30 --json",
             "reprogram preset:paper-forward --by outer.q --along 90 --json",
         ),
     ),
-    Case(
+    _one(
         "reprogram/none",
-        (
-            f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5",
-            f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5 --json",
-        ),
+        f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5",
     ),
 ]
 
 ELEMENTS = [
     *(
-        _both(f"elements/{name}", f"run {name}.toml", given=DESIGNS, slow=name != "balloons")
+        (_folder if name == "balloons" else _one)(
+            f"elements/{name}",
+            f"run {name}.toml",
+            given=DESIGNS,
+            slow=name != "balloons",
+            shown=name == "balloons",
+        )
         for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded", "race")
     ),
     Case(
         "elements/graph",
         (
-            "graph three.toml",
+            "graph three.toml --json",
             "graph balloons.toml --drive 0.05 --json",
-            "graph balloons.toml --drive force",
+            "graph balloons.toml --drive force --json",
         ),
         given=DESIGNS,
     ),
-    _both("elements/program", "program trilinear.toml --from 10 --to 01", given=DESIGNS),
     Case(
-        "elements/phases",
-        ("program three.toml --to 21", "program three.toml --from 11 --to 20"),
-        given=DESIGNS,
-    ),
-    _both("elements/own-program", "program balloons.toml", given=DESIGNS),
-    _both(
-        "elements/yield",
-        "yield mixed.toml --stiffness-spread 12 --sensitivity --samples 40",
-        given=DESIGNS,
-        slow=True,
-    ),
-    Case(
-        "elements/yield-of-pressures",
+        "elements/program",
         (
-            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --samples 40",
-            "yield balloons.toml --json",
+            "program trilinear.toml --from 10 --to 01 --json",
+            "program three.toml --to 21 --json",
+            "program three.toml --from 11 --to 20 --json",
+            "program balloons.toml --json",
+        ),
+        given=DESIGNS,
+    ),
+    Case(
+        "elements/yield",
+        (
+            "yield mixed.toml --stiffness-spread 12 --sensitivity --samples 8 --json",
+            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --samples 40 --json",
         ),
         given=DESIGNS,
         slow=True,
     ),
-    _both(
+    _folder(
         "elements/reprogram",
         "reprogram balloons.toml --by thick.force_scale",
         given=DESIGNS,
@@ -294,12 +298,15 @@ ELEMENTS = [
 ]
 
 FILES = [
-    Case("demo", ("demo --no-open --out out",), within=SIMULATED, slow=True),
-    Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
-    Case("presets", ("presets", "presets --json")),
-    Case("schema", ("schema", "schema presets", "schema ru")),
+    Case("files/new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case(
-        "replay",
+        "files/presets",
+        ("presets", "schema", "figure preset:paper-forward --panels help"),
+        shown=True,
+    ),
+    Case("files/schema", ("presets --json", "schema presets", "schema ru")),
+    Case(
+        "files/replay",
         (
             "replay preset:paper-forward",
             "replay preset:combination-lock --out lock.html",
@@ -308,13 +315,12 @@ FILES = [
         ),
     ),
     Case(
-        "figure",
+        "files/figure",
         (
             "figure preset:paper-forward --panels force,travel --width 88mm --out f.svg",
             "figure preset:paper-forward --panels force/landscape --letters (a) --format png",
             "figure preset:paper-forward --panels snap,force --mass 0.02 --damping 0.5 --columns 1 "
             "--height 110mm --measured data/2unit_00_11/x/2unit_MMT_1.txt --out g.svg",
-            "figure preset:paper-forward --panels help",
             "figure preset:paper-forward --panels forse",
             "figure preset:paper-forward --panels gait",
             "figure preset:paper-forward --panels elements",
@@ -331,7 +337,7 @@ FILES = [
         slow=True,
     ),
     Case(
-        "animate",
+        "files/animate",
         (
             "animate preset:paper-forward --seconds 0.5 --fps 4 --out cycle.gif",
             "animate preset:finger-selector --program --seconds 0.5 --fps 4",
@@ -342,78 +348,71 @@ FILES = [
 ]
 
 LABS = [
-    _both("lab/read", "lab read data", prepare=cells),
-    _both("lab/band", "lab band bands --gauge-mm 15", prepare=bands, within=FITTED),
+    Case(
+        "lab/read",
+        ("lab read data --out out", "lab read data/1unit/friction --json"),
+        prepare=cells,
+        shown=True,
+    ),
+    _folder("lab/band", "lab band bands --gauge-mm 15", prepare=bands, within=FITTED, shown=True),
     Case(
         "lab/band-options",
         (
             "lab band bands --window-mm 5:40 --cycles 6:6 --drop 2 --law cubic --json",
-            "lab band bands --cycles-per-sample 2",
+            "lab band bands --cycles-per-sample 2 --json",
         ),
         prepare=bands,
         # Of two samples, whose intervals are 13 standard errors wide: their ends are differences.
         within=Tolerance(1e-4, 1e-6),
+        slow=True,
     ),
-    _both("lab/compare", "lab compare data", prepare=cells),
+    _folder("lab/compare", "lab compare data", prepare=cells, shown=True),
     Case(
         "lab/as-built",
         (
-            "lab as-built preset:paper-forward --seen '00>01>11>10>00' --snaps-out 35.5 "
-            "--snaps-back 4.5 --samples 100 --out out",
             "lab as-built preset:paper-forward --data data/2unit_00_11/x/2unit_MMT_1.txt "
             "--scale 0.05 --anchor 0.5 --stiffness-spread 5 --rest-length-spread 2 "
-            "--friction 0.02 --travel-spread 0 --samples 100 --seed 1 --json",
-            "lab as-built preset:paper-forward --pulls 5:0.3,30:-0.1 --snaps-out none --ruler 2 "
-            "--wrong-hole 2 --hole-mm 4 --want '00>01>11>10>00' --samples 100",
+            "--friction 0.02 --travel-spread 0 --samples 100 --seed 1 --out out",
+            "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 "
+            "--snaps-back 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-spread 2 --json",
+            "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
+            "--wrong-hole 2 --hole-mm 4 --want '0>1>0' --samples 100 --json",
         ),
         prepare=cells,
         within=FITTED,
+        shown=True,
         slow=True,
     ),
     Case(
         "lab/compare-options",
         (
-            "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf",
-            "lab compare data/1unit --baseline data/1unit/friction",
+            "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf --json",
+            "lab compare data/1unit --baseline data/1unit/friction --json",
             "lab compare data/2unit_00_11 --no-baseline --json",
-            "lab compare data/2unit_00_11 --rig rig.toml",
+            "lab compare data/2unit_00_11 --rig rig.toml --json",
             "lab compare data/2unit_00_11 --rig odd.toml",
             "lab compare data/2unit_00_11 --rig rig.toml --bar-mm 80",
         ),
         prepare=on_a_rig,
     ),
-    Case("lab/calibrate", ("lab calibrate rubber --out out",), prepare=rubber, within=FITTED),
+    _folder("lab/calibrate", "lab calibrate rubber", prepare=rubber, within=FITTED, shown=True),
     Case(
         "lab/calibrate-options",
         (
-            "lab calibrate rubber/out --no-baseline --law cubic",
+            "lab calibrate rubber/out --no-baseline --law cubic --json",
             "lab calibrate rubber --law linear --baseline rubber/out --json",
         ),
         prepare=rubber,
         within=FITTED,
+        slow=True,
     ),
 ]
 
 ROBOTS = [
-    Case("walk/antennas", ("walk robot-explorer --cycles 1 --json",), within=SIMULATED),
-    Case(
-        "walk/written",
-        (
-            "walk robot-forward --cycles 2 --no-video --out out",
-            "walk preset:robot-left --cycles 0.3",
-        ),
-        within=SIMULATED,
-        slow=True,
-    ),
-    Case(
-        "walk/video",
-        ("walk robot-forward --cycles 0.01 --out out",),
-        within=SIMULATED,
-        slow=True,
-    ),
     Case(
         "robot/show",
         ("robot show robot-forward --out out", "robot show robot-forward --json"),
+        shown=True,
         slow=True,
     ),
     Case(
@@ -425,7 +424,60 @@ ROBOTS = [
             "--out drawn --json",
         ),
         within=SIMULATED,
+        shown=True,
+        slow=True,
     ),
+    Case(
+        "robot/converge",
+        ("robot converge robot-forward", "robot converge robot-forward --cycles 2 --json"),
+        within=SIMULATED,
+        shown=True,
+        slow=True,
+    ),
+    Case("walk/antennas", ("walk robot-explorer --cycles 1 --json",), within=SIMULATED),
+    Case(
+        "walk/written",
+        (
+            "walk robot-forward --cycles 2 --no-video --out out",
+            "walk preset:robot-left --cycles 0.3 --json",
+        ),
+        within=SIMULATED,
+        shown=True,
+        slow=True,
+    ),
+    Case(
+        "maze/contact",
+        ("maze robot-explorer cylinder --limit 36 --no-video --out out",),
+        within=SIMULATED,
+        shown=True,
+        slow=True,
+    ),
+    Case(
+        "maze/options",
+        (
+            "maze --list",
+            "maze robot-explorer three-walls --limit 1 --start-seed 1 --layout-seed 2 --disconnect "
+            "--json",
+            "maze robot-explorer pen --limit 1 --no-antennas --json",
+            "maze robot-forward yard.txt --limit 4 --json",
+        ),
+        given={"yard.txt": "#####\n#S.G#\n#####\n"},
+        within=SIMULATED,
+    ),
+    Case(
+        "maze/video",
+        ("maze robot-forward open --limit 1 --out out",),
+        within=SIMULATED,
+        slow=True,
+    ),
+    Case(
+        "robot/export",
+        ("export robot-explorer --arena cylinder --out model.xml",),
+        within=SIMULATED,
+    ),
+]
+
+STUDIES = [
     Case(
         "sweep/cycle",
         (
@@ -439,20 +491,22 @@ ROBOTS = [
             "sweep resume study.zarr --workers 0",
             "sweep export study.zarr --out table.csv --partial",
             "sweep export study.zarr --best 3 --by snaps --by -peak_force --out best.csv",
-            "sweep cycle preset:paper-forward --table best.csv --workers 0 --out best.zarr",
+            "sweep cycle preset:paper-forward --table best.csv --workers 0 --out best.zarr --json",
         ),
+        shown=True,
+        slow=True,
     ),
     Case(
         "sweep/drawn",
         (
             "sweep margin preset:paper-forward --vary outer.q.x=15:20 --sobol 4 --seed 2 "
-            "--chunk 4 --workers 0 --out sobol.zarr",
+            "--chunk 4 --workers 0 --out sobol.zarr --json",
             "sweep yield preset:paper-forward --vary 2.stiffness=20:40 --latin 2 --seed 2 "
-            "--workers 0 --chunk 2 --out latin.zarr",
+            "--workers 0 --chunk 2 --out latin.zarr --json",
             "sweep graph preset:paper-forward --vary 2.stiffness=20:40 --random 2 --seed 2 "
-            "--workers 0 --chunk 2 --out random.zarr",
+            "--workers 0 --chunk 2 --out random.zarr --json",
             "sweep cycle preset:paper-forward --vary outer.lever=-5:20:2 --chunk 2 --workers 0 "
-            "--out poisoned.zarr",
+            "--out poisoned.zarr --json",
         ),
     ),
     Case(
@@ -463,13 +517,13 @@ ROBOTS = [
             "sweep extend margin.zarr --count 3 --workers 0 --json",
             "sweep cancel margin.zarr",
             "sweep resume margin.zarr --workers 0 --json",
-            "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr",
+            "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr --json",
             "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness 4 --rest-length 2 "
-            "--lever 0.1 --friction 0.01 --travel 1 --workers 0 --out built.zarr",
+            "--lever 0.1 --friction 0.01 --travel 1 --workers 0 --out built.zarr --json",
             "sweep program preset:paper-forward --from 00 --to 11 --vary outer.q.x=10:20:2 "
-            "--workers 0 --out program.zarr",
+            "--workers 0 --out program.zarr --json",
             "sweep call preset:paper-forward --function own.py:measure --vary outer.q.x=10:20:2 "
-            "--workers 0 --out call.zarr",
+            "--workers 0 --out call.zarr --json",
         ),
         given={
             "list.csv": "outer.q.x_mm,outer.stiffness_N_per_m\n12,28\n18,30\n",
@@ -480,12 +534,13 @@ ROBOTS = [
         "sweep/robots",
         (
             "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 0 "
-            "--engine cpu --out walk.zarr",
+            "--engine cpu --out walk.zarr --json",
             "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --place 60 "
             "--angle 20 --vary antenna.left.angle_deg,-antenna.right.angle_deg=62:63:2 "
-            "--workers 0 --out maze.zarr",
+            "--workers 0 --out maze.zarr --json",
         ),
         within=SIMULATED,
+        slow=True,
     ),
     Case(
         "atlas/two",
@@ -497,8 +552,9 @@ ROBOTS = [
             "atlas show leg.zarr --out leg",
             "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness 5 "
             "--rest-length 1 --out pair.toml --json",
-            "atlas find 'counts to two and not remembers' two.zarr",
+            "atlas find 'counts to two and not remembers' two.zarr --json",
         ),
+        shown=True,
     ),
     Case(
         "atlas/errors",
@@ -543,58 +599,21 @@ ROBOTS = [
             "sweep extend gone.zarr --count 3 --scheduler tcp://127.0.0.1:9",
         ),
     ),
-    Case(
-        "robot/converge",
-        ("robot converge robot-forward --cycles 2", "robot converge robot-forward --json"),
-        within=SIMULATED,
-        slow=True,
-    ),
-    Case(
-        "maze/contact",
-        (
-            "maze robot-explorer cylinder --limit 36 --no-video --out out",
-            "maze robot-explorer cylinder --limit 1 --json",
-        ),
-        slow=True,
-        within=SIMULATED,
-    ),
-    Case(
-        "maze/options",
-        (
-            "maze --list",
-            "maze robot-explorer three-walls --limit 1 --start-seed 1 --layout-seed 2 --disconnect",
-            "maze robot-explorer pen --limit 1 --no-antennas",
-            "maze robot-forward yard.txt --limit 4 --json",
-        ),
-        given={"yard.txt": "#####\n#S.G#\n#####\n"},
-        within=SIMULATED,
-    ),
-    Case(
-        "maze/video",
-        ("maze robot-forward open --limit 1 --out out",),
-        within=SIMULATED,
-        slow=True,
-    ),
-    Case(
-        "export",
-        ("export robot-explorer --arena cylinder --out model.xml",),
-        within=SIMULATED,
-    ),
 ]
 
 PAPER = [
     Case(
-        "paper",
-        ("paper --out out", "paper --json", "paper --data gone"),
+        "paper/claims",
+        ("paper --out out", "paper --data gone"),
         within=SIMULATED,
+        shown=True,
         slow=True,
     ),
-    Case("validate", ("validate --json",), within=SIMULATED, slow=True),
+    Case("paper/validate", ("validate --json",), within=SIMULATED, slow=True),
 ]
 
 HELP = [
-    Case(f"help/{name.replace(' ', '-') or 'stepwell'}", (f"{name} --help".strip(),))
-    for name, _ in commands()
+    Case("help/pages", ("--help", "check --help"), shown=True),
 ]
 
 WRONG = [
@@ -677,6 +696,6 @@ CASES: dict[str, Case] = {
     case.name: case
     for case in (
         *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *CHECKS, *REPROGRAMS, *ELEMENTS,
-        *FILES, *LABS, *ROBOTS, *PAPER, *HELP, *WRONG,
+        *FILES, *LABS, *ROBOTS, *STUDIES, *PAPER, *HELP, *WRONG,
     )
 }  # fmt: skip

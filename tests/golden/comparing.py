@@ -1,21 +1,20 @@
-"""Two told outputs compared: words exactly, numbers as closely as they can be known.
+"""Two outputs compared: words exactly, numbers as closely as they can be known.
 
 Numbers without a point are counts, states and names, and must be the same. Others may be off by a
-part of themselves; where they were rounded for people, by one in the last digit too.
+part of themselves; in text, where they were rounded for people, by one in the last digit too.
 """
 
 import difflib
+import json
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 _NUMBER = re.compile(
     r"(?P<room>\ *)(?<![\w.])(?P<number>[-+−±]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)(?![\w.]*\d)"
 )
-# What people read, and where numbers are therefore rounded.
-_FOR_PEOPLE = ("--- shown", "--- standard error", ".html", ".svg")
-# Where numbers are written for programs, one in the last digit is no more than this part of them.
-_FINEST = 1e-7
 
 
 @dataclass(frozen=True)
@@ -24,6 +23,11 @@ class Tolerance:
 
     relative: float
     absolute: float
+
+    @property
+    def digits(self) -> int:
+        """How many digits are worth keeping: two more than are compared."""
+        return 2 - round(math.log10(self.relative))
 
 
 # Of statics: another BLAS library, or another order of a sum, changes the last digits.
@@ -36,44 +40,65 @@ FITTED = Tolerance(1e-6, 1e-8)
 SIMULATED = Tolerance(1e-4, 1e-4)
 
 
-def differences(frozen: str, found: str, tolerance: Tolerance) -> list[str]:
+def differences(frozen: Any, found: Any, tolerance: Tolerance, at: str = "") -> Iterator[str]:
+    """Each place where two results in JSON differ by more than numbers may: what was, what is."""
+    if isinstance(frozen, dict) and isinstance(found, dict):
+        for name in frozen | found:
+            place = f"{at}.{name}" if at else name
+            if name not in found:
+                yield f"{place}: is missing, was {_short(frozen[name])}"
+            elif name not in frozen:
+                yield f"{place}: is new, {_short(found[name])}"
+            else:
+                yield from differences(frozen[name], found[name], tolerance, place)
+    elif isinstance(frozen, list) and isinstance(found, list) and len(frozen) == len(found):
+        for k, (one, other) in enumerate(zip(frozen, found, strict=True)):
+            yield from differences(one, other, tolerance, f"{at}[{k}]")
+    elif not _same(frozen, found, tolerance):
+        yield f"{at}: {_short(frozen)} -> {_short(found)}"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 300 else f"{text[:300]}…"
+
+
+def _same(one: Any, other: Any, tolerance: Tolerance) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        size = max(abs(one), abs(other))
+        return abs(one - other) <= max(tolerance.absolute, tolerance.relative * size)
+    if isinstance(one, str) and isinstance(other, str):
+        return alike(one, other, tolerance)
+    # A count is no measurement, and 1 is not true.
+    return type(one) is type(other) and one == other
+
+
+def text_differences(frozen: str, found: str, tolerance: Tolerance) -> list[str]:
     """A unified diff of the lines that differ by more than numbers may; empty where none does."""
     if frozen == found:
         return []
     before, after = frozen.split("\n"), found.split("\n")
-    rounded = list(_rounded(before))
     # Lines that are alike are made the same, so that the diff shows only the others.
     matcher = difflib.SequenceMatcher(None, before, after, autojunk=False)
     for kind, a, b, c, d in matcher.get_opcodes():
         if kind == "replace":
             for k in range(min(b - a, d - c)):
-                if alike(before[a + k], after[c + k], tolerance, rounded=rounded[a + k]):
+                if alike(before[a + k], after[c + k], tolerance):
                     after[c + k] = before[a + k]
     return list(difflib.unified_diff(before, after, "frozen", "found", lineterm="", n=2))
 
 
-def alike(frozen: str, found: str, tolerance: Tolerance, *, rounded: bool) -> bool:
-    """Whether two lines say the same, but for what numbers may be off."""
+def alike(frozen: str, found: str, tolerance: Tolerance) -> bool:
+    """Whether two texts say the same, but for what numbers and their last digit may be off."""
     if frozen == found:
         return True
     if _NUMBER.sub("#", frozen) != _NUMBER.sub("#", found):
         return False
     pairs = zip(_NUMBER.finditer(frozen), _NUMBER.finditer(found), strict=True)
-    return all(_close(one, other, tolerance, rounded) for one, other in pairs)
+    return all(_close(one, other, tolerance) for one, other in pairs)
 
 
-def _rounded(lines: list[str]) -> Iterator[bool]:
-    """Of each line, whether its numbers were rounded for people."""
-    told = False
-    for line in lines:
-        if line.startswith(("--- ", "$ ")):
-            told = line.startswith(_FOR_PEOPLE[:2]) or line.endswith(_FOR_PEOPLE[2:])
-        # JSON on the screen is not for people.
-        told = told and not line.startswith("(JSON")
-        yield told
-
-
-def _close(one: re.Match[str], other: re.Match[str], tolerance: Tolerance, rounded: bool) -> bool:
+def _close(one: re.Match[str], other: re.Match[str], tolerance: Tolerance) -> bool:
     a, b = one["number"], other["number"]
     # A column keeps its width, or else the space before the number.
     if one["room"] != other["room"] and len(one[0]) != len(other[0]):
@@ -85,8 +110,6 @@ def _close(one: re.Match[str], other: re.Match[str], tolerance: Tolerance, round
     x, y = _value(a), _value(b)
     size = max(abs(x), abs(y))
     last = min(_last(a), _last(b)) * 1.000001
-    if not rounded:
-        last = min(last, _FINEST * size)
     return abs(x - y) <= max(tolerance.absolute, tolerance.relative * size, last)
 
 

@@ -1,7 +1,7 @@
-"""Freeze what commands show and write now: `python tests/golden/freeze.py [CASE…]`.
+"""Freeze what commands print and write now: `python tests/golden/freeze.py [CASE…]`.
 
-A CASE is a name under frozen/ or the beginning of one, such as run/; without any, all are frozen
-anew, and what belongs to no case is removed. The published JSON Schemas are widened by what the
+A CASE is a name in cases.py or the beginning of one, such as run/; without any, all cases are
+frozen, and what belongs to no case is removed. The published JSON Schemas are widened by what the
 cases print as JSON; they are never narrowed but by a new version in a record's `schema`.
 """
 
@@ -9,6 +9,7 @@ import json
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,31 +35,48 @@ def publish(record: dict[str, Any]) -> None:
 
 def main(wanted: list[str]) -> None:
     from golden.cases import CASES
-    from golden.running import FROZEN, told
+    from golden.options import options
+    from golden.running import frozen, outcome, save, write
     from stepwell.cli.doctor import examined
 
     records: list[dict[str, Any]] = []
     names = [name for name in CASES if not wanted or name.startswith(tuple(wanted))]
     for name in names:
-        began = time.perf_counter()
+        began = time.process_time()
         with tempfile.TemporaryDirectory() as folder:
-            text = told(CASES[name], Path(folder), records)
-        file = FROZEN / f"{name}.txt"
-        news = "" if file.exists() and file.read_text("utf-8") == text else "  changed"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, "utf-8")
-        print(f"{time.perf_counter() - began:6.2f} s  {name}{news}", flush=True)
+            found = outcome(CASES[name], Path(folder))
+        before = frozen(CASES[name])
+        save(CASES[name], found)
+        news = "" if frozen(CASES[name]) == before else "  changed"
+        records += found.records
+        print(f"{time.process_time() - began:6.2f} s of CPU  {name}{news}", flush=True)
     if not wanted:
         records.append(examined() | {"files": []})
     for record in records:
         publish(record)
-    if not wanted:
-        for file in FROZEN.rglob("*.txt"):
-            if file.relative_to(FROZEN).with_suffix("").as_posix() not in CASES:
-                file.unlink()
-                print(f"removed   {file.name}")
-    if not names:
+    for name in () if wanted else leftovers():
+        print(f"removed   {name}")
+    if "options".startswith(tuple(wanted) or ""):
+        write("options", options())
+    elif not names:
         sys.exit(f"no case begins with {', '.join(wanted)}; there are {', '.join(CASES)}")
+
+
+def leftovers() -> Iterator[str]:
+    """Remove what belongs to no case, and name it."""
+    from golden.cases import CASES
+    from golden.running import FROZEN, entries_of, shown_in, write
+
+    texts = {shown_in(case) for case in CASES.values() if case.shown}
+    for file in FROZEN.glob("*.txt"):
+        if file not in texts:
+            file.unlink()
+            yield file.name
+    for file in {*FROZEN.glob("*.json")} - {FROZEN / "options.json"}:
+        entries = entries_of(file.stem)
+        kept = {name: entries[name] for name in CASES if name in entries}
+        write(file.stem, kept)
+        yield from entries.keys() - kept.keys()
 
 
 if __name__ == "__main__":

@@ -1,10 +1,14 @@
-"""A case run in this process, and everything that it shows and writes as one text."""
+"""A case run in this process, and what it printed and wrote as two things that are frozen.
+
+A record goes into one JSON file for each kind of case, what people read into a text of its own.
+"""
 
 import json
 import re
 import shlex
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import chdir, contextmanager
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +17,7 @@ from unittest.mock import patch
 import typer
 from typer.testing import CliRunner, Result
 
-from golden import telling
+from golden import reducing
 from golden.cases import Case
 from golden.sketching import sketched
 from stepwell.cli import app
@@ -29,39 +33,138 @@ _SLOW_CLAIMS = frozenset({
     "robot-15-in-the-air", "robot-states", "antennas-bench-20", "antennas-bench-14",
 })  # fmt: skip
 _COMPILING = re.compile(r"stepwell: compiling \w+, once")
+_USAGE = re.compile(r"Usage: stepwell[^\n]*\nTry 'stepwell[^\n]*' for help\.\n\n")
 _commands = cache(typer.main.get_command)
 # No colours, and always the same width.
 _TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "TERM": "dumb"}
 
 
-def told(case: Case, folder: Path, records: list[dict[str, Any]] | None = None) -> str:
-    """Run a case in an empty folder and tell what it showed and wrote.
+@dataclass
+class Outcome:
+    """What a case printed and wrote.
 
-    Args:
-        case: what is run.
-        folder: where; it is empty.
-        records: gets every result that was printed or written as JSON.
+    Attributes:
+        entries: for each command what is frozen as JSON.
+        text: the screens and pages of a case that shows them.
+        screens: what was printed for people, by command.
+        records: every result in JSON, whole.
+        folders: the manifest of every folder that was written, and the files in it.
     """
+
+    entries: list[dict[str, Any]] = field(default_factory=list)
+    text: str = ""
+    screens: dict[str, str] = field(default_factory=dict)
+    records: list[dict[str, Any]] = field(default_factory=list)
+    folders: list[tuple[dict[str, Any], set[str]]] = field(default_factory=list)
+
+
+def outcome(case: Case, folder: Path) -> Outcome:
+    """Run a case in an empty folder."""
     for name, text in case.given.items():
         (folder / name).write_text(text, "utf-8")
     case.prepare(folder)
-    seen = _files(folder)
-    lines: list[str] = []
-    with chdir(folder), sketched(words=case.words), _quick_claims():
+    found, seen, lines = Outcome(), _files(folder), []
+    with chdir(folder), sketched(words=case.shown), _quick_claims():
         for command in case.commands:
             result = invoke(*shlex.split(command))
-            lines += [f"$ stepwell {command}".rstrip(), *_shown(result, folder)]
             now = _files(folder)
-            if records is not None:
-                new = (now[name] for name in now if now[name] != seen.get(name))
-                records += _records([result.stdout.encode(), *new])
-            for name in sorted(seen.keys() - now.keys()):
-                lines.append(f"--- {name} is gone")
-            for name in sorted(name for name in now if now[name] != seen.get(name)):
-                lines += [f"--- {name}", *telling.file_lines(folder / name)]
+            new = sorted(name for name in now if now[name] != seen.get(name))
+            gone = sorted(seen.keys() - now.keys())
+            found.entries.append(_entry(command, result, new, folder, case, found))
+            if gone:
+                found.entries[-1]["gone"] = gone
+            if case.shown and not _is_json(command):
+                lines += [f"$ stepwell {command}".rstrip(), *_read(result, new, folder), ""]
             seen = now
-            lines.append("")
-    return "\n".join(lines).replace(str(folder), "<folder>")
+    found.text = "\n".join(lines).replace(str(folder), "<folder>")
+    return found
+
+
+def shown_in(case: Case) -> Path:
+    """The file with the screens and pages of a case."""
+    return FROZEN / f"{case.name.replace('/', '-')}.txt"
+
+
+def entries_of(kind: str) -> dict[str, Any]:
+    """Everything of a kind that is frozen as JSON, by case."""
+    file = FROZEN / f"{kind}.json"
+    return reducing.read(file.read_text("utf-8")) if file.exists() else {}
+
+
+def frozen(case: Case) -> tuple[Any, str]:
+    """What is frozen of a case: its commands, and the text that it shows."""
+    file = shown_in(case)
+    text = file.read_text("utf-8") if case.shown and file.exists() else ""
+    return entries_of(case.kind).get(case.name), text
+
+
+def save(case: Case, found: Outcome) -> None:
+    """Freeze a case."""
+    write(case.kind, entries_of(case.kind) | {case.name: found.entries})
+    if case.shown:
+        shown_in(case).write_text(found.text, "utf-8")
+
+
+def write(kind: str, entries: dict[str, Any]) -> None:
+    """Write the JSON file of a kind."""
+    FROZEN.mkdir(exist_ok=True)
+    (FROZEN / f"{kind}.json").write_text(reducing.laid_out(entries), "utf-8")
+
+
+def _entry(
+    command: str, result: Result, new: list[str], folder: Path, case: Case, found: Outcome
+) -> dict[str, Any]:
+    """What is frozen of one command as JSON; `found` gets what is there of it in full."""
+    entry: dict[str, Any] = {"command": command}
+    if result.exit_code:
+        entry["exit"] = result.exit_code
+    said = "\n".join(x for x in result.stderr.split("\n") if not _COMPILING.match(x)).strip()
+    if said:
+        said = reducing.lasting(_USAGE.sub("", said)).replace(str(folder), "<folder>")
+        entry["error"] = said.split("\n") if "\n" in said else said
+    record = None
+    if result.stdout and _is_json(command):
+        # Nothing else is printed.
+        record = json.loads(result.stdout)
+    elif result.stdout:
+        found.screens[command] = result.stdout
+    files: dict[str, Any] = {}
+    for name in new:
+        if not name.endswith(".json"):
+            files[name] = reducing.file_told(folder / name, case.within.digits, words=case.shown)
+            continue
+        written = json.loads((folder / name).read_text("utf-8"))
+        if str(written.get("schema")).startswith("stepwell."):
+            found.records.append(written)
+        if str(written.get("schema")).startswith("stepwell.folder/"):
+            inside = (folder / name).parent
+            found.folders.append((written, {one.name for one in inside.iterdir()}))
+        elif record is None:
+            record = written
+        elif written != {key: part for key, part in record.items() if key != "files"}:
+            files[name] = reducing.reduced(written, case.within.digits)
+            continue
+        files[name] = None
+    if files:
+        entry["files"] = files if any(files.values()) else list(files)
+    if record is not None:
+        if "schema" in record:
+            found.records.append(record)
+        short = reducing.reduced(record, case.within.digits)
+        entry["record"] = {key: part for key, part in short.items() if key != "files"}
+    return entry
+
+
+def _is_json(command: str) -> bool:
+    return "--json" in command.split() or command.startswith("schema ")
+
+
+def _read(result: Result, new: list[str], folder: Path) -> Iterator[str]:
+    yield from (line.rstrip() for line in reducing.lasting(result.stdout).rstrip().split("\n"))
+    for name in new:
+        if name.endswith(".html"):
+            yield f"--- {name}"
+            yield from reducing.page(folder / name)
 
 
 def invoke(*arguments: str) -> Result:
@@ -76,7 +179,7 @@ def invoke(*arguments: str) -> Result:
 
 @contextmanager
 def _quick_claims() -> Iterator[None]:
-    """Claims of the paper that take seconds are not computed anew."""
+    """Claims of the paper that take seconds are not computed again."""
     committed = {one["id"]: one for one in json.loads(_CLAIMS.read_text("utf-8"))["claims"]}
     judge = Claim.judge
 
@@ -88,38 +191,6 @@ def _quick_claims() -> Iterator[None]:
 
     with patch.object(Claim, "judge", quick):
         yield
-
-
-def _shown(result: Result, folder: Path) -> Iterator[str]:
-    if result.exit_code:
-        yield f"--- exit code {result.exit_code}"
-    if result.stdout:
-        yield "--- shown"
-        yield from _output(result.stdout, folder)
-    # Whether a kernel is compiled meanwhile hangs on what ran before.
-    said = [line for line in telling.text_lines(result.stderr) if not _COMPILING.match(line)]
-    if any(said):
-        yield "--- standard error"
-        yield from said
-
-
-def _output(text: str, folder: Path) -> list[str]:
-    """Text as it is; JSON only where it is not what stands in a file too."""
-    if not text.startswith("{"):
-        return telling.text_lines(text)
-    record = json.loads(text)
-    for file in sorted(folder.glob("*/*.json")):
-        written = json.loads(file.read_text("utf-8"))
-        if written == {name: part for name, part in record.items() if name != "files"}:
-            return [f"(JSON as in {file.relative_to(folder)}, and files: {record['files']})"]
-    return telling.json_lines(text)
-
-
-def _records(texts: Iterable[bytes]) -> Iterator[dict[str, Any]]:
-    """Those that are results of ours as JSON."""
-    for text in texts:
-        if text.startswith(b"{") and b'"schema": "stepwell.' in text[:200]:
-            yield json.loads(text)
 
 
 def _files(folder: Path) -> dict[str, bytes]:

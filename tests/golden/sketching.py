@@ -39,7 +39,7 @@ class _Words(RendererBase):
 
 
 @contextmanager
-def sketched(*, words: bool = True) -> Iterator[None]:
+def sketched(*, words: bool) -> Iterator[None]:
     """Figures are saved as PNG without a drawing, and as SVG that holds only their words.
 
     Args:
