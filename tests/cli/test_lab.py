@@ -109,7 +109,6 @@ def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell
     result = stepwell("lab", "compare", "data", "--out", "seen")
     assert result.exit_code == 0, result.stderr
     record = json.loads((tmp_path / "seen" / "compare.json").read_text("utf-8"))
-    series = {one["series"].partition(",")[0]: one for one in record["series"]}
     for code in ANCHORS:
         assert f"{code}, 1 band, loading: agrees: bistable" in result.stdout
     assert "MMT, 1 band, loading: order agrees: inner then outer" in result.stdout

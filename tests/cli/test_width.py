@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-from golden.running import FROZEN
 from stepwell.accounts import fold
 from stepwell.cli.screen import show
 
