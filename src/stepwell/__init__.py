@@ -122,7 +122,7 @@ _DOORS = {
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
 # and commands are nobody's to call.
 _ROOMS = (
-    *("base", "cards", "concave", "design", "figures", "files", "lab"),
+    *("accounts", "base", "cards", "concave", "design", "figures", "files", "lab"),
     *("mechanism", "paper", "reports", "results", "robot", "sequences", "simulation", "statics"),
     *("studies", "studio"),
 )

@@ -28,7 +28,8 @@ PAGES = [
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
-    *("robot", "simulation", "files", "results", "cards", "figures", "paper", "reports"),
+    *("robot", "simulation", "files", "accounts", "results", "cards", "figures", "paper"),
+    "reports",
 )
 
 

@@ -22,7 +22,7 @@ def schema(
     """Print the JSON Schema of a result.
 
     Every JSON that a command prints or writes names its schema and the version of it, as in
-    stepwell.run/1; this prints that schema, for programs that read results.
+    stepwell.run/2; this prints that schema, for programs that read results.
     """
     from stepwell.results import schema_kinds, schema_of
 

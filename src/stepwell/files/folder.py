@@ -139,7 +139,7 @@ def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """What a folder of results says of itself, once it is known to be whole.
 
     Args:
-        folder: what a command wrote with --out, or a function such as `write_run`.
+        folder: what a command wrote with --out, or a function such as `reports.write`.
 
     Returns:
         The record that docs/commands.md describes: `command`, `design_sha256`, `seed`, and the

@@ -225,12 +225,13 @@ def proved_margin(chain: Chain) -> Margin | None:
 def _told(
     chain: Chain, forces: SortedChain | None, changes: list[Change], ways: Displacements
 ) -> Margin:
+    travel, _, force = chain.measure.words
     words = {
         "anchor": f"anchors {resolution(ways, small=False)}",
         "stiffness": f"stiffnesses {RESOLUTION}",
-        "force_scale": f"scales of force {RESOLUTION}",
-        "travel_scale": f"scales of travel {RESOLUTION}",
-        "friction": f"friction {RESOLUTION_OF_FRICTION}",
+        "force_scale": f"scales of {force} {RESOLUTION}",
+        "travel_scale": f"scales of {travel} {RESOLUTION}",
+        "friction": f"friction {RESOLUTION_OF_FRICTION.format(force=force)}",
     }
     searched = {change.parameter for change in changes if change.method is Method.SEARCH}
     return Margin(

@@ -375,6 +375,8 @@ def _of_number(
         there, here = (number.value(one) for one in (changed_by(chain, number, share), chain))
         change = float(there) - float(here)  # type: ignore[arg-type]
     usual = RESOLUTION_OF_FRICTION if number.part == "friction" else RESOLUTION
+    usual = usual.format(force=chain.measure.force)
+    usual = usual.format(force=chain.measure.force)
     return Reprogramming(
         chain,
         target,
