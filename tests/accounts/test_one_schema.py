@@ -12,7 +12,6 @@ import pytest
 
 import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
-from stepwell import results
 from stepwell.accounts import account, card, chain as chain_account, page
 from stepwell.accounts.account import Level, Table
 from stepwell.accounts.chain import cell_schema
@@ -167,7 +166,7 @@ def test_csv_xarray_and_record_of_a_sweep_have_the_same(tmp_path):
     found = Sweep({"q_mm": [5.0, 15.0]}, trials)
     found.to_csv(tmp_path / "sweep.csv")
     held, data = columns_of(tmp_path / "sweep.csv"), found.to_xarray()
-    told = results.sweep_record(found)["trials"]
+    told = account(found).record["trials"]
     assert [one["values"] for one in told] == [[5.0], [15.0]]
     for q in TRIAL[:4]:
         values = data[q.name]
