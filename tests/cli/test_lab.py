@@ -108,7 +108,6 @@ def test_wrong_options_get_advice(stepwell, data, options, words):
 def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell, data, tmp_path):
     result = stepwell("lab", "compare", "data", "--out", "seen")
     assert result.exit_code == 0, result.stderr
-    record = json.loads((tmp_path / "seen" / "compare.json").read_text("utf-8"))
     for code in ANCHORS:
         assert f"{code}, 1 band, loading: agrees: bistable" in result.stdout
     assert "MMT, 1 band, loading: order agrees: inner then outer" in result.stdout
