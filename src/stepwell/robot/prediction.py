@@ -251,7 +251,7 @@ class DriveNeeds(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prediction(ByValue, Drawn):
-    """What a robot will do in a cycle, said without simulation.
+    """What a robot will do in a cycle, computed without simulation.
 
     Attributes:
         robot: which.
