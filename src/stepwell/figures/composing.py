@@ -15,18 +15,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure, SubFigure
 
 from stepwell.base import InputError
-from stepwell.figures.common import legends
-from stepwell.figures.common.sheet import (
-    Draw,
-    Panel,
-    Size,
-    blank,
-    drawing,
-    measured,
-    size_of,
-    text_at,
-)
-from stepwell.figures.common.style import PAGE, styled
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal
 
 _MM = MappingProxyType({"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0})
@@ -98,7 +87,7 @@ def length(text: str) -> float:
 
 
 # What is composed: panels in reading order, rows of them, or rows by name.
-Panels = Sequence[Draw | Sequence[Draw]] | Mapping[str, Sequence[Draw]]
+Panels = Sequence[sheet.Draw | Sequence[sheet.Draw]] | Mapping[str, Sequence[sheet.Draw]]
 
 # Between rows, between the panels of a row, and what a legend for all of them takes [mm].
 _BETWEEN, _LEGEND = 3.0, 5.0
@@ -121,15 +110,15 @@ LETTERS: dict[str, Callable[[str], str]] = {
 class _Cell:
     """A panel and its size [mm]."""
 
-    draw: Draw
-    size: Size
+    draw: sheet.Draw
+    size: sheet.Size
 
 
-@styled
+@style.styled
 def compose(
     panels: Panels,
     *,
-    width: float = PAGE,
+    width: float = style.PAGE,
     height: float | None = None,
     columns: int | None = None,
     letters: str = "A",
@@ -162,7 +151,7 @@ def compose(
         raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
     if letters not in LETTERS:
         raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
-    panel = Panel(lettered=count > 1 and letters != "none")
+    panel = sheet.Panel(lettered=count > 1 and letters != "none")
     rows = [_laid(row, width, panel) for row in _rows(given, width, columns, panel)]
     share = sum(cell.size.keyed for row in rows for cell in row) > 1
     legend: list[Artist] | None = [] if share else None
@@ -170,12 +159,12 @@ def compose(
     rows = _stretched(rows, None if height is None else height - room)
     tall = [max(cell.size.height for cell in row) for row in rows]
     top = sum(tall) + room
-    figure = blank(width, top)
+    figure = sheet.blank(width, top)
     names = map(LETTERS[letters], string.ascii_lowercase)
     for k, (row, high) in enumerate(zip(rows, tall, strict=True)):
         if titles:
             look = {"va": "top", "fontweight": "bold", "fontsize": 8.0}
-            text_at(figure, 0.5, top - 0.5, literal(titles[k]), **look)
+            sheet.text_at(figure, 0.5, top - 0.5, literal(titles[k]), **look)
             top -= _NAME
         _draw_row(figure, row, top, replace(panel, shared=legend), names)
         top -= high + _BETWEEN
@@ -185,7 +174,7 @@ def compose(
 
 
 def _draw_row(
-    figure: Figure, row: Sequence[_Cell], top: float, panel: Panel, names: Iterator[str]
+    figure: Figure, row: Sequence[_Cell], top: float, panel: sheet.Panel, names: Iterator[str]
 ) -> None:
     """Panels beside each other, each with its letter, under a height of the page [mm]."""
     left = 0.0
@@ -197,17 +186,20 @@ def _draw_row(
             own = replace(own, height=size.height)
         if not size.keyed:
             own = replace(own, shared=None)
-        with drawing(own):
+        with sheet.drawing(own):
             cell.draw()
         if panel.lettered:
             look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
-            text_at(figure, left + 0.5, top - 0.5, next(names), **look)
+            sheet.text_at(figure, left + 0.5, top - 0.5, next(names), **look)
         left += size.width + _BETWEEN
 
 
 def _rows(
-    panels: Sequence[Draw | Sequence[Draw]], width: float, columns: int | None, panel: Panel
-) -> list[list[Draw]]:
+    panels: Sequence[sheet.Draw | Sequence[sheet.Draw]],
+    width: float,
+    columns: int | None,
+    panel: sheet.Panel,
+) -> list[list[sheet.Draw]]:
     """What stands beside each other."""
     if columns is not None and not 1 <= columns <= MOST_PANELS:
         raise InputError(f"columns = {columns}: must be 1 to {MOST_PANELS}.")
@@ -215,7 +207,7 @@ def _rows(
         return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
     most = columns or max(1, round(width / _USUAL))
     each = (width - _BETWEEN * (most - 1)) / most
-    found: list[list[Draw]] = []
+    found: list[list[sheet.Draw]] = []
     free = 0
     for draw in panels:
         assert callable(draw)
@@ -227,17 +219,17 @@ def _rows(
     return found
 
 
-def _may_share(draw: Draw, width: float, panel: Panel) -> bool:
+def _may_share(draw: sheet.Draw, width: float, panel: sheet.Panel) -> bool:
     """Whether a panel is not two columns wide by itself, and can have this width [mm]."""
-    if measured(draw, panel).width >= PAGE:
+    if sheet.measured(draw, panel).width >= style.PAGE:
         return False
     try:
-        return measured(draw, replace(panel, width=width)).width <= width + 1e-6
+        return sheet.measured(draw, replace(panel, width=width)).width <= width + 1e-6
     except InputError:
         return False
 
 
-def _laid(row: list[Draw], width: float, panel: Panel) -> list[_Cell]:
+def _laid(row: list[sheet.Draw], width: float, panel: sheet.Panel) -> list[_Cell]:
     """The panels of a row, each as wide as the others, all that can be as high as the highest."""
     each = (width - _BETWEEN * (len(row) - 1)) / len(row)
     if not each >= NARROWEST:
@@ -245,7 +237,7 @@ def _laid(row: list[Draw], width: float, panel: Panel) -> list[_Cell]:
         raise InputError(
             f"width = {width:g} mm: {len(row)} panels beside each other need {least:g} mm or more."
         )
-    cells = [_Cell(draw, measured(draw, replace(panel, width=each))) for draw in row]
+    cells = [_Cell(draw, sheet.measured(draw, replace(panel, width=each))) for draw in row]
     for cell in cells:
         if cell.size.width > each + 1e-6:
             raise InputError(
@@ -287,9 +279,9 @@ def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell
     ]
 
 
-def _part(figure: Figure, left: float, bottom: float, size: Size) -> SubFigure:
+def _part(figure: Figure, left: float, bottom: float, size: sheet.Size) -> SubFigure:
     """A part of a page, at a place given in mm."""
-    wide, high = size_of(figure)
+    wide, high = sheet.size_of(figure)
     # The middle of three by three, because parts of a figure have shares of a grid for a place.
     across = left, size.width, max(wide - left - size.width, 0.0)
     down = max(high - bottom - size.height, 0.0), size.height, bottom

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import Bools, Floats, InputError
+from stepwell.figures.common import style
 from stepwell.figures.common.sheet import page_width
-from stepwell.figures.common.style import COLUMN, PAGE
 from stepwell.sequences import TransitionKind
 
 if TYPE_CHECKING:
@@ -314,7 +314,7 @@ class Layout:
     """
 
     def __init__(self, reduced: FoldedGraph, cells: int, size: tuple[float, float] | None = None):
-        wide, high = size or (page_width(COLUMN if cells <= NAMED else PAGE), None)
+        wide, high = size or (page_width(style.COLUMN if cells <= NAMED else style.PAGE), None)
         self.width, self.named = wide, size is None and cells <= NAMED
         self._cells, last = cells, reduced.last
         self._lines = self._count_lines(last)

@@ -12,23 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Polygon
 
 from stepwell.base import InputError
-from stepwell.figures.common import legends
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.marks import plain
-from stepwell.figures.common.sheet import blank, indent, place
-from stepwell.figures.common.style import (
-    FAINT,
-    INK,
-    LOADING,
-    ORANGE,
-    UNLOADING,
-    YELLOW,
-    direction_colour,
-    hollow,
-    on_black,
-    on_white,
-    pale,
-    styled,
-)
 from stepwell.figures.graph_layout import (
     DOT,
     FoldedGraph,
@@ -52,7 +37,7 @@ _FILL, _GREY = "#EEEEEE", "#6A6A6A"
 _ASIDE = (0, (2.5, 1.5))
 
 
-@styled
+@style.styled
 def transition_graph(graph: TransitionGraph, *, program: Program | None = None) -> Figure:
     """States and the ways between them, from all cells at 0 on the left to all at 1 on the right.
 
@@ -85,10 +70,10 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
     key = drawing.key(program)
     wide, high = drawing.layout.width, drawing.layout.height
     columns = max(1, int(wide / _ENTRY))
-    figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
-    ax = place(figure, 0.0, 0.0, wide, high)
+    figure = sheet.blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
+    ax = sheet.place(figure, 0.0, 0.0, wide, high)
     drawing.draw(ax)
-    legends.above(ax, key, columns, bbox_to_anchor=(max(0.015, indent() / wide), 1.0))
+    legends.above(ax, key, columns, bbox_to_anchor=(max(0.015, sheet.indent() / wide), 1.0))
     return figure
 
 
@@ -149,12 +134,12 @@ class _Drawing:
     def _draw_way(self, ax: Axes, way: FoldedTransition) -> None:
         curve = self.layout.curve(way)
         known = way.source in self.reachable
-        colour = direction_colour(way.direction)
-        colour = colour if known else pale(colour)
+        colour = style.direction_colour(way.direction)
+        colour = colour if known else style.pale(colour)
         bold = (way.source, way.target) in self.loop_ways
         level = 2.0 + 2.0 * bold + known
         if (way.source, way.target) in self.program_ways:
-            ax.plot(*curve.T, color=YELLOW, linewidth=_HALO, zorder=1, gid="program")
+            ax.plot(*curve.T, color=style.YELLOW, linewidth=_HALO, zorder=1, gid="program")
         dash, gid = ("-", "loading") if way.direction > 0 else ((0, _DASHES), "unloading")
         look = {"color": colour, "linewidth": _BOLD if bold else _THIN, "linestyle": dash}
         look |= {"solid_capstyle": "butt", "dash_capstyle": "butt"}
@@ -162,14 +147,14 @@ class _Drawing:
         tip = head(curve, 1.5 + 0.5 * bold)
         ax.add_patch(Polygon(tip, facecolor=colour, linewidth=0, zorder=level + 0.5))
         if way.snaps:
-            look = hollow(3.2 if bold else 2.6, colour, markeredgewidth=0.9, gid="snaps")
+            look = style.hollow(3.2 if bold else 2.6, colour, markeredgewidth=0.9, gid="snaps")
             ax.plot(*curve[len(curve) // 4], "o", **look, zorder=level + 0.6)
 
     def _draw_node(self, ax: Axes, label: str) -> None:
         (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
         known = label in self.reachable
         if "-" in label and not self.layout.named:
-            colour = INK if known else FAINT
+            colour = style.INK if known else style.FAINT
             ax.plot(x, y, "o", markersize=2 * DOT / 25.4 * 72, color=colour, zorder=8, gid="half")
             return
         ends = (self.strokes[0][0], self.strokes[-1][-1]) if self.strokes else ()
@@ -182,8 +167,8 @@ class _Drawing:
                     2 * half,
                     2 * high,
                     boxstyle=shape,
-                    facecolor=YELLOW if label in ends else _FILL if known else "white",
-                    edgecolor=ORANGE if garden else INK if known else FAINT,
+                    facecolor=style.YELLOW if label in ends else _FILL if known else "white",
+                    edgecolor=style.ORANGE if garden else style.INK if known else style.FAINT,
                     linewidth=1.3 if bold or garden else 0.7,
                     linestyle="-" if known else _ASIDE,
                     zorder=8,
@@ -198,11 +183,11 @@ class _Drawing:
             va="center_baseline" if "\n" not in self.layout.name(label) else "center",
             linespacing=1.05,
             fontweight="bold" if bold and "-" not in label else "normal",
-            color=INK if known and "-" not in label else _GREY,
+            color=style.INK if known and "-" not in label else _GREY,
             zorder=9,
         )
         if "-" in label:
-            text.set_bbox(on_white())
+            text.set_bbox(style.on_white())
 
     def _draw_turns(self, ax: Axes) -> None:
         """Numbers at the turning points of the program."""
@@ -222,19 +207,19 @@ class _Drawing:
                 va="center_baseline",
                 zorder=10,
                 gid="turn",
-                **on_black(wide=many),
+                **style.on_black(wide=many),
             )
 
     def key(self, program: Program | None = None) -> list[Artist]:
         """What the marks mean, as far as they occur."""
         ways = self.reduced.ways
         key: list[Artist] = [
-            legends.line("loading", LOADING, 1.2),
-            legends.line("unloading", UNLOADING, 1.2, linestyle=(0, _DASHES)),
+            legends.line("loading", style.LOADING, 1.2),
+            legends.line("unloading", style.UNLOADING, 1.2, linestyle=(0, _DASHES)),
             legends.line("main loop", width=_BOLD),
         ]
         if any(way.snaps for way in ways):
-            look = hollow(3.2, marker="o", markeredgewidth=0.9)
+            look = style.hollow(3.2, marker="o", markeredgewidth=0.9)
             key.append(legends.line("snap", width=_THIN, **look))
         if any("-" in label for label in self.reduced.shown):
             if self.layout.named:
@@ -244,12 +229,12 @@ class _Drawing:
         aside = set(self.reduced.shown) - self.reachable
         zero = "0" * self.cells
         if {label for label in aside if "-" not in label} - self.gardens:
-            key.append(_box(FAINT, 0.7, f"not reached from {zero}"))
+            key.append(_box(style.FAINT, 0.7, f"not reached from {zero}"))
         if self.gardens:
-            key.append(_box(ORANGE, 1.3, "Garden of Eden"))
+            key.append(_box(style.ORANGE, 1.3, "Garden of Eden"))
         if program is not None:
             label = f"program, {program.start} to {program.to}"
-            key.append(legends.line(label, YELLOW, _HALO))
+            key.append(legends.line(label, style.YELLOW, _HALO))
         return key
 
 

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from stepwell.base import InputError
-from stepwell.figures.common.sheet import blank, page_width, place, text_at
-from stepwell.figures.common.style import BLUE, FAINT, INK, PAGE, name_rows, pale, styled
+from stepwell.figures.common import sheet, style
 from stepwell.figures.common.words import literal, minus, shortened
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ _SENTENCE = 100.0
 _DARK = 0.9
 
 
-@styled
+@style.styled
 def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None) -> Figure:
     """How much of each thing that was found each number decides by itself.
 
@@ -53,15 +52,15 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
     told = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     # Under narrow columns what shares and signs mean takes two lines.
     apart = "\n" if page - left < _SENTENCE else " "
     foot = _FOOT + 3.0 * (apart == "\n")
-    figure = blank(page, _HEAD + tall + foot)
+    figure = sheet.blank(page, _HEAD + tall + foot)
     wide = min(page - left - _RIGHT, _WIDEST * len(found))
-    ax = place(figure, left, foot, wide, tall)
+    ax = sheet.place(figure, left, foot, wide, tall)
     ax.set_xlim(-0.5, len(found) - 0.5)
-    name_rows(ax, [literal(name) for name in told])
+    style.name_rows(ax, [literal(name) for name in told])
     ax.tick_params(axis="x", length=0, labeltop=True, labelbottom=False, pad=1.0)
     names_of = (known.get(one.column, one.column.replace("_", " ")) for one in found)
     letters = max(6, min(16, int(wide / len(found) / _LETTER)))
@@ -72,18 +71,22 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
     for k, one in enumerate(found):
         for i, name in enumerate(rows):
             each = shares[one.column].get(name)
-            look = {"facecolor": pale(FAINT, 0.9), "edgecolor": "white", "linewidth": 1.5}
+            look = {
+                "facecolor": style.pale(style.FAINT, 0.9),
+                "edgecolor": "white",
+                "linewidth": 1.5,
+            }
             if each is not None:
-                look["facecolor"] = pale(BLUE, 1.0 - each.share)
+                look["facecolor"] = style.pale(style.BLUE, 1.0 - each.share)
                 sign = "" if abs(each.trend) < 0.1 else " +" if each.trend > 0 else " -"
-                colour = "white" if each.share > _DARK else INK
+                colour = "white" if each.share > _DARK else style.INK
                 percent = f"{100 * each.share:.0f} %" if each.share >= 0.005 else "< 1 %"
                 ax.text(
                     k, i, minus(percent + sign),
                     ha="center", va="center_baseline", color=colour, gid="share",
                 )  # fmt: skip
             ax.add_patch(Rectangle((k - 0.5, i - 0.5), 1.0, 1.0, **look, zorder=0))
-    text_at(
+    sheet.text_at(
         figure, left, 3.0,
         minus(f"{_SHARES}{apart}{_SIGNS}"),
     )  # fmt: skip

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from stepwell.base import InputError, number
-from stepwell.figures.common.sheet import blank, page_width, place, text_at
-from stepwell.figures.common.style import BLUE, FAINT, GREEN, PAGE, styled
+from stepwell.figures.common import sheet, style
 from stepwell.figures.graphs import small_graph
 from stepwell.mechanism import Cell
 from stepwell.results import atlas_record, memory_words
@@ -34,7 +33,7 @@ _STATE = 8.5
 _LEFT, _RIGHT, _BOTTOM, _TALL, _BETWEEN = 17.0, 4.0, 11.0, 26.0, 4.5
 
 
-@styled
+@style.styled
 def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
     """The most frequent machines of an atlas as graphs, and the share and yield of all.
 
@@ -60,7 +59,7 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
         raise InputError("the atlas holds no machine yet: build more designs.")
     shown = found.machines[: max(1, most)]
     told = atlas_record(found, shown)["machines"]
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     room = int((page - 2 * _EDGE + _GAP) / (_WIDTHS[count] + _GAP))
     beside = max(1, min(len(shown), room))
     rows = -(-len(shown) // beside)
@@ -71,13 +70,13 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
     columns = max(1, int(page / _ENTRY))
     key_high = _LINE * -(-_ENTRIES // columns) + 1.5
     high = foot + key_high + rows * (_HEAD + tall + _GAP)
-    figure = blank(page, high)
+    figure = sheet.blank(page, high)
     key: dict[str, Artist] = {}
     for k, one in enumerate(shown):
         row, column = divmod(k, beside)
         left = _EDGE + column * (wide + _GAP)
         bottom = foot + key_high + (rows - 1 - row) * (_HEAD + tall + _GAP)
-        ax = place(figure, left, bottom, wide, tall)
+        ax = sheet.place(figure, left, bottom, wide, tall)
         graph = _as_it_loads(one.chain).graph("force" if found.drive == "force" else None)
         key |= {str(each.get_label()): each for each in small_graph(graph, ax, wide, tall)}
         _head(figure, left + 1.0, bottom + tall, k + 1, told[k])
@@ -102,23 +101,25 @@ def _as_it_loads(chain: Chain) -> Chain:
 
 def _head(figure: Figure, x: float, y: float, place: int, one: Mapping[str, Any]) -> None:
     """The number of a machine, how often it comes, how surely it is built, what it remembers."""
-    text_at(figure, x, y + 3.4, f"{place}", fontweight="bold", fontsize=8.0)
+    sheet.text_at(figure, x, y + 3.4, f"{place}", fontweight="bold", fontsize=8.0)
     share = f"{number(one['share_percent'])} % of designs"
-    text_at(figure, x + 5.5, y + 3.4, share, fontweight="bold", fontsize=8.0, gid="share")
+    sheet.text_at(figure, x + 5.5, y + 3.4, share, fontweight="bold", fontsize=8.0, gid="share")
     grey = {"color": "#5A5A5A", "gid": "name"}
-    text_at(figure, x + 5.5, y, f"{one['name']}, yield {number(one['yield_percent'])} %", **grey)
-    text_at(figure, x + 5.5, y - 3.1, memory_words(one), **grey)
+    sheet.text_at(
+        figure, x + 5.5, y, f"{one['name']}, yield {number(one['yield_percent'])} %", **grey
+    )
+    sheet.text_at(figure, x + 5.5, y - 3.1, memory_words(one), **grey)
 
 
 def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:
     """Shares and yields of all machines, most frequent first."""
     wide = page - _LEFT - _RIGHT
-    upper = place(figure, _LEFT, _BOTTOM + _TALL + _BETWEEN, wide, _TALL)
-    lower = place(figure, _LEFT, _BOTTOM, wide, _TALL)
+    upper = sheet.place(figure, _LEFT, _BOTTOM + _TALL + _BETWEEN, wide, _TALL)
+    lower = sheet.place(figure, _LEFT, _BOTTOM, wide, _TALL)
     ranks = np.arange(1, len(found.machines) + 1)
     for ax, colour, shares in (
-        (upper, BLUE, [one.share for one in found.machines]),
-        (lower, GREEN, [one.kept for one in found.machines]),
+        (upper, style.BLUE, [one.share for one in found.machines]),
+        (lower, style.GREEN, [one.kept for one in found.machines]),
     ):
         ends = np.array([[each.low, each.high] for each in shares]) * 100.0
         values = np.array([each.share for each in shares]) * 100.0
@@ -143,4 +144,4 @@ def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:
 def _drawn_end(ax: Axes, shown: int, count: int) -> None:
     """Where the machines end that are drawn above."""
     if shown < count:
-        ax.axvline(shown + 0.5, color=FAINT, linewidth=0.7, linestyle=(0, (2.0, 2.0)))
+        ax.axvline(shown + 0.5, color=style.FAINT, linewidth=0.7, linestyle=(0, (2.0, 2.0)))

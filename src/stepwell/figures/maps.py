@@ -14,8 +14,8 @@ from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
+from stepwell.figures.common import sheet
 from stepwell.figures.common.legends import Label, beside
-from stepwell.figures.common.sheet import BESIDE, blank, keep_inside, page_width, place, root
 from stepwell.figures.common.style import (
     BLACK,
     BLUE,
@@ -141,8 +141,8 @@ def transition_map(
     aspect = _aspect(dataset, x, y)
     # A long key stands beside the map; a short one, which would leave the page empty, below it.
     long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
-    page = page_width(PAGE if long else COLUMN)
-    aside = page >= BESIDE
+    page = sheet.page_width(PAGE if long else COLUMN)
+    aside = page >= sheet.BESIDE
     side = _SIDE if aside else min(page - 18.0, _WIDEST)
     tall = side * aspect
     below = []
@@ -154,8 +154,8 @@ def transition_map(
     under = Key(below, side + 16.0)
     left = 15.0 + tall + (under.height if below else 0.0)
     height = max(left, key.height + 6.0) if aside else 15.0 + tall + key.height
-    figure = blank(page, height)
-    ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
+    figure = sheet.blank(page, height)
+    ax = sheet.place(figure, 16.0, height - 3.0 - tall, side, tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
     places = _places(x), _places(y)
     shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
@@ -165,7 +165,7 @@ def transition_map(
         ax.set(**{f"{axis}scale": scale, f"{axis}lim": values.values[[0, -1]]})
     _draw_hatches(ax, places, _between(dataset["monostable"].to_numpy().astype(int), x, y, walls))
     ax.set(xlabel=x.name, ylabel=y.name)
-    keep_inside(ax)
+    sheet.keep_inside(ax)
 
     taken = _draw_curves(ax, curves, (x.scale, y.scale))
     marks: list[Label] = []
@@ -173,11 +173,11 @@ def transition_map(
         marks.append(mark := Label(a * x.scale, b * y.scale, literal(name)))
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
-        taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
+        taken.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
     # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
     for text in beside(ax, marks, keep_clear=taken):
         text.set_bbox(on_white(0.12, 0.8))
-        taken.append(text.get_window_extent().padded(_CLEAR * root(ax).dpi / 72))
+        taken.append(text.get_window_extent().padded(_CLEAR * sheet.root(ax).dpi / 72))
     free = _free(ax, *places, taken)
     for region in shown:
         if region.name:
@@ -189,9 +189,9 @@ def transition_map(
         if aside
         else (4.0, 0.0, page - 6.0, key.height)
     )
-    key.draw(place(figure, *at))
+    key.draw(sheet.place(figure, *at))
     if below:
-        under.draw(place(figure, 4.0, height - left, side + 16.0, under.height))
+        under.draw(sheet.place(figure, 4.0, height - left, side + 16.0, under.height))
     return figure
 
 
@@ -376,7 +376,7 @@ def _draw_hatches(ax: Axes, places: tuple[Floats, Floats], monostable: NDArray[n
 
 def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:
     """The curves with their numbers; returns what the numbers cover."""
-    point = root(ax).dpi / 72.0
+    point = sheet.root(ax).dpi / 72.0
     taken: list[Bbox] = []
     for curve in curves:
         colour, style = curve.line

@@ -10,19 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import number, signed
-from stepwell.figures.common import legends
-from stepwell.figures.common.sheet import blank, place, root, size_of
-from stepwell.figures.common.style import (
-    COLUMN,
-    FAINT,
-    GREEN,
-    INK,
-    MM,
-    SKY,
-    VERMILLION,
-    pale,
-    styled,
-)
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus, sequence_words, shortened
 
 if TYPE_CHECKING:
@@ -50,7 +38,7 @@ _OFF_BY = {
     "travel_scale": "travel",
     "friction": "friction",
 }
-_OFF = pale(SKY, 0.55)
+_OFF = style.pale(style.SKY, 0.55)
 
 
 class _Panel(NamedTuple):
@@ -74,7 +62,7 @@ class _Row(NamedTuple):
         return self.far < self.off
 
 
-@styled
+@style.styled
 def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     """How far each thing may be changed before the chain does something else, nearest on top.
 
@@ -90,19 +78,21 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
 
     given = USUAL if tolerances is None else tolerances
     drawn = [(panel, _rows(margin, panel, given)) for panel in _panels(margin)]
-    handles = [legends.shade("another sequence past its end", _pale(GREEN))]
+    handles = [legends.shade("another sequence past its end", _pale(style.GREEN))]
     if any(row.off for _, rows in drawn for row in rows):
         handles.append(legends.shade("parts are off by", _OFF))
     if any(row.near for _, rows in drawn for row in rows):
-        handles.insert(1, legends.shade("the same, nearer than parts are off", _pale(VERMILLION)))
+        handles.insert(
+            1, legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
+        )
     keys = 1 if len(handles) <= 2 else len(handles)
     head = 2.0 + 4.0 * keys
     tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
     height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
-    figure = blank(COLUMN, height)
+    figure = sheet.blank(style.COLUMN, height)
     top = height - head
     for (panel, rows), high in zip(drawn, tall, strict=True):
-        ax = place(figure, _LEFT, top - high, COLUMN - _LEFT - _RIGHT, high)
+        ax = sheet.place(figure, _LEFT, top - high, style.COLUMN - _LEFT - _RIGHT, high)
         _draw(ax, panel, rows)
         top -= high + _FOOT + _BETWEEN
     legends.on_top(figure, handles, _LEFT, columns=2 if len(handles) == 2 else 1)
@@ -115,7 +105,7 @@ def _panels(margin: Margin) -> list[_Panel]:
     anchors = [change for change in near if change.parameter == "anchor"]
     others = [change for change in near if change.parameter != "anchor"]
     found = [
-        _Panel(anchors, MM, "The anchor moved by [mm]"),
+        _Panel(anchors, style.MM, "The anchor moved by [mm]"),
         _Panel(others, 100.0, "The number changed by [%]"),
     ]
     return [panel for panel in found if panel.changes]
@@ -129,7 +119,9 @@ def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
         what = f"{chain.names[change.cell]}: {_CHANGED[change.parameter].format(**words)}"
         off = getattr(tolerances, _OFF_BY[change.parameter]) * panel.factor
         if math.isinf(change.distance):
-            reach = f" within {number(margin.reach * MM)} mm" if panel.factor == MM else ""
+            reach = (
+                f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
+            )
             found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
             continue
         lines = _lines(f"{what} {_by(change)}")
@@ -143,10 +135,10 @@ def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
 
 def _by(change: Change) -> str:
     """How far; of a number which way too."""
-    if change.distance * MM < 1e-6:
+    if change.distance * style.MM < 1e-6:
         return "by next to nothing"
     if isinstance(change.move, tuple):
-        return f"{number(change.distance * MM)} mm"
+        return f"{number(change.distance * style.MM)} mm"
     return minus(f"{signed(change.move * 100)} %")
 
 
@@ -157,7 +149,7 @@ def _lines(text: str, most: int = 1) -> list[str]:
 def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
     ends = [row.far for row in rows if math.isfinite(row.far)] + [2.0 * row.off for row in rows]
     ax.set_xlim(0.0, 1.06 * max(ends) or 1.0)
-    ax.set_ylim(size_of(root(ax))[1] * ax.get_position().height, 0.0)
+    ax.set_ylim(sheet.size_of(sheet.root(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for row in rows:
         known = math.isfinite(row.far)
@@ -167,19 +159,19 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
             ax.text(*at, literal(line), va="center_baseline", zorder=3, **look)
             y += _LINE
         if known:
-            colour = _pale(VERMILLION if row.near else GREEN)
+            colour = _pale(style.VERMILLION if row.near else style.GREEN)
             look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
             ax.barh(y + _BAR / 2, row.far, _BAR, **look)
         # In the bar, so that whichever is longer is seen to be.
-        inner = {"color": _OFF, "edgecolor": INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
+        inner = {"color": _OFF, "edgecolor": style.INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
         ax.barh(y + _BAR / 2, row.off, 0.5 * _BAR, **inner)
         y += _BAR + _GAP
     ax.set_yticks([])
     ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.spines.bottom.set_color(FAINT)
-    ax.axvline(0.0, color=INK, linewidth=0.8, zorder=2)
+    ax.spines.bottom.set_color(style.FAINT)
+    ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
     ax.set_xlabel(panel.label)
 
 
 def _pale(colour: str) -> tuple[float, float, float]:
-    return pale(colour, 0.3)
+    return style.pale(colour, 0.3)

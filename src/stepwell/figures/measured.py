@@ -13,23 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.marks import mm_pair
-from stepwell.figures.common.sheet import blank, name_panel, page_width, place
-from stepwell.figures.common.style import (
-    BLUE,
-    FAINT,
-    GREEN,
-    INK,
-    LOADING,
-    MM,
-    PAGE,
-    UNLOADING,
-    VERMILLION,
-    hollow,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal
 from stepwell.lab import CellTest, PairTest
 
@@ -39,12 +24,12 @@ _POINTS = 16
 # A row of the key with its surroundings, one more, and an entry [mm].
 _KEY, _ROW, _ENTRY = 8.0, 3.8, 33.0
 # One look for each number of bands: colour and mark say the same.
-_LOOKS = ((BLUE, "o"), (VERMILLION, "^"), (GREEN, "s"))
+_LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "^"), (style.GREEN, "s"))
 _MEASURED = 2.6
-_MODEL: dict[str, Any] = {"color": INK, "linewidth": 0.8, "linestyle": (0, (4, 3))}
+_MODEL: dict[str, Any] = {"color": style.INK, "linewidth": 0.8, "linestyle": (0, (4, 3))}
 
 
-@styled
+@style.styled
 def measured_forces(tests: Sequence[CellTest]) -> Figure:
     """F/(k r) of measured unit cells against lever angle, the model as a line.
 
@@ -70,7 +55,7 @@ def measured_forces(tests: Sequence[CellTest]) -> Figure:
     return _cells(tests, measured, model, "Force $F/(kr)$")
 
 
-@styled
+@style.styled
 def measured_energies(tests: Sequence[CellTest]) -> Figure:
     """E/(k r²) of measured unit cells from state 0 on against lever angle, the model as a line.
 
@@ -96,7 +81,7 @@ def measured_energies(tests: Sequence[CellTest]) -> Figure:
     return _cells(tests, measured, model, "Energy $E/(kr^2)$")
 
 
-@styled
+@style.styled
 def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     """Actuator force of measured pairs against stroke, the model as a line, snaps marked.
 
@@ -115,12 +100,15 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     """
     if not tests:
         raise InputError("tests is empty: give one pair or more.")
-    looks = {True: ("measured, unloading", UNLOADING), False: ("measured, loading", LOADING)}
+    looks = {
+        True: ("measured, unloading", style.UNLOADING),
+        False: ("measured, loading", style.LOADING),
+    }
     occur = dict.fromkeys(test.series.unloading for test in tests)
     handles = [legends.line(*looks[unloading], _MEASURED) for unloading in occur]
     handles.append(Line2D([], [], **_MODEL, label="model"))
-    handles.append(legends.mark("run snaps", "v", 4.0, color=FAINT))
-    handles.append(legends.mark("model snaps", "^", **hollow(4.0)))
+    handles.append(legends.mark("run snaps", "v", 4.0, color=style.FAINT))
+    handles.append(legends.mark("model snaps", "^", **style.hollow(4.0)))
     sizes = (2, 52.0, 15.0, 19.0, 17.0)
     return _panels(tests, _pair, sizes, handles, "Stroke $u$ [mm]", "Actuator force [N]")
 
@@ -144,7 +132,7 @@ def _cells(
     for count in sorted({test.series.bands for test in tests}):
         colour, mark = _LOOKS[(count - 1) % len(_LOOKS)]
         handles.append(legends.mark(bands_words(count), mark, 3.2, color=colour))
-    handles.append(legends.mark("extrapolated to the stop", **hollow(3.2)))
+    handles.append(legends.mark("extrapolated to the stop", **style.hollow(3.2)))
     sizes = (3, 50.0, 16.0, 18.5, 16.0)
     return _panels(list(groups.values()), draw, sizes, handles, "Lever angle $\\theta$ [°]", label)
 
@@ -168,17 +156,17 @@ def _panels(
         xlabel, ylabel: below the lowest and left of the first panels.
     """
     most, tall, left, narrower, lower = sizes
-    page = page_width(PAGE)
-    columns = max(1, round(most * page / PAGE))
+    page = sheet.page_width(style.PAGE)
+    columns = max(1, round(most * page / style.PAGE))
     rows = math.ceil(len(shown) / columns)
     wide = page / columns
     beside, below = legends.laid(len(handles), page - left, _ENTRY)
-    figure = blank(page, rows * tall + _KEY + _ROW * (below - 1))
+    figure = sheet.blank(page, rows * tall + _KEY + _ROW * (below - 1))
     legends.on_top(figure, handles, left, 2.0, columns=beside)
     for k, one in enumerate(shown):
         row, column = divmod(k, columns)
         bottom = (rows - 1 - row) * tall + 10.0
-        ax = place(figure, column * wide + left, bottom, wide - narrower, tall - lower)
+        ax = sheet.place(figure, column * wide + left, bottom, wide - narrower, tall - lower)
         draw(ax, one)
         if row == rows - 1 or k + columns >= len(shown):
             ax.set_xlabel(xlabel)
@@ -205,36 +193,36 @@ def _cell(
             ax.plot(theta[k], values[k], mark, **look, markerfacecolor=face, gid=gid)
     # In k r all numbers of bands have one model.
     first = group[0]
-    ax.plot(np.degrees(first.plain.theta), model(first), color=INK, gid="model")
+    ax.plot(np.degrees(first.plain.theta), model(first), color=style.INK, gid="model")
     widest = math.degrees(first.cell.limit)
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks([-widest, 0, widest])
     ax.margins(y=0.1)
     way = ", unloading" if first.series.unloading else ""
     place_of = mm_pair(first.cell.bands[0].d)
-    name_panel(ax, f"{literal(first.series.code)}{way}, $d$ = {place_of} mm")
+    sheet.name_panel(ax, f"{literal(first.series.code)}{way}, $d$ = {place_of} mm")
 
 
 def _pair(ax: Axes, test: PairTest) -> None:
-    colour = UNLOADING if test.series.unloading else LOADING
-    u = test.stroke * MM
+    colour = style.UNLOADING if test.series.unloading else style.LOADING
+    u = test.stroke * style.MM
     marks.zero_line(ax)
     # Where the model is right it lies on the measurement, which is wide enough to be seen below.
     wide = {"linewidth": _MEASURED, "solid_capstyle": "butt"}
-    ax.plot(u, test.force, color=pale(colour), **wide, gid="not judged")
+    ax.plot(u, test.force, color=style.pale(colour), **wide, gid="not judged")
     ax.plot(u, np.where(test.inside, test.force, np.nan), color=colour, **wide, gid="measured")
     ax.plot(u, test.model, **_MODEL, gid="model")
     low, high = ax.get_ylim()
     span = high - low
     ax.set_ylim(low - 0.12 * span, high + 0.12 * span)
-    seen = [MM * snap for snaps in test.snaps for snap in snaps]
-    wanted = [MM * snap for snap in test.snaps_predicted]
+    seen = [style.MM * snap for snaps in test.snaps for snap in snaps]
+    wanted = [style.MM * snap for snap in test.snaps_predicted]
     above, below = [high + 0.06 * span] * len(seen), [low - 0.06 * span] * len(wanted)
     ax.plot(seen, above, "v", color=colour, markersize=4.0, zorder=5, gid="snaps")
-    ax.plot(wanted, below, "^", **hollow(4.0), zorder=5, gid="snaps predicted")
+    ax.plot(wanted, below, "^", **style.hollow(4.0), zorder=5, gid="snaps predicted")
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
     order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
-    name_panel(ax, literal(f"{mechanism}: {order}"))
+    sheet.name_panel(ax, literal(f"{mechanism}: {order}"))
 
 
 def bands_words(count: int) -> str:

@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from stepwell.figures.common import legends, marks
+from stepwell.figures.common import legends, marks, sheet
 from stepwell.figures.common.marks import mm_pair
-from stepwell.figures.common.sheet import BESIDE, blank, canvas, page_width, place
 from stepwell.figures.common.style import (
     BLACK,
     BLUE,
@@ -42,7 +41,7 @@ def recording(result: Recording) -> Figure:
     Returns:
         A figure of one column's width: force [N] against the stroke of the machine [mm].
     """
-    figure, ax = canvas(None, (COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
+    figure, ax = sheet.canvas(None, (COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
     shown: set[str] = set()
     for half in result.halves:
         way = result.direction_of(half)
@@ -84,10 +83,12 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         A figure of a page's width. On the left every cycle, those used in green; on the right the
         residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
     """
-    page = page_width(PAGE)
-    beside = page >= BESIDE
-    figure = blank(page, _TALL if beside else 2 * _TALL)
-    left = place(figure, 14.0, 11.0 + (not beside) * _TALL, 66.0 if beside else page - 18.0, 55.0)
+    page = sheet.page_width(PAGE)
+    beside = page >= sheet.BESIDE
+    figure = sheet.blank(page, _TALL if beside else 2 * _TALL)
+    left = sheet.place(
+        figure, 14.0, 11.0 + (not beside) * _TALL, 66.0 if beside else page - 18.0, 55.0
+    )
     used = set(map(id, test.used))
     for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
         mine = id(loop) in used
@@ -103,7 +104,9 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     handles = [legends.line("used", GREEN), legends.line("not used", pale(FAINT, 0.4))]
     legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
 
-    right = place(figure, 98.0 if beside else 14.0, 11.0, 78.0 if beside else page - 18.0, 55.0)
+    right = sheet.place(
+        figure, 98.0 if beside else 14.0, 11.0, 78.0 if beside else page - 18.0, 55.0
+    )
     marks.zero_line(right)
     curves = [test.curve(sample) for sample in test.samples]
     stroke = curves[0][0]
@@ -151,15 +154,17 @@ def calibration(result: Calibration) -> Figure:
         with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    page = page_width(PAGE)
-    beside = page >= BESIDE
+    page = sheet.page_width(PAGE)
+    beside = page >= sheet.BESIDE
     columns = 2 if beside else 1
     head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
     tall = 15.0 + head + 7.0 * max(len(geometries), len(result.parameters))
     side = min(66.0, tall - 11.0 - head) if beside else min(66.0, page - 12.0 - _BAR)
     below = 0.0 if beside else side + 14.0
-    figure = blank(page, tall + below)
-    left = place(figure, 24.0, 11.0 + below, 52.0 if beside else page - 30.0, tall - 11.0 - head)
+    figure = sheet.blank(page, tall + below)
+    left = sheet.place(
+        figure, 24.0, 11.0 + below, 52.0 if beside else page - 30.0, tall - 11.0 - head
+    )
     for n, (bands, pair) in enumerate(result.kinds):
         colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
         at = [
@@ -184,7 +189,7 @@ def calibration(result: Calibration) -> Figure:
     names = [_symbol(p.name) for p in result.parameters]
     start = _RIGHT if beside else 12.0
     bottom = 11.0 + (tall - 11.0 - head - side) / 2 if beside else 9.0
-    right = place(figure, start, bottom, side, side)
+    right = sheet.place(figure, start, bottom, side, side)
     image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
@@ -199,7 +204,7 @@ def calibration(result: Calibration) -> Figure:
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)
     right.tick_params(length=0)
-    bar = place(figure, start + side + 3.0, bottom, 2.5, side)
+    bar = sheet.place(figure, start + side + 3.0, bottom, 2.5, side)
     figure.colorbar(image, cax=bar)
     bar.set_ylabel("Correlation [1]")
     return figure

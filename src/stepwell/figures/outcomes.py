@@ -11,20 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError, Quantity
-from stepwell.figures.common import legends
-from stepwell.figures.common.sheet import blank, keep_inside, page_width, place
-from stepwell.figures.common.style import (
-    BLUE,
-    FAINT,
-    GREEN,
-    INK,
-    PAGE,
-    PATHWAY,
-    PURPLE,
-    VERMILLION,
-    pale,
-    styled,
-)
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, shortened
 
 if TYPE_CHECKING:
@@ -39,7 +26,7 @@ _LEFT, _RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
 _TWO = 120.0
 # Whole numbers that are told apart as words are, at most so many.
 _COUNTS = 6
-_SPARE = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
+_SPARE = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE, "#7A6A00", style.INK)
 _REST, _NAME = "any other", 44
 _SHADES = "cividis"
 
@@ -52,7 +39,7 @@ class _Column(NamedTuple):
     words: bool
 
 
-@styled
+@style.styled
 def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     """What was found, each over the number that decides it most; over the plane of two numbers.
 
@@ -86,22 +73,22 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     wordy = [one for _, one in shown if one.words]
     colours = {one.name: _colours(one.values) for one in wordy}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     beside = 2 if page >= _TWO else 1
     rows = -(-len(shown) // beside)
-    figure = blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
+    figure = sheet.blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
     wide = page / beside - _LEFT - _RIGHT
     for k, (name, one) in enumerate(shown):
         row, column = divmod(k, beside)
         left = _LEFT + column * (wide + _LEFT + _RIGHT)
         bottom = foot + _BOTTOM + (rows - 1 - row) * (_BOTTOM + _TALL + _TOP)
-        ax = place(figure, left, bottom, wide, _TALL)
+        ax = sheet.place(figure, left, bottom, wide, _TALL)
         if len(varied) == 2:
             _plane(ax, varied[0], varied[1], one, colours.get(one.name, {}))
         else:
             by = told[deciding.get(name, next(iter(study.varied)))]
             _over(ax, by, one, colours.get(one.name, {}))
-        keep_inside(ax)
+        sheet.keep_inside(ax)
     _keys(figure, colours)
     return figure
 
@@ -144,10 +131,10 @@ def _colours(words: np.ndarray[Any, Any]) -> dict[str, Colour]:
     found: dict[str, Colour] = {
         word: colour
         for word in often
-        if (colour := PATHWAY[word] if word in PATHWAY else next(spare, "")) != ""
+        if (colour := style.PATHWAY[word] if word in style.PATHWAY else next(spare, "")) != ""
     }
     if len(often) > len(found):
-        found[_REST] = pale(FAINT, 0.5)
+        found[_REST] = style.pale(style.FAINT, 0.5)
     return found
 
 
@@ -162,7 +149,11 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
     x, y = by.values[told], one.values[told]
     some = np.unique(np.linspace(0, len(x) - 1, min(len(x), _POINTS)).astype(int))
     many = len(some) > 60
-    look = {"color": pale(BLUE, 0.5) if many else BLUE, "markeredgewidth": 0, "gid": "designs"}
+    look = {
+        "color": style.pale(style.BLUE, 0.5) if many else style.BLUE,
+        "markeredgewidth": 0,
+        "gid": "designs",
+    }
     ax.plot(
         x[some], y[some], "o", markersize=1.6 if many else 3.2, rasterized=len(some) > 300, **look
     )
@@ -173,7 +164,7 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
         counts = np.maximum(np.bincount(of, minlength=len(ends) - 1), 1)
         means = [np.bincount(of, v, minlength=len(ends) - 1) / counts for v in (x, y)]
         here = np.bincount(of, minlength=len(ends) - 1) > 0
-        line = {"color": INK, "linewidth": 1.1, "gid": "means"}
+        line = {"color": style.INK, "linewidth": 1.1, "gid": "means"}
         ax.plot(means[0][here], means[1][here], **line)
 
 

@@ -10,27 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import percent
-from stepwell.figures.common import legends
-from stepwell.figures.common.sheet import (
-    blank,
-    name_panel,
-    page_width,
-    place,
-    sheet_of,
-    size_of,
-    text_at,
-)
-from stepwell.figures.common.style import (
-    COLUMN,
-    FAINT,
-    GREEN,
-    INK,
-    PAGE,
-    VERMILLION,
-    cell_colours,
-    pale,
-    styled,
-)
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, sequence_words, shortened
 
 if TYPE_CHECKING:
@@ -52,7 +32,7 @@ class _Outcome(NamedTuple):
     colour: str
 
 
-@styled
+@style.styled
 def yield_bars(result: Yield) -> Figure:
     """The share of mechanisms that work, with its confidence interval, and what the others do.
 
@@ -69,22 +49,24 @@ def yield_bars(result: Yield) -> Figure:
     tall = sum(_BAR + _GAP + _LINE * len(one.lines) for one in outcomes)
     parts = [] if table is None or table.deviation == 0 else _parts(table)
     rows = (_BAR + _GAP) * len(parts)
-    page = page_width(PAGE if parts else COLUMN)
+    page = sheet.page_width(style.PAGE if parts else style.COLUMN)
     # Beside each other, or under each other where that is too narrow.
-    beside = bool(parts) and page >= 2 * COLUMN
-    side, start = (COLUMN, 0.0) if beside else (page, tall + _FOOT + _HEAD)
+    beside = bool(parts) and page >= 2 * style.COLUMN
+    side, start = (style.COLUMN, 0.0) if beside else (page, tall + _FOOT + _HEAD)
     body = max(tall, rows) if beside or not parts else start + rows
     height = _FOOT + body + _HEAD
-    figure = blank(page, height)
-    _draw_outcomes(place(figure, 4.0, height - _HEAD - tall, side - 9.0, tall), result, outcomes)
+    figure = sheet.blank(page, height)
+    _draw_outcomes(
+        sheet.place(figure, 4.0, height - _HEAD - tall, side - 9.0, tall), result, outcomes
+    )
     if parts and table is not None:
         names = [table.parameters[i] for i in parts]
-        first, top = (COLUMN, height - _HEAD) if beside else (-2.0, height - _HEAD - start)
+        first, top = (style.COLUMN, height - _HEAD) if beside else (-2.0, height - _HEAD - start)
         left = first + 8.0 + 1.6 * max(len(name) for name in names)
-        ax = place(figure, left, top - rows, page - left - 5.0, rows)
+        ax = sheet.place(figure, left, top - rows, page - left - 5.0, rows)
         _draw_parts(ax, result, parts)
         look = {"fontweight": "bold"}
-        text_at(figure, first + 6.0, top + 1.5, "Whose tolerance counts", **look)
+        sheet.text_at(figure, first + 6.0, top + 1.5, "Whose tolerance counts", **look)
     return figure
 
 
@@ -95,12 +77,12 @@ def _outcomes(result: Yield) -> list[_Outcome]:
     low, high = map(percent, result.interval)
     # On a line of its own: beside or on the bar, the interval would strike it through.
     words = f"{percent(result.share)} ({low} to {high}) as wanted"
-    found = [_Outcome([*_lines(result.wanted), words], result.share, GREEN)]
-    found += [_Outcome(_lines(text), count / result.n, VERMILLION) for text, count in shown]
+    found = [_Outcome([*_lines(result.wanted), words], result.share, style.GREEN)]
+    found += [_Outcome(_lines(text), count / result.n, style.VERMILLION) for text, count in shown]
     rest = sum(count for _, count in others[_OUTCOMES:])
     if rest:
         text = f"{len(others) - _OUTCOMES} other outcomes"
-        found.append(_Outcome([text], rest / result.n, VERMILLION))
+        found.append(_Outcome([text], rest / result.n, style.VERMILLION))
     return found
 
 
@@ -111,7 +93,7 @@ def _lines(text: str) -> list[str]:
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
     """A bar under the name of each outcome; the interval of the wanted one."""
     ax.set_xlim(0.0, 100.0)
-    ax.set_ylim(size_of(sheet_of(ax))[1] * ax.get_position().height, 0.0)
+    ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:
@@ -119,10 +101,12 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
             ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline", fontweight=weight)
             y += _LINE
         middle = y + _BAR / 2
-        ax.barh(middle, 100.0 * share, _BAR, color=pale(colour, 0.3), linewidth=0, gid="outcomes")
+        ax.barh(
+            middle, 100.0 * share, _BAR, color=style.pale(colour, 0.3), linewidth=0, gid="outcomes"
+        )
         if k == 0:
             ends = [100.0 * bound for bound in result.interval]
-            ax.plot(ends, [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
+            ax.plot(ends, [middle] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
         else:
             x = 2.0 if share > 0.5 else 100.0 * share + 2.0
             ax.text(x, middle, percent(share), va="center_baseline")
@@ -130,7 +114,7 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
     ax.set_yticks([])
     _bare(ax)
     ax.set_xlabel(f"Share of {result.n:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}"))
-    name_panel(ax, "What they do")
+    sheet.name_panel(ax, "What they do")
 
 
 def _parts(table: Sensitivities) -> list[int]:
@@ -145,12 +129,12 @@ def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
     assert table is not None
     names = result.chain.names
     tall = len(parts) * (_BAR + _GAP)
-    colours = dict(zip(names, cell_colours(len(names)), strict=True))
+    colours = dict(zip(names, style.cell_colours(len(names)), strict=True))
     middles = [k * (_BAR + _GAP) + (_BAR + _GAP) / 2 for k in range(len(parts))]
     for middle, i in zip(middles, parts, strict=True):
-        colour = colours.get(table.parameters[i].rpartition(".")[0], INK)
+        colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
         for share, shade, gid in (
-            (table.total[i], pale(colour), "total"),
+            (table.total[i], style.pale(colour), "total"),
             (table.first_order[i], colour, "first order"),
         ):
             # An index near zero may come out below it.
@@ -160,11 +144,14 @@ def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
     ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))
     _bare(ax)
     ax.set_xlabel("Share of the variance of the smallest gap")
-    handles = [legends.shade("by itself", INK), legends.shade("with others", pale(INK))]
+    handles = [
+        legends.shade("by itself", style.INK),
+        legends.shade("with others", style.pale(style.INK)),
+    ]
     ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
 
 
 def _bare(ax: Axes) -> None:
     ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.spines.bottom.set_color(FAINT)
+    ax.spines.bottom.set_color(style.FAINT)
     ax.tick_params(axis="y", length=0.0)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common import legends, marks, style, words as told
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import mm_pair
 from stepwell.figures.common.sheet import (
@@ -25,22 +25,6 @@ from stepwell.figures.common.sheet import (
     sheet_of,
     text_at,
 )
-from stepwell.figures.common.style import (
-    COLUMN,
-    FAINT,
-    INK,
-    LOADING,
-    MJ,
-    PAGE,
-    PHASE,
-    UNLOADING,
-    cell_colours,
-    cell_dashes,
-    hollow,
-    on_white,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal, minus
 from stepwell.mechanism import Cell, Element, Phase
 
@@ -51,12 +35,12 @@ _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
 # What the axes of one element, and an entry of the key of several, need at least [mm].
 _LEAST, _ENTRY = 44.0, 30.0
-_COLOUR = cell_colours(1)[0]
-_PALE = pale(_COLOUR)
+_COLOUR = style.cell_colours(1)[0]
+_PALE = style.pale(_COLOUR)
 _SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
 
 
-@styled
+@style.styled
 def element_curve(element: Element, *, source: str = "", ax: Axes | None = None) -> Figure:
     """Force and energy of an element against its travel, with phases and switching fields.
 
@@ -77,7 +61,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
     own = ax is None
     key = _key([element])
     foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 2)
-    figure, ax = canvas(ax, (COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head))
+    figure, ax = canvas(ax, (style.COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head))
     drawn = _Curve(ax, element)
     drawn.draw_force()
     ax.set_ylabel(drawn.force.label)
@@ -86,7 +70,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
         ax.set_xlabel(drawn.travel.label)
         drawn.name_fields()
         return figure
-    below = place(figure, 14.0, foot, COLUMN - 16.0, 25.0)
+    below = place(figure, 14.0, foot, style.COLUMN - 16.0, 25.0)
     _Curve(below, element).draw_energy()
     below.set(xlabel=drawn.travel.label, ylabel="Energy [mJ]")
     ax.tick_params(labelbottom=False)
@@ -97,11 +81,11 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
         other.set_position((box.x0, beneath.y0, box.width, beneath.height))
     drawn.name_fields()
     if source:
-        text_at(figure, 2.0, 1.5, literal(source), color=FAINT)
+        text_at(figure, 2.0, 1.5, literal(source), color=style.FAINT)
     return figure
 
 
-@styled
+@style.styled
 def element_curves(elements: Mapping[str, Element]) -> Figure:
     """The force curves of several elements, up to three in a row, each with axes of its own.
 
@@ -116,7 +100,7 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
-    page = page_width(PAGE)
+    page = page_width(style.PAGE)
     across = min(max(1, int(page / _LEAST)), 3, len(elements))
     each, tall, foot = page / across, 54.0, 7.0
     rows = -(-len(elements) // across)
@@ -164,7 +148,7 @@ class _Curve:
                 low, high = ((force + sign * band) * self.force.factor for sign in (-1, 1))
                 look = {"color": _PALE, "zorder": 2, "gid": "error band"} | _SHADE
                 self.ax.fill_between(x, low, high, **look)
-            for sign, colour in ((1, LOADING), (-1, UNLOADING)) if rubs else ():
+            for sign, colour in ((1, style.LOADING), (-1, style.UNLOADING)) if rubs else ():
                 y = (force + sign * rubs) * self.force.factor
                 self.ax.plot(x, y, color=colour, linewidth=_THIN, zorder=2.5, gid="friction")
             self._draw_jumps(number)
@@ -178,14 +162,14 @@ class _Curve:
 
     def draw_energy(self) -> None:
         """The energy, from where the curve begins."""
-        self._draw_law(self.element.energy_at, MJ)
+        self._draw_law(self.element.energy_at, style.MJ)
 
     @property
     def fields(self) -> list[tuple[float, float, str]]:
         """Where it leaves its phases, loading and unloading, as drawn, and in which colour."""
         phases, rubs = self.element.phases, self.element.friction
-        found = [(phase.high, phase.force_high + rubs, LOADING) for phase in phases[:-1]]
-        found += [(phase.low, phase.force_low - rubs, UNLOADING) for phase in phases[1:]]
+        found = [(phase.high, phase.force_high + rubs, style.LOADING) for phase in phases[:-1]]
+        found += [(phase.low, phase.force_low - rubs, style.UNLOADING) for phase in phases[1:]]
         return [(s * self.travel.factor, f * self.force.factor, colour) for s, f, colour in found]
 
     def name_fields(self) -> None:
@@ -215,19 +199,21 @@ class _Curve:
             heights.append(draw(number, *ends, linewidth=_THIN, zorder=3, gid="curve"))
         for phase in element.phases:
             begin, end = self._shown(phase)
-            self._shade(begin, end, {"facecolor": PHASE} | _SHADE, "phases")
+            self._shade(begin, end, {"facecolor": style.PHASE} | _SHADE, "phases")
             draw(phase.sheet, max(begin, low), min(end, high), linewidth=_BOLD, zorder=4)
             past = {"linewidth": _PAST, "linestyle": _DOTS, "zorder": 3, "gid": "goes on"}
             if begin < low:
                 draw(phase.sheet, begin, low, **past)
             if end > high:
                 draw(phase.sheet, high, end, **past)
-        wall = {"facecolor": "white", "edgecolor": FAINT, "hatch": "/////", "linewidth": 0}
+        wall = {"facecolor": "white", "edgecolor": style.FAINT, "hatch": "/////", "linewidth": 0}
         below, above = element.stopped
         for stop, inner, outer in ((below, low, self.left), (above, high, self.right)):
             if stop:
                 self._shade(inner, outer, wall, "stop")
-                self.ax.axvline(inner * self.travel.factor, color=INK, linewidth=1.0, zorder=1.5)
+                self.ax.axvline(
+                    inner * self.travel.factor, color=style.INK, linewidth=1.0, zorder=1.5
+                )
         # What lies past the ends does not set the scale.
         least, most = min(y.min() for y in heights), max(y.max() for y in heights)
         room = 0.2 * (most - least)
@@ -244,7 +230,7 @@ class _Curve:
     def _draw_jumps(self, number: int) -> None:
         """Arrows from the ends of a sheet to where the element lands at that travel."""
         sheet = self.element.laws[number]
-        ends = (sheet.begin, sheet.below, UNLOADING), (sheet.end, sheet.above, LOADING)
+        ends = (sheet.begin, sheet.below, style.UNLOADING), (sheet.end, sheet.above, style.LOADING)
         for travel, leads, colour in ends:
             if leads is not None:
                 x = travel * self.travel.factor
@@ -271,20 +257,23 @@ class _Curve:
                 zorder=9,
                 gid="digit",
             )
-            text.set(fontweight="bold", bbox=on_white() | {"facecolor": PHASE})
+            text.set(fontweight="bold", bbox=style.on_white() | {"facecolor": style.PHASE})
 
 
 def _circle(colour: str) -> dict[str, Any]:
     """The look of a switching field."""
-    return hollow(4.6, colour, markeredgewidth=1.2, clip_on=False)
+    return style.hollow(4.6, colour, markeredgewidth=1.2, clip_on=False)
 
 
 def _key(elements: Iterable[Element]) -> list[Artist]:
     """What lines and marks mean, as far as they occur."""
     shown = list(elements)
-    found: list[Artist] = [legends.shade("phase", PHASE, **_SHADE)]
+    found: list[Artist] = [legends.shade("phase", style.PHASE, **_SHADE)]
     if any(len(element.phases) > 1 for element in shown):
-        for word, colour in (("leaves, loading", LOADING), ("leaves, unloading", UNLOADING)):
+        for word, colour in (
+            ("leaves, loading", style.LOADING),
+            ("leaves, unloading", style.UNLOADING),
+        ):
             found.append(legends.mark(word, **_circle(colour)))
     if any(len(element.laws) > 1 for element in shown):
         found.append(legends.line("jump", width=1.1, linestyle=marks.SNAP_DASHES))
@@ -293,7 +282,7 @@ def _key(elements: Iterable[Element]) -> list[Artist]:
     if any(element.error_band for element in shown):
         found.append(legends.shade("points within", _PALE, **_SHADE))
     if any(element.friction for element in shown):
-        found.append(legends.line("friction", LOADING, _THIN))
+        found.append(legends.line("friction", style.LOADING, _THIN))
     return found
 
 
@@ -306,7 +295,7 @@ _END_0, _END_1, _PEAK = "<", ">", "D"
 _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 
-@styled
+@style.styled
 def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
 
@@ -328,7 +317,7 @@ def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) 
     return _curves(cells, scaled, ax, "Force $F/(kr)$", ends=True)
 
 
-@styled
+@style.styled
 def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """E/(k r²) of each cell against lever angle, with θmax marked.
 
@@ -362,12 +351,12 @@ def _curves(
             f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
         )
     # Names beside each other where there is room, the marks in a row of their own.
-    columns = 2 if page_width(COLUMN) >= _TWO else 1
+    columns = 2 if page_width(style.COLUMN) >= _TWO else 1
     rows = math.ceil(len(levers) / columns)
     top = 8.0 + 3.75 * rows
     own = ax is None
-    figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
-    looks = list(zip(cell_colours(len(levers)), cell_dashes(len(levers)), strict=True))
+    figure, ax = canvas(ax, (style.COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
+    looks = list(zip(style.cell_colours(len(levers)), style.cell_dashes(len(levers)), strict=True))
     for cell, (colour, dashes) in zip(levers, looks, strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
         ax.plot(np.degrees(theta), curve(cell, theta), color=colour, linestyle=dashes)
@@ -388,7 +377,7 @@ def _curves(
     legends.above(
         ax,
         [
-            legends.mark(word, mark, **_look(mark, INK))
+            legends.mark(word, mark, **_look(mark, style.INK))
             for mark, word in words.items()
             if ends or mark == _PEAK
         ],
@@ -411,7 +400,7 @@ def _curves(
 
 def _look(mark: str, colour: str) -> dict[str, Any]:
     if mark == _PEAK:
-        return hollow(4.0, colour, color=colour)
+        return style.hollow(4.0, colour, color=colour)
     return {"markersize": 4.0, "color": colour}
 
 

@@ -15,18 +15,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, words as told
+from stepwell.figures.common import legends, sheet, style, words as told
 from stepwell.figures.common.legends import Label, beside
-from stepwell.figures.common.sheet import blank, page_width, place, text_at
-from stepwell.figures.common.style import (
-    COLUMN,
-    FAINT,
-    VERMILLION,
-    YELLOW,
-    cell_colours,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal, shortened
 from stepwell.mechanism import Chain
 
@@ -66,10 +56,10 @@ class _Gap(NamedTuple):
     @property
     def colour(self) -> tuple[float, float, float]:
         """Yellow for a step of the right sign, red for one of the wrong sign."""
-        return pale(YELLOW, 0.0) if self.size > 0 else pale(VERMILLION, 0.3)
+        return style.pale(style.YELLOW, 0.0) if self.size > 0 else style.pale(style.VERMILLION, 0.3)
 
 
-@styled
+@style.styled
 def force_plane(
     chain: Chain,
     *,
@@ -121,7 +111,7 @@ def force_plane(
     )
     cloud = None if clouds is None else np.asarray(clouds, float) * of.factor
     strip = _ROW * count + 1.5
-    width = page_width(COLUMN if count <= 4 else _WIDE)
+    width = sheet.page_width(style.COLUMN if count <= 4 else _WIDE)
     # The names of switches are longer.
     edge = _LEFT + (3.0 if count > len(chain) else 0.0)
     side = width - edge - _BETWEEN - strip - _RIGHT
@@ -136,19 +126,19 @@ def force_plane(
     narrow = width < _WIDE
     columns = 2 if narrow else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
-    figure = blank(width, height)
-    ax = place(figure, edge, _BOTTOM, side, side)
-    above = place(figure, edge, _BOTTOM + side + _BETWEEN, side, strip)
-    right = place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
+    figure = sheet.blank(width, height)
+    ax = sheet.place(figure, edge, _BOTTOM, side, side)
+    above = sheet.place(figure, edge, _BOTTOM + side + _BETWEEN, side, strip)
+    right = sheet.place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
 
     for curve in region:
         points = np.asarray(curve, float) * of.factor
         ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
         closed = np.concatenate([points, points[:1]])
-        ax.plot(*closed.T, color=FAINT, linewidth=0.8, zorder=1, gid="region")
+        ax.plot(*closed.T, color=style.FAINT, linewidth=0.8, zorder=1, gid="region")
     if places is not None:
         pairs = np.asarray(places, float) * of.factor
-        ax.plot(*pairs.T, ".", markersize=2.0, color=FAINT, zorder=1, gid="places")
+        ax.plot(*pairs.T, ".", markersize=2.0, color=style.FAINT, zorder=1, gid="places")
     if cloud is not None:
         for i, colour in enumerate(colours):
             _draw_cloud(ax, cloud[:, i], colour)
@@ -182,9 +172,11 @@ def force_plane(
     for text in beside(ax, labels, leaders=True):
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
     middle = {"ha": "center", "va": "center"}
-    text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
+    sheet.text_at(
+        figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle
+    )
     # Over one narrow column the word would leave the page.
-    text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
+    sheet.text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
     legends.above(above, key, columns)
     return figure
 
@@ -192,7 +184,9 @@ def force_plane(
 def _switches(chain: Chain) -> list[_Switch]:
     """Of every cell one, or as many as an element has phases but one; friction is in it."""
     found: list[_Switch] = []
-    for cell, name, colour in zip(chain.cells, chain.names, cell_colours(len(chain)), strict=True):
+    for cell, name, colour in zip(
+        chain.cells, chain.names, style.cell_colours(len(chain)), strict=True
+    ):
         pairs = list(pairwise(cell.phases))
         for k, (before, after) in enumerate(pairs):
             numbered = f"{shortened(name, _NAME - 4)} {k}>{k + 1}" if len(pairs) > 1 else name
@@ -262,10 +256,10 @@ def _draw_order(
         if cloud is not None:
             ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
             bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
-            ax.plot(*turned(ends, [row, row]), color=pale(colour, 0.45), **bar)
+            ax.plot(*turned(ends, [row, row]), color=style.pale(colour, 0.45), **bar)
         ax.plot(*turned([value], [row]), "o", markersize=3.6, color=colour, zorder=4, gid="order")
         # From the cell's place in the plane to its row.
-        lead = {"color": FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
+        lead = {"color": style.FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
         last = len(order) - 0.4 if side == 0 else -0.6
         ax.plot(*turned([value, value], [row, last]), **lead)
         end = main.get_ylim()[1] if side == 0 else main.get_xlim()[1]
@@ -304,9 +298,9 @@ def _frame_order(
 def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None, sign: str) -> list[Artist]:
     found: list[Artist] = []
     if region:
-        found.append(legends.shade("can be reached", _FILL, edgecolor=FAINT, linewidth=0.8))
+        found.append(legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8))
     if places:
-        found.append(legends.mark("can be reached", ".", 3.0, color=FAINT))
+        found.append(legends.mark("can be reached", ".", 3.0, color=style.FAINT))
     if cloud:
         found.append(legends.line("95 % as built", width=1.0))
     if gap is not None:

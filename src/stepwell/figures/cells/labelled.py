@@ -15,21 +15,9 @@ from matplotlib.transforms import Bbox
 from stepwell.base import Floats, InputError
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.common import sheet, style
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
-from stepwell.figures.common.sheet import blank, place, root, text_at
-from stepwell.figures.common.style import (
-    BLOCK,
-    BLUE,
-    COLUMN,
-    FAINT,
-    FIXED_BLOCK,
-    INK,
-    VERMILLION,
-    cell_colours,
-    hollow,
-    styled,
-)
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Band, Cell, Chain, Element
 
@@ -42,10 +30,10 @@ _BIG = 9.0
 _LEFT, _RIGHT = 12.0, 26.0  # of the cell, for words and dimensions
 _DASHES = (0, (3.0, 2.0))
 _Look = dict[str, Any]
-_GHOST: _Look = {"edgecolor": FAINT, "linewidth": 0.6, "linestyle": _DASHES}
+_GHOST: _Look = {"edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": _DASHES}
 
 
-@styled
+@style.styled
 def labelled_cell(cell: Cell | None = None) -> Figure:
     """A unit cell with its letters, and below it the triangle that gives the band's length.
 
@@ -74,17 +62,17 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
             f"band, such as Cell(cell.bands[0], cell.lever, cell.limit)."
         )
     shown = _Shown(cell)
-    wide = COLUMN - 2 * _EDGE
+    wide = style.COLUMN - 2 * _EDGE
     high = [box[3] - box[2] for box in (shown.box, shown.triangle_box)]
-    figure = blank(COLUMN, sum(high) + _GAP + _FOOT + _EDGE)
-    shown.draw(place(figure, _EDGE, _FOOT + high[1] + _GAP, wide, high[0]))
-    shown.draw_triangle(place(figure, _EDGE, _FOOT, wide, high[1]))
+    figure = sheet.blank(style.COLUMN, sum(high) + _GAP + _FOOT + _EDGE)
+    shown.draw(sheet.place(figure, _EDGE, _FOOT + high[1] + _GAP, wide, high[0]))
+    shown.draw_triangle(sheet.place(figure, _EDGE, _FOOT, wide, high[1]))
     law = r"travel $s = r\,(\sin\theta + \sin\theta_c)$, from 0 to $S = 2\,r\,\sin\theta_c$"
-    text_at(figure, COLUMN / 2, 2.5, law, ha="center", fontsize=8.0)
+    sheet.text_at(figure, style.COLUMN / 2, 2.5, law, ha="center", fontsize=8.0)
     return figure
 
 
-@styled
+@style.styled
 def labelled_chain(chain: Chain) -> Figure:
     """A chain with the names of its parts, and how the travels of its cells add up to the stroke.
 
@@ -111,7 +99,7 @@ def labelled_chain(chain: Chain) -> Figure:
     states = [[0.0] * len(chain), pulled]
     boxes = np.array([linkage.bounds([travels]) for travels in states])
     left, right = min(boxes[:, 0].min(), -1.8 * linkage.reach), boxes[:, 2].max()
-    wide = COLUMN - 2 * _EDGE
+    wide = style.COLUMN - 2 * _EDGE
     # From metres to the page's mm; at the right is the arrow.
     scale = (wide - 22.0) / (right - left)
     room = ((9.0, 5.0), (3.0, 17.0))
@@ -119,9 +107,9 @@ def labelled_chain(chain: Chain) -> Figure:
         (box[3] - box[1]) * scale + over + under
         for box, (over, under) in zip(boxes, room, strict=True)
     ]
-    figure = blank(COLUMN, sum(high) + 2 * _EDGE)
+    figure = sheet.blank(style.COLUMN, sum(high) + 2 * _EDGE)
     for k, (travels, box, (_, under)) in enumerate(zip(states, boxes, room, strict=True)):
-        ax = place(figure, _EDGE, _EDGE + high[1] * (k == 0), wide, high[k])
+        ax = sheet.place(figure, _EDGE, _EDGE + high[1] * (k == 0), wide, high[k])
         origin = 1.0 - left * scale, under - box[1] * scale
         plain(ax, (0.0, wide, 0.0, high[k]))
         pose = Drawing(ax, linkage, origin, scale, 1.15).move(travels)
@@ -147,12 +135,12 @@ class _Shown:
         half = np.array([linkage.half_block, linkage.reach])
         p, q = np.array(self.band.p), self._joint(self.theta, cell.lever) + self.band.q
         left, right = min(p[0], -half[0]), max(q[0], cell.lever + half[0])
-        self.scale = (COLUMN - 2 * _EDGE - _LEFT - _RIGHT) / (right - left)
+        self.scale = (style.COLUMN - 2 * _EDGE - _LEFT - _RIGHT) / (right - left)
         self.half, self.pair = half * self.scale, linkage.half_pair * self.scale
         self.lever, self.right = cell.lever * self.scale, right * self.scale
         self.outer = self._joint(self.theta, self.lever)
         self.p, self.q = p * self.scale, q * self.scale
-        self.colour = cell_colours(1)[0]
+        self.colour = style.cell_colours(1)[0]
         self.stops = [self._joint(sign * cell.limit, self.lever) for sign in (-1, 1)]
 
     @staticmethod
@@ -166,15 +154,15 @@ class _Shown:
         points = [self.p, self.q, self.stops[0] - self.half, self.stops[1] + self.half]
         low, high = np.min(points, axis=0)[1], np.max(points, axis=0)[1]
         low = min(float(low), float(-self.half[1]) - 9.0)
-        left = float(self.right) + _RIGHT - (COLUMN - 2 * _EDGE)
-        return left, left + COLUMN - 2 * _EDGE, low - 4.0, float(high) + 11.0
+        left = float(self.right) + _RIGHT - (style.COLUMN - 2 * _EDGE)
+        return left, left + style.COLUMN - 2 * _EDGE, low - 4.0, float(high) + 11.0
 
     @property
     def triangle_box(self) -> tuple[float, float, float, float]:
         """left, right, bottom, top of the triangle, as wide as the drawing above it."""
         corners = np.array([(0.0, 0.0), *self.stops, self._third])
         left, right, bottom, top = limits(corners, (0.0, 0.0, 6.0, 6.0))
-        spare = COLUMN - 2 * _EDGE - (right - left)
+        spare = style.COLUMN - 2 * _EDGE - (right - left)
         return left - 0.3 * spare, right + 0.7 * spare, bottom, top
 
     @property
@@ -188,22 +176,22 @@ class _Shown:
         for joint, name in zip(self.stops, ("state 0", "state 1"), strict=True):
             ax.add_patch(Polygon(self._block(joint), facecolor="none", **_GHOST, zorder=1.5))
             ax.text(self.right + 13.5, joint[1] + self.half[1], name, va="center", zorder=9)
-        for joint, colour in ((np.zeros(2), FIXED_BLOCK), (self.outer, BLOCK)):
-            look: _Look = {"facecolor": colour, "edgecolor": INK, "linewidth": 0.7}
+        for joint, colour in ((np.zeros(2), style.FIXED_BLOCK), (self.outer, style.BLOCK)):
+            look: _Look = {"facecolor": colour, "edgecolor": style.INK, "linewidth": 0.7}
             ax.add_patch(Polygon(self._block(joint), **look, zorder=2))
         self._hold(ax)
         for along in (-self.pair, self.pair):
             x, y = np.array([(0.0, along), self.outer + np.array([0.0, along])]).T
-            pins: _Look = hollow(3.4, markeredgewidth=0.7, marker="o", gid="lever")
-            ax.plot(x, y, color=INK, linewidth=1.8, zorder=3, **pins)
+            pins: _Look = style.hollow(3.4, markeredgewidth=0.7, marker="o", gid="lever")
+            ax.plot(x, y, color=style.INK, linewidth=1.8, zorder=3, **pins)
         ends = np.array([self.p, self.q])
         look = {"color": self.colour, "linewidth": 2.2, "marker": "o", "markersize": 4.0}
         ax.plot(*ends.T, **look, zorder=4, gid="band")
         for name, start, end in (("p", np.zeros(2), self.p), ("q", self.outer, self.q)):
-            ax.plot(*np.array([start, end]).T, color=BLUE, linewidth=1.2, zorder=7, gid=name)
+            ax.plot(*np.array([start, end]).T, color=style.BLUE, linewidth=1.2, zorder=7, gid=name)
             if np.any(start != end):
-                _arrow(ax, start, end, BLUE, 1.2)
-            ax.plot(*start, "+", color=BLUE, markersize=5.0, markeredgewidth=1.2, zorder=8)
+                _arrow(ax, start, end, style.BLUE, 1.2)
+            ax.plot(*start, "+", color=style.BLUE, markersize=5.0, markeredgewidth=1.2, zorder=8)
         (_, low), (_, high) = (stop + self.half for stop in self.stops)
         edge = float(self.outer[0] + self.half[0])
         top = float(self.outer[1] + self.half[1])
@@ -220,20 +208,20 @@ class _Shown:
     def _hold(self, ax: Axes) -> None:
         """The wall below the inner block."""
         half, y = 1.5 * self.half[0], -self.half[1]
-        ax.plot([-half, half], [y, y], color=INK, linewidth=1.1, zorder=3)
+        ax.plot([-half, half], [y, y], color=style.INK, linewidth=1.1, zorder=3)
         for x in np.linspace(-half, half, 7)[1:]:
-            ax.plot([x - 1.6, x], [y - 1.6, y], color=INK, linewidth=0.5, zorder=1)
+            ax.plot([x - 1.6, x], [y - 1.6, y], color=style.INK, linewidth=0.5, zorder=1)
 
     def _turn(self, ax: Axes, foot: float, share: float) -> None:
         """θ, from the x axis to a lever that starts at height `foot`."""
-        look: _Look = {"color": VERMILLION, "linewidth": 0.9, "zorder": 7}
+        look: _Look = {"color": style.VERMILLION, "linewidth": 0.9, "zorder": 7}
         ax.plot([0.0, 0.9 * self.lever], [foot, foot], linestyle=_DASHES, **look)
         angle = np.linspace(0.0, self.theta, 31)
         arc = share * self.lever * np.column_stack([np.cos(angle), np.sin(angle)])
         arc[:, 1] += foot
         ax.plot(*arc.T, **look, gid="theta")
-        _arrow(ax, arc[-4], arc[-1], VERMILLION, 0.0)
-        words: _Look = {"ha": "right", "va": "center", "fontsize": _BIG, "color": VERMILLION}
+        _arrow(ax, arc[-4], arc[-1], style.VERMILLION, 0.0)
+        words: _Look = {"ha": "right", "va": "center", "fontsize": _BIG, "color": style.VERMILLION}
         at = share * self.lever - 0.8, foot + 0.42 * (arc[-1, 1] - foot)
         ax.text(*at, r"$\theta$", **words, zorder=9)
 
@@ -242,19 +230,19 @@ class _Shown:
         ax.text(0.0, -self.half[1] - 2.5, "inner block,\nheld", ha="center", va="top")
         top = float(self.stops[1][1] + self.half[1])
         x, y = float(self.outer[0]), float(self.outer[1] + self.half[1])
-        arrow(ax, (x, y), (x, top + 8.5), INK, 1.4)
+        arrow(ax, (x, y), (x, top + 8.5), style.INK, 1.4)
         ax.text(x - 2.0, top + 6.5, "outer block,\npulled", ha="right", va="center")
         ax.text(x / 2 - 1.0, self.outer[1] / 2 + self.pair + 1.0, "$r$", va="bottom", fontsize=_BIG)
         self._frame(ax)
-        figure = root(ax)
+        figure = sheet.root(ax)
         figure.draw_without_rendering()
         clear = [text.get_window_extent() for text in ax.texts]
         for joint in (np.zeros(2), self.outer):
             corners = ax.transData.transform(self._block(joint))
             clear.append(Bbox([corners.min(axis=0), corners.max(axis=0)]))
         labels = [
-            _label(self.p, f"$p$ = {mm_pair(self.band.p)} mm", BLUE),
-            _label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", BLUE),
+            _label(self.p, f"$p$ = {mm_pair(self.band.p)} mm", style.BLUE),
+            _label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
             _label((0.85 * self.p + 0.15 * self.q), "band", self.colour),
         ]
         beside(ax, labels, keep_clear=clear)
@@ -263,7 +251,7 @@ class _Shown:
         """Which way x and y go."""
         x, y = self.box[0] + 1.0, self.box[2] + 1.0
         for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
-            arrow(ax, (x, y), (x + way[0], y + way[1]), FAINT, 0.8)
+            arrow(ax, (x, y), (x + way[0], y + way[1]), style.FAINT, 0.8)
             ax.text(x + 1.25 * way[0], y + 1.25 * way[1], name, ha="center", va="center")
 
     def draw_triangle(self, ax: Axes) -> None:
@@ -272,14 +260,14 @@ class _Shown:
         limit, end, zero = self.cell.limit, self._third, np.zeros(2)
         sweep = np.linspace(-limit, limit, 61)
         arc = self.lever * np.column_stack([np.cos(sweep), np.sin(sweep)])
-        faint: _Look = {"color": FAINT, "linewidth": 0.6, "linestyle": _DASHES, "zorder": 1}
+        faint: _Look = {"color": style.FAINT, "linewidth": 0.6, "linestyle": _DASHES, "zorder": 1}
         ax.plot(*arc.T, **faint)
         for stop in self.stops:
             ax.plot(*np.array([zero, stop]).T, **faint, gid="stop")
         self._turn(ax, 0.0, 0.72)
         sides = (
-            ("r", zero, self.outer, INK),
-            ("d", self.outer, end, BLUE),
+            ("r", zero, self.outer, style.INK),
+            ("d", self.outer, end, style.BLUE),
             ("l", zero, end, self.colour),
         )
         for name, start, stop, colour in sides:
@@ -291,14 +279,14 @@ class _Shown:
         labels = [
             _label(high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
             _label(low, r"state 0: $\theta = -\theta_c$"),
-            _label((self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", BLUE),
+            _label((self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", style.BLUE),
             _label(end * 0.75, "band $\\ell$", self.colour),
             _label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]
         beside(ax, labels, keep_clear=clear)
 
 
-def _label(at: Floats, text: str, colour: str = INK) -> Label:
+def _label(at: Floats, text: str, colour: str = style.INK) -> Label:
     return Label(float(at[0]), float(at[1]), text, colour)
 
 
@@ -312,7 +300,7 @@ def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:
     ax.text(left + 1.5, low - 1.0, "held", ha="right", va="top", zorder=9)
     _, low, right, high = blocks[-1]
     y = (low + high) / 2
-    arrow(ax, (right, y), (right + 10.0, y), INK, 1.6)
+    arrow(ax, (right, y), (right + 10.0, y), style.INK, 1.6)
     words = "pulled by\nthe actuator" if first else "pulled"
     ax.text(right + 3.0, y - 1.5, words, ha="left", va="top", zorder=9)
     if len(blocks) == 3 and first:
@@ -322,9 +310,9 @@ def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:
 
 def _name_cells(ax: Axes, chain: Chain, x: float, y: float) -> None:
     """The state, and which cell has which colour, side by side."""
-    words = [("state " + "0" * len(chain), INK)]
+    words = [("state " + "0" * len(chain), style.INK)]
     names = [name if name.startswith("cell") else f"{name} cell" for name in chain.names]
-    words += zip(names, cell_colours(len(chain)), strict=True)
+    words += zip(names, style.cell_colours(len(chain)), strict=True)
     for word, colour in words:
         look: _Look = {"color": colour, "fontweight": "bold", "va": "bottom"}
         box = ax.text(x, y, literal(word), **look).get_window_extent()
@@ -336,14 +324,14 @@ def _name_anchors(ax: Axes, bands: Floats) -> None:
     for ends in bands:
         for name, (x, y), other in zip("pq", ends, ends[::-1], strict=True):
             up = y > other[1]
-            look: _Look = {"ha": "center", "va": "bottom" if up else "top", "color": BLUE}
+            look: _Look = {"ha": "center", "va": "bottom" if up else "top", "color": style.BLUE}
             ax.text(x, y + (0.8 if up else -0.8), f"${name}$", **look, fontsize=_BIG, zorder=9)
 
 
 def _add_up(ax: Axes, rest: float, pulled: list[float], y: float, feet: float) -> None:
     """The travels one after the other, from where the last block rests, and the stroke below."""
     marks = list(accumulate(pulled, initial=rest))
-    colours = cell_colours(len(pulled))
+    colours = style.cell_colours(len(pulled))
     for i, (a, b) in enumerate(pairwise(marks)):
         along_x(ax, a, b, y, f"$s_{i + 1}$", feet=feet, colour=colours[i], gid=f"s{i + 1}")
     total = " + ".join(f"$s_{i + 1}$" for i in range(len(pulled)))

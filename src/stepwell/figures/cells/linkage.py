@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
 from stepwell.base import Bools, Floats, bisected
-from stepwell.figures.common.style import BLOCK, FAINT, FIXED_BLOCK, INK, cell_colours, hollow
+from stepwell.figures.common import style
 from stepwell.mechanism import Cell, Chain, Element, Phase
 
 _SAMPLES = 97
@@ -291,18 +291,18 @@ class Drawing:
         self.weight = weight
         self.strongest = linkage.greatest_tension()
         cells = len(linkage.chain)
-        colours = np.array(cell_colours(cells))[linkage.owner]
-        self.posts = LineCollection([], colors=FIXED_BLOCK, linewidths=2.2 * weight, zorder=1)
+        colours = np.array(style.cell_colours(cells))[linkage.owner]
+        self.posts = LineCollection([], colors=style.FIXED_BLOCK, linewidths=2.2 * weight, zorder=1)
         self.blocks = PolyCollection(
             [],
-            facecolors=[FIXED_BLOCK] + [BLOCK] * cells,
-            edgecolors=INK,
+            facecolors=[style.FIXED_BLOCK] + [style.BLOCK] * cells,
+            edgecolors=style.INK,
             linewidths=0.6 * weight,
             zorder=2,
         )
-        self.levers = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=3)
+        self.levers = LineCollection([], colors=style.INK, linewidths=1.5 * weight, zorder=3)
         self.bands = LineCollection([], colors=colours, zorder=5, capstyle="round")
-        joints = hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
+        joints = style.hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
         (self.joints,) = ax.plot([], [], "o", **joints)
         self.anchors = ax.scatter(
             *np.zeros((2, len(colours) * 2)),
@@ -318,16 +318,16 @@ class Drawing:
     def _draw_symbols(self, ax: Axes) -> Sequence[Artist]:
         """Rods, boxes, curves and marks of the elements."""
         symbols, weight = self.linkage.symbols, self.weight
-        colours = cell_colours(len(self.linkage.chain))
+        colours = style.cell_colours(len(self.linkage.chain))
         curves = [colours[i] for i, symbol in symbols.items() for _ in symbol.curves]
-        self.rods = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=1.5)
-        look = {"facecolors": "white", "edgecolors": INK, "linewidths": 0.8 * weight}
+        self.rods = LineCollection([], colors=style.INK, linewidths=1.5 * weight, zorder=1.5)
+        look = {"facecolors": "white", "edgecolors": style.INK, "linewidths": 0.8 * weight}
         self.boxes = PolyCollection([], **look, zorder=3, gid="elements")
-        self.zeros = LineCollection([], colors=FAINT, linewidths=0.4 * weight, zorder=3.5)
+        self.zeros = LineCollection([], colors=style.FAINT, linewidths=0.4 * weight, zorder=3.5)
         self.curves = LineCollection(
             [], colors=curves, linewidths=1.6 * weight, capstyle="round", zorder=4
         )
-        dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": INK}
+        dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": style.INK}
         (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
         drawn = (self.rods, self.boxes, self.zeros, self.curves)
         for artist in drawn:

@@ -13,10 +13,9 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError
 from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
-from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common import legends, marks, style, words as told
 from stepwell.figures.common.marks import plain, round_length
 from stepwell.figures.common.sheet import canvas, page_width
-from stepwell.figures.common.style import INK, MM, PAGE, direction_colour, styled
 from stepwell.mechanism import Chain, Element
 
 # More than this is too small to see on a page.
@@ -36,7 +35,7 @@ _TALLEST = 270.0
 State = str | Sequence[float]
 
 
-@styled
+@style.styled
 def mechanism(
     chain: Chain,
     states: Iterable[State],
@@ -109,12 +108,12 @@ def arrange(
     left, bottom, right, top = linkage.bounds(travels)
     # The wall of the fixed block is part of the picture.
     left = min(left, -1.7 * linkage.reach)
-    wide, high = (right - left) * MM, (top - bottom) * MM
+    wide, high = (right - left) * style.MM, (top - bottom) * style.MM
 
     strokes = [math.fsum(travel) for travel in travels]
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
-    page = page_width(PAGE)
+    page = page_width(style.PAGE)
     # Cells, what a band's width means, and one that is slack.
     key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
 
@@ -140,8 +139,8 @@ def arrange(
     first = (page - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
     origins = [
         (
-            first + column * step - left * MM * scale,
-            height - (at + 1) * row + _BELOW - bottom * MM * scale,
+            first + column * step - left * style.MM * scale,
+            height - (at + 1) * row + _BELOW - bottom * style.MM * scale,
         )
         for at, column in grid
     ]
@@ -182,7 +181,7 @@ def _longest_run(ways: Sequence[int]) -> int:
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
     plain(ax, (0.0, sheet.width, 0.0, sheet.height))
-    per_metre = sheet.scale * MM
+    per_metre = sheet.scale * style.MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
     slack = False
@@ -205,17 +204,17 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         start = origin[0] + sheet.rest * per_metre
         now = start + stroke * sheet.linkage.unit * per_metre
         y = origin[1] + bottom - 1.6
-        ax.plot([start, start], [y - 0.8, y + 0.8], color=INK, linewidth=0.6)
+        ax.plot([start, start], [y - 0.8, y + 0.8], color=style.INK, linewidth=0.6)
         if now - start > 2.0:
-            ax.plot([start, now - 1.0], [y, y], color=INK, linewidth=0.6)
-            marks.head(ax, (start, y), (now, y), INK, size=5)
+            ax.plot([start, now - 1.0], [y, y], color=style.INK, linewidth=0.6)
+            marks.head(ax, (start, y), (now, y), style.INK, size=5)
         ax.text(middle, y - 1.4, stroke_of.value(stroke), ha="center", va="top", fontsize=7)
         if k:
             # From the state before, the way that the stroke goes.
             way = sheet.ways[k - 1]
             x = origin[0] + (left - _BETWEEN / 2 if way > 0 else right + _BETWEEN / 2)
             y = origin[1] + (bottom + top) / 2
-            colour = direction_colour(way)
+            colour = style.direction_colour(way)
             ends = [x - 2.4 * way, x + 1.0 * way]
             ax.plot(ends, [y, y], color=colour, linewidth=1.6, gid="arrow")
             marks.head(ax, (ends[0], y), (x + 2.6 * way, y), colour, size=9)
@@ -227,10 +226,10 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
     x = origin[0] - linkage.reach * scale
     half = 1.2 * linkage.half_block * scale
     y = origin[1] + np.linspace(-half, half, 6)
-    ax.plot([x, x], [y[0], y[-1]], color=INK, linewidth=0.9, solid_capstyle="butt")
+    ax.plot([x, x], [y[0], y[-1]], color=style.INK, linewidth=0.9, solid_capstyle="butt")
     depth = half / 2
     for low in y[1:-1]:
-        ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=INK, linewidth=0.5)
+        ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=style.INK, linewidth=0.5)
 
 
 def _entries(width: float) -> int:
@@ -255,7 +254,7 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     # A round length, so that no reader needs the design file.
     bar = round_length(_BAR / sheet.scale)
     x = sheet.width - 4.0
-    look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
+    look = {"color": style.INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * sheet.scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")
 

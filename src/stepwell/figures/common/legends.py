@@ -17,8 +17,7 @@ from matplotlib.transforms import Bbox, ScaledTranslation
 from matplotlib.typing import ColorType
 
 from stepwell.base import Floats
-from stepwell.figures.common.sheet import in_panel, root, sheet_of, size_of
-from stepwell.figures.common.style import INK, cell_colours, cell_dashes
+from stepwell.figures.common import sheet, style
 from stepwell.figures.common.words import literal
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
@@ -33,7 +32,7 @@ class Label(NamedTuple):
     x: float
     y: float
     text: str
-    colour: str = INK
+    colour: str = style.INK
 
 
 def beside(
@@ -51,7 +50,7 @@ def beside(
     """
     labels = list(labels)
     spots = ax.transData.transform([(label.x, label.y) for label in labels] or np.empty((0, 2)))
-    point = root(ax).dpi / 72.0
+    point = sheet.root(ax).dpi / 72.0
     curves = _curves(ax, 2.0 * point)
     frame = ax.get_window_extent().padded(-1.5 * point)
     taken = list(keep_clear)
@@ -137,14 +136,14 @@ def _curves(ax: Axes, step: float) -> Floats:
     return np.concatenate(found)
 
 
-def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:
+def line(label: str, colour: ColorType = style.INK, width: float = 1.4, **look: Any) -> Line2D:
     """What a line means."""
     return Line2D([], [], color=colour, linewidth=width, label=label, **look)
 
 
 def mark(label: str, marker: str = "o", size: float = 4.5, **look: Any) -> Line2D:
     """What a mark without a line means."""
-    look = {"color": INK, "markersize": size, "marker": marker} | look
+    look = {"color": style.INK, "markersize": size, "marker": marker} | look
     return Line2D([], [], linestyle="none", label=label, **look)
 
 
@@ -164,9 +163,9 @@ def cells(
     """The colour of every cell of these names, inner first, and its dashes if lines have them."""
     found = [
         line(label.format(literal(name)), colour, width, **look)
-        for name, colour in zip(names, cell_colours(len(names)), strict=True)
+        for name, colour in zip(names, style.cell_colours(len(names)), strict=True)
     ]
-    for one, dashes in zip(found, cell_dashes(len(names)) if dashed else (), strict=False):
+    for one, dashes in zip(found, style.cell_dashes(len(names)) if dashed else (), strict=False):
         one.set_linestyle(dashes)
     return found
 
@@ -192,13 +191,13 @@ def above(
     room for its rows.
     """
     # In mm, not as a share of the axes: on high ones that would leave the page.
-    lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet_of(ax).dpi_scale_trans)
+    lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet.sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
     legend = ax.legend(**given, **place | {"ncols": columns} | look)
-    if not fit and not in_panel():
+    if not fit and not sheet.in_panel():
         return
-    page, per_mm = sheet_of(ax).bbox, sheet_of(ax).dpi / 25.4
+    page, per_mm = sheet.sheet_of(ax).bbox, sheet.sheet_of(ax).dpi / 25.4
     while columns > 1 and legend.get_window_extent().x1 > page.x1:
         columns -= 1
         legend = ax.legend(**given, **place | {"ncols": columns} | look)
@@ -222,7 +221,7 @@ def on_top(
     figure: Figure, handles: Sequence[Artist], left: float, gap: float = 1.5, columns: int = 0
 ) -> None:
     """A legend at the top of the figure, `left` and `gap` mm from its edges; in one row if 0."""
-    width, height = size_of(figure)
+    width, height = sheet.size_of(figure)
     figure.legend(
         handles=handles,
         loc="upper left",
@@ -235,7 +234,7 @@ def below(
     figure: Figure, handles: Sequence[Artist], columns: int, left: float | None = None, **look: Any
 ) -> Legend:
     """A legend 1.5 mm above the figure's lower edge, in its middle or `left` mm from its edge."""
-    width, height = size_of(figure)
+    width, height = sheet.size_of(figure)
     return figure.legend(
         handles=handles,
         loc="lower center" if left is None else "lower left",

@@ -19,20 +19,10 @@ from matplotlib.text import Text
 from stepwell.base import Floats, InputError, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import MOST_CELLS, ground
-from stepwell.figures.common import words as told
+from stepwell.figures.common import style, words as told
 from stepwell.figures.common.marks import plain
 from stepwell.figures.common.reading import path_of, phases
 from stepwell.figures.common.sheet import blank, place, text_at
-from stepwell.figures.common.style import (
-    BLACK,
-    INK,
-    LOADING,
-    MM,
-    UNLOADING,
-    YELLOW,
-    cell_colours,
-    styled,
-)
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.common.write import write_gif
 from stepwell.figures.motion.landscape import landscape
@@ -61,7 +51,7 @@ _PLAN = 38.0
 _AT = 1e-3
 
 
-@styled
+@style.styled
 def animation(
     result: Cycle | Path | Program,
     file: str | os.PathLike[str],
@@ -144,7 +134,7 @@ class _Scene:
         self.linkage = LinkageDrawing(self.chain, ends)
         left, bottom, right, top = self.linkage.bounds(samples, 0.002)
         left = min(left, -2.2 * self.linkage.reach)
-        wide, high = (right - left) * MM, (top - bottom) * MM
+        wide, high = (right - left) * style.MM, (top - bottom) * style.MM
 
         beside = len(self.chain) <= 2
         if beside:
@@ -165,12 +155,12 @@ class _Scene:
         plain(ax, (0.0, stage[2], 0.0, stage[3]))
         scale = min(stage[2] / wide, stage[3] / high)
         origin = (
-            (stage[2] - wide * scale) / 2 - left * MM * scale,
-            (stage[3] - high * scale) / 2 - bottom * MM * scale,
+            (stage[2] - wide * scale) / 2 - left * style.MM * scale,
+            (stage[3] - high * scale) / 2 - bottom * style.MM * scale,
         )
         weight = float(np.clip(0.5 + 0.6 * scale, 0.6, 1.3))
-        self.drawing = Drawing(ax, self.linkage, origin, scale * MM, weight)
-        ground(ax, self.linkage, origin, scale * MM)
+        self.drawing = Drawing(ax, self.linkage, origin, scale * style.MM, weight)
+        ground(ax, self.linkage, origin, scale * style.MM)
 
         def words(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
             return text_at(self.figure, x, y, text, fontsize=size, va="baseline", **look)
@@ -180,15 +170,15 @@ class _Scene:
 
         top = size[1] - 7.0
         self.stroke, self.force = words(6.0, top), words(36.0, top)
-        box = {"boxstyle": "round,pad=0.2", "facecolor": YELLOW, "linewidth": 0}
-        self.word = words(72.0, top, "snap", 11.0, fontweight="bold", color=BLACK, bbox=box)
+        box = {"boxstyle": "round,pad=0.2", "facecolor": style.YELLOW, "linewidth": 0}
+        self.word = words(72.0, top, "snap", 11.0, fontweight="bold", color=style.BLACK, bbox=box)
         self.state = words(6.0, top - 7.0) if beside else words(98.0, top)
         x, y = 6.0, 5.0 + below if beside else top - 6.0
-        for name, colour in zip(self.chain.names, cell_colours(len(self.chain)), strict=True):
+        for name, colour in zip(self.chain.names, style.cell_colours(len(self.chain)), strict=True):
             text = words(x, y, literal(name), 7.0, color=colour, fontweight="bold")
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0
-        now = {"color": INK, "markeredgecolor": "white", "zorder": 11}
-        self.halo = dot(self.plot, 15.0, color=YELLOW, zorder=10)
+        now = {"color": style.INK, "markeredgecolor": "white", "zorder": 11}
+        self.halo = dot(self.plot, 15.0, color=style.YELLOW, zorder=10)
         self.dot = dot(self.plot, 7.0, **now)
         dots = [self.halo, self.dot]
         self.plan = None
@@ -226,7 +216,7 @@ class _Scene:
         from PIL import Image
 
         width, height = (int(side) for side in self.figure.bbox.size)
-        colours = [*cell_colours(len(self.chain)), LOADING, UNLOADING]
+        colours = [*style.cell_colours(len(self.chain)), style.LOADING, style.UNLOADING]
         sheet = Image.new("RGB", (len(colours), 1))
         sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
         return sheet.resize((width, height), Image.Resampling.NEAREST)

@@ -14,10 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats
-from stepwell.figures.common import marks, words as told
+from stepwell.figures.common import marks, style, words as told
 from stepwell.figures.common.reading import path_of, require_two_cells, snaps_of, span
 from stepwell.figures.common.sheet import canvas, keep_inside, page_width, place, root
-from stepwell.figures.common.style import BLACK, COLUMN, FAINT, MJ, cell_colours, styled
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Cell, Chain, Element
 
@@ -35,12 +34,17 @@ _ROOM = 4.4
 _WIDEST = 90.0
 # Longer than this, a side is drawn shorter than it is.
 _SLIMMEST = 3.0
-_FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
+_FRAME: dict[str, Any] = {
+    "color": style.BLACK,
+    "linewidth": 0.6,
+    "linestyle": (0, (4, 2)),
+    "zorder": 2.5,
+}
 # Grey, because every hue has a meaning of its own; light, because the path lies on it.
 _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F7F4"])
 
 
-@styled
+@style.styled
 def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     """Total energy of a two-cell chain over both travels, with the path on it.
 
@@ -63,7 +67,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     path = path_of(result)
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
-    width = page_width(COLUMN)
+    width = page_width(style.COLUMN)
     side = min(width - 31.0, _WIDEST)
     size, margins = (width, side + 18.0), (11.0, 11.0, width - side - 11.0, 7.0)
     figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
@@ -84,18 +88,18 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
     inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
     x, y = (travel * of.factor for travel in along)
-    energy = (inner + outer[:, None]) * MJ
+    energy = (inner + outer[:, None]) * style.MJ
     filled = ax.contourf(x, y, energy, _LEVELS, cmap=_ENERGY)
     ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
 
     (left, right), (low, high) = (x[0], x[-1]), (y[0], y[-1])
     width, height = right - left, high - low
-    dots = {"color": FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
+    dots = {"color": style.FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
     for u in np.linspace(left + low, right + high, 9)[1:-1]:
         ends = np.array([max(left, u - high), min(right, u - low)])
         ax.plot(ends, u - ends, **dots)
     frame = [left, right, right, left, left], [low, low, high, high, low]
-    ax.plot(*frame, color=FAINT, linewidth=0.6)
+    ax.plot(*frame, color=style.FAINT, linewidth=0.6)
 
     # Room for the names of the states, which small axes have not.
     page, dpi = ax.get_window_extent(), root(ax).dpi / 25.4
@@ -139,7 +143,7 @@ def _name_states(ax: Axes, width: float, height: float) -> None:
     for name in ("00", "10", "11", "01"):
         one, other = int(name[0]), int(name[1])
         at = (one * width, other * height)
-        ax.plot(*at, "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
+        ax.plot(*at, "o", markersize=3.4, color=style.BLACK, zorder=7, gid="states")
         off = (13.0 * one - 6.5, 13.0 * other - 6.5)
         text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
         text.set_fontweight("bold")
@@ -157,7 +161,7 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
         ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
     (_, right), (_, top) = ends
     look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
-    for cell, (stretches, colour) in enumerate(zip(both, cell_colours(2), strict=True)):
+    for cell, (stretches, colour) in enumerate(zip(both, style.cell_colours(2), strict=True)):
         for digit, stretch in enumerate(stretches):
             middle = float(np.mean(stretch))
             at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))

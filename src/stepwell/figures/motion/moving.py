@@ -13,8 +13,8 @@ import numpy as np
 from stepwell.base import Floats, InputError, printable, write_atomic
 from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.cells.mechanism import MOST_CELLS
+from stepwell.figures.common import style
 from stepwell.figures.common.reading import path_of
-from stepwell.figures.common.style import BLOCK, FAINT, FIXED_BLOCK, INK, YELLOW, cell_colours
 from stepwell.figures.motion.plan import instants
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ _RATE = 12.5
 _WIDE, _ROOM, _ABOVE = 480.0, 14.0, 26.0
 _FONT = 'font-family="sans-serif" font-weight="bold"'
 _SNAP = (
-    f'<rect x="{_WIDE - 62:g}" y="6" width="52" height="20" rx="4" fill="{YELLOW}"/>'
+    f'<rect x="{_WIDE - 62:g}" y="6" width="52" height="20" rx="4" fill="{style.YELLOW}"/>'
     f'<text x="{_WIDE - 36:g}" y="20.5" text-anchor="middle" {_FONT} font-size="14">snap</text>'
 )
 
@@ -158,7 +158,7 @@ class _Picture:
 
     def __init__(self, path: Path, seconds: float):
         self.chain = path.chain
-        self.colours = cell_colours(len(self.chain))
+        self.colours = style.cell_colours(len(self.chain))
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
         self.linkage = LinkageDrawing(self.chain, ends)
         frames = instants(path, seconds, max(2, round(seconds * _RATE)))
@@ -187,13 +187,13 @@ class _Picture:
         )
 
     def _linkage(self) -> Iterable[str]:
-        joint = _mark("joint", "white", INK, 1.8 * self.weight)
+        joint = _mark("joint", "white", style.INK, 1.8 * self.weight)
         yield joint + self._ground()
-        yield self._lines(lambda pose: pose.posts, FIXED_BLOCK, 2.6)
-        yield self._lines(lambda pose: pose.rods, INK, 2.0)
-        yield self._boxes(lambda pose: pose.blocks[:1], FIXED_BLOCK)
-        yield self._boxes(lambda pose: pose.blocks[1:], BLOCK)
-        yield self._lines(lambda pose: pose.levers, INK, 2.0, "joint")
+        yield self._lines(lambda pose: pose.posts, style.FIXED_BLOCK, 2.6)
+        yield self._lines(lambda pose: pose.rods, style.INK, 2.0)
+        yield self._boxes(lambda pose: pose.blocks[:1], style.FIXED_BLOCK)
+        yield self._boxes(lambda pose: pose.blocks[1:], style.BLOCK)
+        yield self._lines(lambda pose: pose.levers, style.INK, 2.0, "joint")
 
     def _bands(self) -> Iterable[str]:
         for i in dict.fromkeys(self.linkage.owner.tolist()):
@@ -211,7 +211,7 @@ class _Picture:
                 few = curve[:: max(1, len(curve) // 48)]
                 points = corners[0] + few * (side, -side)
                 yield self.round.shifted(points, corners - corners[0], look)
-            for colour, width in (("white", 8.0), (INK, 6.0)):
+            for colour, width in (("white", 8.0), (style.INK, 6.0)):
                 at = self._page(np.array([pose.dots[m] for pose in self.poses]))
                 yield self.round.path(at, "M{} {}h0", self._pen(colour, width))
 
@@ -230,7 +230,7 @@ class _Picture:
         boxes = np.array([of(pose) for pose in self.poses])
         corners = self._page(boxes[..., [0, 1, 2, 1, 2, 3, 0, 3]].reshape(*boxes.shape[:2], 4, 2))
         shape = "M{} {}L{} {}L{} {}L{} {}Z" * boxes.shape[1]
-        look = f'fill="{fill}" {self._pen(INK, 0.8)}'
+        look = f'fill="{fill}" {self._pen(style.INK, 0.8)}'
         return self.round.path(corners.reshape(len(boxes), -1), shape, look)
 
     def _ground(self) -> str:
@@ -244,7 +244,7 @@ class _Picture:
         strokes.append([(wall, -1.8 * half), (wall, 1.8 * half)])
         page = self._page(strokes).reshape(-1, 4)
         drawn = "".join("M{} {}L{} {}".format(*map(short, stroke)) for stroke in page)
-        return f'<path d="{drawn}" fill="none" stroke="{FAINT}" stroke-width="1.4"/>'
+        return f'<path d="{drawn}" fill="none" stroke="{style.FAINT}" stroke-width="1.4"/>'
 
     def _names(self, names: Sequence[str]) -> str:
         """The names of the cells in their colours."""

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from stepwell.figures.cells.cell_curves import element_curves
 from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, arrange, draw, mechanism
+from stepwell.figures.common import style
 from stepwell.figures.common.sheet import Draw, blank, keep_inside, place, text_at
-from stepwell.figures.common.style import PAGE, styled
 from stepwell.figures.composing import compose
 from stepwell.figures.motion.landscape import colour_bar, draw_energy, draw_path, landscape
 from stepwell.figures.motion.strokes import MOST_LANES, force_stroke, travel_stroke
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _PAGE, _LANES = 247.0, 120.0
 
 
-@styled
+@style.styled
 def overview(cycle: Cycle) -> Figure:
     """The mechanism in every state of its cycle, its energy landscape and its force loop.
 
@@ -45,10 +45,10 @@ def overview(cycle: Cycle) -> Figure:
     sheet = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
     above = sheet.height + 3.0 if sheet is not None else 0.0
     height = above + body + 20.0
-    figure = blank(PAGE, height)
+    figure = blank(style.PAGE, height)
     letters: list[tuple[str, float, float]] = []
     if sheet is not None:
-        draw(place(figure, 0.0, height - sheet.height, PAGE, sheet.height), sheet)
+        draw(place(figure, 0.0, height - sheet.height, style.PAGE, sheet.height), sheet)
         letters.append(("A", 2.0, height - 4.0))
     below = body + 13.0
     if len(chain) == 2:

@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats
-from stepwell.figures.common import marks, words as told
+from stepwell.figures.common import marks, style, words as told
 from stepwell.figures.common.reading import curve, snaps_of
-from stepwell.figures.common.style import INK, direction_colour, hollow
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program
@@ -89,16 +88,16 @@ def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) 
     for direction, name in ((1, "rising"), (-1, "falling")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
             at = curve(path, direction, way, drive)
-            colour = direction_colour(direction)
+            colour = style.direction_colour(direction)
             handles += ax.plot(*at, color=colour, zorder=4, label=name, gid="drive")
     if at := [snap.before for snap in snaps_of(path)]:
         few = len(at) <= marks.MOST_HEADS
-        look = hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
+        look = style.hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
         handles += ax.plot(way[at], drive[at], "o", **look, zorder=6, label="snap", gid="snaps")
     for window in windows:
         x, ends = [window.way] * 2, [window.low, window.high]
         ax.plot(x, ends, **_BAR, solid_capstyle="butt", zorder=2, gid="windows")
-        ax.plot(x, ends, "_", markersize=7.0, color=INK, markeredgewidth=0.8, zorder=3)
+        ax.plot(x, ends, "_", markersize=7.0, color=style.INK, markeredgewidth=0.8, zorder=3)
     if windows:
         handles.append(Line2D([], [], **_BAR, label="window"))
     return handles

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, words as told
+from stepwell.figures.common import legends, style, words as told
 from stepwell.figures.common.sheet import canvas, keep_inside
-from stepwell.figures.common.style import COLUMN, FAINT, cell_colours, styled
 from stepwell.figures.common.words import literal
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ _POINTS = 6
 _STILL, _MORE = 2e-3, 1.25
 
 
-@styled
+@style.styled
 def snap_motion(
     chain: Chain, landings: Mapping[str, InertialLanding], *, ax: Axes | None = None
 ) -> Figure:
@@ -59,7 +58,7 @@ def snap_motion(
         )
     own = ax is None
     full = np.array([cell.full_travel for cell in chain.cells])
-    y, colours, until = told.travel(chain.measure), cell_colours(len(chain)), 0.0
+    y, colours, until = told.travel(chain.measure), style.cell_colours(len(chain)), 0.0
     moved = np.zeros(len(chain), bool)
     for name, landing in landings.items():
         time, travel = _curve(name, landing, full)
@@ -67,7 +66,7 @@ def snap_motion(
         moved |= np.ptp(travel, axis=0) > _STILL * full
     # Room for the rows of the legend.
     top = 2.5 + 3.8 * -(-(np.count_nonzero(moved) + len(landings)) // 3)
-    figure, ax = canvas(ax, (COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
+    figure, ax = canvas(ax, (style.COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
     looks = _LOOKS if len(landings) > 1 else _LOOKS[1:]
     for look, (name, landing) in zip(looks, landings.items(), strict=False):
         time, travel = _curve(name, landing, full)
@@ -83,12 +82,12 @@ def snap_motion(
     for stop in {
         end * y.factor for i in np.flatnonzero(moved).tolist() for end in _stops(chain, i)
     }:
-        ax.axhline(stop, color=FAINT, linewidth=0.4, zorder=0)
+        ax.axhline(stop, color=style.FAINT, linewidth=0.4, zorder=0)
     lines: list[Line2D] = [
         legends.line(literal(chain.names[i]), colours[i]) for i in np.flatnonzero(moved)
     ]
     for look, name in zip(looks, landings, strict=False):
-        lines.append(Line2D([], [], color=FAINT, label=literal(name), **look))
+        lines.append(Line2D([], [], color=style.FAINT, label=literal(name), **look))
     if own:
         keep_inside(ax)
     legends.above(ax, lines, columns=3)

@@ -13,11 +13,9 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats
-from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common import legends, marks, sheet, style, words as told
 from stepwell.figures.common.legends import Label, beside, inside
 from stepwell.figures.common.reading import curve, snaps_of, span, vertices
-from stepwell.figures.common.sheet import blank, keep_inside, page_width, place, root
-from stepwell.figures.common.style import BLACK, COLUMN, PAGE, on_black, pale, styled
 from stepwell.figures.common.words import minus, shortened
 from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, plan_of, windows_of
 from stepwell.figures.motion.strokes import lanes, name_lane
@@ -40,7 +38,7 @@ _MOST_LETTERS = 300
 _NEAR = 9.0
 
 
-@styled
+@style.styled
 def stroke_program(result: Program) -> Figure:
     """Where the actuator goes, the windows of its turns, and the travel of every cell below.
 
@@ -56,14 +54,14 @@ def stroke_program(result: Program) -> Figure:
     path = result.path
     plan = plan_of(path)
     cells = len(path.chain)
-    width = page_width(COLUMN if cells <= 3 and result.strokes <= 4 else PAGE)
+    width = sheet.page_width(style.COLUMN if cells <= 3 and result.strokes <= 4 else style.PAGE)
     below = _LANE * cells if cells <= MOST_LANES else _SHADES
-    figure = blank(width, _FOOT + below + 3.0 + _ABOVE + 7.0)
+    figure = sheet.blank(width, _FOOT + below + 3.0 + _ABOVE + 7.0)
     names = [shortened(name, _NAME, 2) for name in path.chain.names]
     longest = max(len(line) for name in names for line in name.split("\n"))
     right = 4.0 + 1.75 * longest if cells <= MOST_LANES else 5.0
-    upper = place(figure, 14.0, _FOOT + 3.0 + below, width - 14.0 - right, _ABOVE)
-    lower = place(figure, 14.0, _FOOT, width - 14.0 - right, below)
+    upper = sheet.place(figure, 14.0, _FOOT + 3.0 + below, width - 14.0 - right, _ABOVE)
+    lower = sheet.place(figure, 14.0, _FOOT, width - 14.0 - right, below)
     for ax in (upper, lower):
         ax.set_xlim(limits(plan.way, 0.04))
     upper.tick_params(labelbottom=False)
@@ -78,7 +76,7 @@ def stroke_program(result: Program) -> Figure:
         _draw_shades(lower, path, plan.way)
     # Names last, when the axes have their final size, and both the same.
     for ax, other in ((upper, lower), (lower, upper)):
-        keep_inside(ax)
+        sheet.keep_inside(ax)
         box, under = ax.get_position(), other.get_position()
         other.set_position((box.x0, under.y0, box.width, under.height))
     taken = _number_turns(upper, windows[: len(result.turns)])
@@ -95,7 +93,7 @@ def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
     for k, (x, low, high, up) in enumerate(windows, 1):
         end, off = ((x, high), 1.0) if up else ((x, low), -1.0)
         text = ax.annotate(str(k), end, (0.0, 7.0 * off), zorder=9, gid="turns", **look)
-        text.set(va="center_baseline", **on_black())
+        text.set(va="center_baseline", **style.on_black())
         box = text.get_window_extent()
         tolerance = _plus_minus((low + high) / 2, (high - low) / 2)
         value = ax.annotate(tolerance, end, (0.0, 17.0 * off), va="center", **look)
@@ -120,13 +118,13 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
     at = [rest.sample for rest in rests]
     crowded = len(rests) * len(result.to) > _MOST_LETTERS
     size = 1.8 if crowded else 3.4
-    ax.plot(way[at], drive[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
+    ax.plot(way[at], drive[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
     # Where the way turns is what a reader looks for first.
     turns = np.flatnonzero(np.diff(np.sign([rest.direction for rest in rests]))).tolist()
     first = list(dict.fromkeys([0, len(rests) - 1, *turns])) if rests else []
     others = [] if crowded else [k for k in range(len(rests)) if k not in first]
     kept, frame = list(taken), ax.get_window_extent()
-    point = root(ax).dpi / 72.0
+    point = sheet.root(ax).dpi / 72.0
     for k in first + others:
         label = Label(float(way[at[k]]), float(drive[at[k]]), rests[k].state)
         here = ax.transData.transform((label.x, label.y))
@@ -148,7 +146,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None
     for i, lane in enumerate(shown):
         lane.draw(ax)
         base, top, travel, colour = lane[:4]
-        ax.fill_between(way, base, travel, color=pale(colour), linewidth=0, zorder=1)
+        ax.fill_between(way, base, travel, color=style.pale(colour), linewidth=0, zorder=1)
         for direction in (1, -1):
             ax.plot(*curve(path, direction, way, travel), color=colour, zorder=3, gid="travel")
         for at in (list(snap[:2]) for snap in jumps if i in snap.cells):

@@ -13,23 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
 from stepwell.base import Floats, InputError, Measure
-from stepwell.figures.common import legends, marks, words as told
+from stepwell.figures.common import legends, marks, sheet, style, words as told
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
-from stepwell.figures.common.sheet import canvas, keep_inside, root
-from stepwell.figures.common.style import (
-    BLACK,
-    COLUMN,
-    FAINT,
-    LOADING,
-    MM,
-    PAGE,
-    PHASE,
-    UNLOADING,
-    cell_colours,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Element
 
@@ -71,11 +57,11 @@ def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -
     for one, dashes in zip(recordings, _DASHES, strict=False):
         for half in one.halves:
             loads = one.direction_of(half) == "loading"
-            colour = pale(LOADING if loads else UNLOADING, _PALE)
+            colour = style.pale(style.LOADING if loads else style.UNLOADING, _PALE)
             look = {"color": colour, "linewidth": _WIDTH, "linestyle": dashes, "zorder": 2}
-            ax.plot(one.stroke[half] * MM, one.force[half], **look, gid="measured")
+            ax.plot(one.stroke[half] * style.MM, one.force[half], **look, gid="measured")
         name = f"measured: {literal(one.name)}"
-        found.append(legends.line(name, pale(FAINT, 0.1), _WIDTH, linestyle=dashes))
+        found.append(legends.line(name, style.pale(style.FAINT, 0.1), _WIDTH, linestyle=dashes))
     return found
 
 
@@ -83,7 +69,7 @@ def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -
 _WIDTHS = (2.2, 1.2)
 
 
-@styled
+@style.styled
 def force_stroke(
     result: Cycle | Path, *, measured: Sequence[Recording] = (), ax: Axes | None = None
 ) -> Figure:
@@ -105,8 +91,8 @@ def force_stroke(
     """
     path = path_of(result)
     own = ax is None
-    width = COLUMN if len(path.chain) <= 4 else PAGE
-    figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0), keyed=True)
+    width = style.COLUMN if len(path.chain) <= 4 else style.PAGE
+    figure, ax = sheet.canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0), keyed=True)
     x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
     stroke, force = path.stroke * x.factor, path.force * y.factor
     ax.set(xlabel=x.label, ylabel=y.label)
@@ -119,7 +105,7 @@ def force_stroke(
     ax.margins(x=0.08, y=0.12)
     ax.autoscale_view()
     if own:
-        keep_inside(ax)
+        sheet.keep_inside(ax)
     marks.legend(ax, path, _WIDTHS, more=recorded, fit=own)
 
     marks.headings(ax, path, stroke, force)
@@ -129,7 +115,7 @@ def force_stroke(
     needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
     roomy = needed < 1.2 * ax.get_window_extent().width
     size = 1.5 if crowded else 3.4
-    ax.plot(stroke[at], force[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
+    ax.plot(stroke[at], force[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
     if roomy:
         named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
         beside(ax, named, leaders=True)
@@ -147,7 +133,7 @@ _LANE, _ROW = 11.0, 3.4
 _DIGIT = 7.2
 
 
-@styled
+@style.styled
 def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     """Travel of each cell against stroke, one lane a cell, innermost on top.
 
@@ -179,13 +165,13 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     named = len(cells) <= 12
     every = math.ceil(len(cells) / 20)
     least = len(cells) * (_LANE if named else _ROW / every)
-    size, margins = (COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0)
-    figure, ax = canvas(ax, size, margins, keyed=True, least=least)
+    size, margins = (style.COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0)
+    figure, ax = sheet.canvas(ax, size, margins, keyed=True, least=least)
     x, y = told.stroke(path.chain.measure), told.travel(path.chain.measure)
     stroke = path.stroke * x.factor
     snaps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
-    pitch = ax.get_window_extent().height / root(ax).dpi * 25.4 / len(cells)
+    pitch = ax.get_window_extent().height / sheet.root(ax).dpi * 25.4 / len(cells)
     gap = max(_GAP, _NAME / max(pitch - _NAME, _NAME)) if named else _GAP
     shown = lanes(path, gap)
     for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
@@ -207,7 +193,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     for lane in shown if named else ():
         lane.number(ax)
     if own:
-        keep_inside(ax)
+        sheet.keep_inside(ax)
     marks.legend(ax, path, _TRAVEL_WIDTHS, _UNLOADING_DASHES)
     return figure
 
@@ -233,19 +219,19 @@ class Lane(NamedTuple):
     def draw(self, ax: Axes) -> None:
         """Lines at both ends, and the phases as shades."""
         for end in (self.base, self.top):
-            ax.axhline(end, color=FAINT, linewidth=0.4, zorder=0)
+            ax.axhline(end, color=style.FAINT, linewidth=0.4, zorder=0)
         for low, high in self.phases:
-            ax.axhspan(low, high, color=PHASE, linewidth=0, zorder=-1, gid="phases")
+            ax.axhspan(low, high, color=style.PHASE, linewidth=0, zorder=-1, gid="phases")
 
     def number(self, ax: Axes) -> None:
         """The digits of the phases at the right, on axes that have their final limits."""
         middles = [(low + high) / 2 for low, high in self.phases]
         heights = [float(ax.transData.transform((0.0, y))[1]) for y in middles]
-        near = _DIGIT * root(ax).dpi / 72.0
+        near = _DIGIT * sheet.root(ax).dpi / 72.0
         # All or none: some alone would be read wrongly.
         if any(b - a < near for a, b in pairwise(sorted(heights))):
             return
-        look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": FAINT}
+        look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": style.FAINT}
         look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
         for digit, y in enumerate(middles):
             ax.annotate(str(digit), (1.0, y), (-1.0, 0.0), **look, zorder=8, gid="digit")
@@ -262,7 +248,7 @@ def lanes(path: Path, gap: float) -> list[Lane]:
     spans = [span(path, i) for i in range(len(cells))]
     longest = max(high - low for low, high in spans) * of.factor
     found: list[Lane] = []
-    for i, (cell, colour) in enumerate(zip(cells, cell_colours(len(cells)), strict=True)):
+    for i, (cell, colour) in enumerate(zip(cells, style.cell_colours(len(cells)), strict=True)):
         low, high = spans[i]
         base = -i * (1.0 + gap) * longest
 

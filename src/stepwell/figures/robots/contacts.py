@@ -9,9 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import legends, marks
-from stepwell.figures.common.sheet import BESIDE, blank, page_width, place
-from stepwell.figures.common.style import INK, LOADING, MJ, MM, PAGE, UNLOADING, name_rows, styled
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.walk_reading import (
     DASHED,
@@ -34,7 +32,7 @@ _LANE, _FORCE, _LOOP = 4.2, 34.0, 44.0
 _ENTRY = 25.0  # what one of a key takes [mm]
 
 
-@styled
+@style.styled
 def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     """When each foot and the T-foot stand, what they carry, and the actuator's force and work.
 
@@ -52,26 +50,26 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     """
     some = last_cycles(walk, cycles)
     lanes = _LANE * (len(walk.robot.legs) + 1)
-    page = page_width(PAGE)
-    below = 0.0 if page >= BESIDE else _FORCE + 12.0
+    page = sheet.page_width(style.PAGE)
+    below = 0.0 if page >= sheet.BESIDE else _FORCE + 12.0
     height = _TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + below + 10.0
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     wide = page - _LEFT - _RIGHT
-    bars = place(figure, _LEFT, height - _TOP - lanes, wide, lanes)
-    force = place(figure, _LEFT, height - _TOP - lanes - 2.5 - _FORCE, wide, _FORCE)
+    bars = sheet.place(figure, _LEFT, height - _TOP - lanes, wide, lanes)
+    force = sheet.place(figure, _LEFT, height - _TOP - lanes - 2.5 - _FORCE, wide, _FORCE)
     _carried(bars, force, walk, some)
     if below:
-        _loop(place(figure, _LEFT, 10.0 + below, wide, _LOOP), walk)
-        _work(place(figure, _LEFT, 10.0, wide, _FORCE), walk)
+        _loop(sheet.place(figure, _LEFT, 10.0 + below, wide, _LOOP), walk)
+        _work(sheet.place(figure, _LEFT, 10.0, wide, _FORCE), walk)
     else:
-        _loop(place(figure, _LEFT, 10.0, 72.0, _LOOP), walk)
-        _work(place(figure, 112.0, 10.0, page - 112.0 - _RIGHT, _LOOP), walk)
+        _loop(sheet.place(figure, _LEFT, 10.0, 72.0, _LOOP), walk)
+        _work(sheet.place(figure, 112.0, 10.0, page - 112.0 - _RIGHT, _LOOP), walk)
     return figure
 
 
 def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     time = walk.time[some]
-    colours = leg_colours(walk.robot) | {"T-foot": INK}
+    colours = leg_colours(walk.robot) | {"T-foot": style.INK}
     names = [*map(literal, colours)]
     loads = np.column_stack([walk.foot_force[some], walk.support_force[some].sum(axis=1)])
     step = walk.settings.sample
@@ -88,7 +86,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
             "zorder": 2 if name == "T-foot" else 3,
         }
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
-    name_rows(bars, names, 0.6)
+    style.name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)
     bars.set_title("Stands on the floor", loc="left", pad=3.0)
     bars.spines[["top", "right", "left"]].set_visible(False)
@@ -96,7 +94,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     look = DASHED | {"linewidth": 0.7, "zorder": 1}
     force.axhline(weight, **look, gid="weight", label="weight of the robot")
     force.set(xlabel="Time [s]", ylabel="Force of the floor [N]")
-    room = page_width(PAGE) - _LEFT - _RIGHT
+    room = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
     columns, rows = legends.laid(len(names) + 1, room, _ENTRY, 7)
     force.set_ylim(0.0, (1.14 + 0.14 * rows) * max(weight, float(loads.max(initial=0.0))))
     force.spines[["top", "right"]].set_visible(False)
@@ -108,15 +106,15 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
 def _loop(ax: Axes, walk: Walk) -> None:
     marks.zero_line(ax)
     rising = np.gradient(walk.command) >= 0 if len(walk.time) > 1 else np.array([True])
-    stroke, force = walk.stroke * MM, walk.actuator_force
-    looks = (rising, LOADING, "out"), (~rising, UNLOADING, "back")
+    stroke, force = walk.stroke * style.MM, walk.actuator_force
+    looks = (rising, style.LOADING, "out"), (~rising, style.UNLOADING, "back")
     for held, colour, name in looks:
         # A sample past each end joins the way out to the way back.
         joined = held | np.roll(held, 1) if len(held) > 1 else held
         joined[0] = held[0]
         u, f = (np.where(joined, values, np.nan) for values in (stroke, force))
         ax.plot(u, f, color=colour, linewidth=0.9, gid=name)
-    most = walk.robot.drive.amplitude * MM
+    most = walk.robot.drive.amplitude * style.MM
     low, high = ax.get_ylim()
     ax.set(
         xlim=(-0.06 * most, 1.06 * most), ylim=(min(low, -_LEAST_FORCE), max(high, _LEAST_FORCE))
@@ -132,5 +130,5 @@ def _work(ax: Axes, walk: Walk) -> None:
         for a, b in pairwise(cycle_samples(walk))
     ]
     number = number_cycles(ax, walk)
-    ax.bar(number, np.array(work) * MJ, width=0.7, color=INK, gid="work")
+    ax.bar(number, np.array(work) * style.MJ, width=0.7, color=style.INK, gid="work")
     ax.set_ylabel("Work of the actuator [mJ]")

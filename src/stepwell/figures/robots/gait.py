@@ -8,18 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import legends
-from stepwell.figures.common.sheet import blank, page_width, place
-from stepwell.figures.common.style import (
-    FAINT,
-    INK,
-    MM,
-    PAGE,
-    cell_colours,
-    cell_dashes,
-    pale,
-    styled,
-)
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.walk_reading import (
     Rest,
@@ -34,14 +23,14 @@ from stepwell.figures.robots.walk_reading import (
 if TYPE_CHECKING:
     from stepwell.simulation import Walk
 
-STANCE = pale(FAINT, 0.72)
+STANCE = style.pale(style.FAINT, 0.72)
 _LEFT, _RIGHT, _TOP, _BOTTOM = 16.0, 5.0, 11.0, 9.0
 _STROKE, _LEG, _STATES = 18.0, 24.0, 9.0
 # What an entry and a row of the key take.
 _ENTRY, _ROW = 26.0, 3.8
 
 
-@styled
+@style.styled
 def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     """Travel of every cell of every leg against time, with the states that each leg rests in.
 
@@ -59,38 +48,38 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     Source: Kamp et al. 2024, Fig. 3.
     """
     some = last_cycles(walk, cycles)
-    time, robot, page = walk.time[some], walk.robot, page_width(PAGE)
+    time, robot, page = walk.time[some], walk.robot, sheet.page_width(style.PAGE)
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     handles = [
         *legends.cells(longest.names, dashed=True),
         legends.shade("foot on the floor", STANCE),
         legends.line("stroke", width=1.2),
-        legends.line("command", FAINT, 1.0),
+        legends.line("command", style.FAINT, 1.0),
     ]
     columns, rows = legends.laid(len(handles), page - _LEFT, _ENTRY)
     above = _TOP + _ROW * (rows - 1)
     height = above + _STROKE + 3.0 + len(robot.legs) * (_LEG + _STATES) + _BOTTOM
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     across = page - _LEFT - _RIGHT
     bottom = height - above - _STROKE
-    top = place(figure, _LEFT, bottom, across, _STROKE)
-    top.plot(time, walk.command[some] * MM, color=FAINT, linewidth=1.0, gid="command")
-    top.plot(time, walk.stroke[some] * MM, color=INK, linewidth=1.2, gid="stroke")
-    most = robot.drive.amplitude * MM
+    top = sheet.place(figure, _LEFT, bottom, across, _STROKE)
+    top.plot(time, walk.command[some] * style.MM, color=style.FAINT, linewidth=1.0, gid="command")
+    top.plot(time, walk.stroke[some] * style.MM, color=style.INK, linewidth=1.2, gid="stroke")
+    most = robot.drive.amplitude * style.MM
     top.set(ylim=(-0.06 * most, 1.06 * most), ylabel="Stroke\n$u$ [mm]")
     axes = [top]
     for i, leg in enumerate(robot.legs):
         bottom -= _LEG + (_STATES if i else 3.0)
-        ax = place(figure, _LEFT, bottom, across, _LEG)
+        ax = sheet.place(figure, _LEFT, bottom, across, _LEG)
         axes.append(ax)
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
-        full = max(leg.chain.full_travels) * MM
+        full = max(leg.chain.full_travels) * style.MM
         cells = len(leg.chain)
-        looks = zip(cell_colours(cells), cell_dashes(cells), strict=True)
+        looks = zip(style.cell_colours(cells), style.cell_dashes(cells), strict=True)
         for j, (colour, dashes) in enumerate(looks):
             look = {"color": colour, "linestyle": dashes, "gid": f"{leg.name} cell {j}"}
-            ax.plot(time, walk.travel[some, i, j] * MM, linewidth=1.4, **look)
+            ax.plot(time, walk.travel[some, i, j] * style.MM, linewidth=1.4, **look)
         ax.set(ylim=(-0.06 * full, 1.06 * full), ylabel=f"Travel $s$ of\n{literal(leg.name)} [mm]")
     for ax in axes:
         show_time(ax, walk, some, zorder=1)
@@ -111,11 +100,11 @@ def _states(ax: Axes, found: list[Rest]) -> None:
     """Below the axes, a bracket for every rest with the state under it."""
     low, high = ax.get_xlim()
     span = high - low
-    across = ax.get_position().width * page_width(PAGE)
+    across = ax.get_position().width * sheet.page_width(style.PAGE)
     per_mm = 1.0 / _LEG
     reached = [-np.inf, -np.inf]
     under: dict[str, Any] = {"transform": ax.get_xaxis_transform()}
-    bar = {"color": INK, "linewidth": 1.6, "solid_capstyle": "butt", "clip_on": False}
+    bar = {"color": style.INK, "linewidth": 1.6, "solid_capstyle": "butt", "clip_on": False}
     look = {"ha": "center", "va": "top", "fontweight": "bold", "gid": "state"}
     for begin, end, state in found:
         ends = [begin, max(end, begin + 0.004 * span)]

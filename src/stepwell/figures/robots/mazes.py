@@ -14,23 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from stepwell.base import Floats
-from stepwell.figures.common import legends, marks
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import limits, plain, round_length, scale_bar
-from stepwell.figures.common.sheet import blank, page_width, place, text_at
-from stepwell.figures.common.style import (
-    BLOCK,
-    FAINT,
-    GREEN,
-    INK,
-    MM,
-    PAGE,
-    hollow,
-    name_rows,
-    on_white,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.parts import (
     OBSTACLE,
@@ -60,14 +46,14 @@ if TYPE_CHECKING:
 _TALLEST, _TITLE, _KEY = 170.0, 7.0, 9.2
 # What a line of the title, a letter of it, an entry of the key and a row of it take [mm].
 _LINE, _LETTER, _ENTRY, _ROW = 3.6, 2.0, 35.0, 3.8
-_HALO = pale(PRESSED, 0.25)
-_START = hollow(5.0)
+_HALO = style.pale(PRESSED, 0.25)
+_START = style.hollow(5.0)
 _LARGEST = 0.25  # mm of the page per mm of the arena
 # A robot is drawn again where it has gone this share of its length, or nothing could be seen.
 _APART = 0.4
 
 
-@styled
+@style.styled
 def maze(maze: Maze) -> Figure:
     """The arena from above with the path that the robot took, coloured by how it moved.
 
@@ -88,7 +74,7 @@ def maze(maze: Maze) -> Figure:
     refuse_empty(walk)
     moments = _moments(maze)
     box = _extent(maze, moments)
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     scale = min(_LARGEST, (page - 4.0) / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
     wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
     title = f"{arena.title}: " if arena.title else ""
@@ -97,8 +83,8 @@ def maze(maze: Maze) -> Figure:
     columns, rows = legends.laid(len(handles), page, _ENTRY, 5)
     key = _KEY + _ROW * (rows - 1)
     height = high + _TITLE + _LINE * (len(says) - 1) + key
-    figure = blank(page, height)
-    ax = place(figure, (page - wide) / 2, key, wide, high)
+    figure = sheet.blank(page, height)
+    ax = sheet.place(figure, (page - wide) / 2, key, wide, high)
     plain(ax, box)
 
     draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
@@ -106,21 +92,21 @@ def maze(maze: Maze) -> Figure:
     _presses(ax, maze)
     for sample in moments:
         _robot(ax, maze, sample)
-    start, end = (np.array([walk.x[k], walk.y[k]]) * MM for k in (0, -1))
+    start, end = (np.array([walk.x[k], walk.y[k]]) * style.MM for k in (0, -1))
     ax.plot(*start, "o", **_START, zorder=8, gid="start")
-    ax.plot(*end, "o", markersize=5.0, color=INK, zorder=8, gid="end")
+    ax.plot(*end, "o", markersize=5.0, color=style.INK, zorder=8, gid="end")
     bar = round_length((box[1] - box[0]) / 4)
     scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
     labels = [Label(start[0], start[1], "start"), Label(end[0], end[1], "end")]
     if arena.goal is not None:
-        x, y = (value * MM for value in arena.goal.at)
-        labels.append(Label(x, y, "goal", GREEN))
+        x, y = (value * style.MM for value in arena.goal.at)
+        labels.append(Label(x, y, "goal", style.GREEN))
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
     for text in beside(ax, labels, keep_clear=bars):
-        text.set_bbox(on_white(alpha=0.75))
+        text.set_bbox(style.on_white(alpha=0.75))
     look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
     for k, line in enumerate(says):
-        text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
+        sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
     legends.below(figure, handles, columns)
     return figure
 
@@ -132,7 +118,7 @@ def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]
     for sample in moments:
         lines = frame(walk.robot, walk.antenna[sample].tolist())
         points += [_placed(line, walk, sample) for line in lines]
-    every = np.concatenate(points) * MM
+    every = np.concatenate(points) * style.MM
     wide = float(np.ptp(every, axis=0).max())
     return limits(every, (0.02 * wide, 0.02 * wide, 0.07 * wide, 0.02 * wide))
 
@@ -149,13 +135,13 @@ def _path(ax: Axes, walk: Walk) -> None:
         if end > begin:
             spans[kind].append((begin, end))
     for kind, ends in spans.items():
-        look = {"color": MOTION.get(kind, FAINT), "linewidth": 1.7, "zorder": 6}
+        look = {"color": MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
         _along(ax, walk, ends, gid=f"path {kind or 'of no whole cycle'}", **look)
     # Few enough places that an arrow head shows the way and not a single step.
     few = np.linspace(0, last, max(2, min(60, last // 100))).astype(int)
     for share in (0.2, 0.4, 0.6, 0.8):
-        x, y = walk.x[few] * MM, walk.y[few] * MM
-        marks.heading(ax, x, y, INK, at=share, size=13.0)
+        x, y = walk.x[few] * style.MM, walk.y[few] * style.MM
+        marks.heading(ax, x, y, style.INK, at=share, size=13.0)
 
 
 def _presses(ax: Axes, maze: Maze) -> None:
@@ -172,7 +158,7 @@ def _presses(ax: Axes, maze: Maze) -> None:
 def _along(ax: Axes, walk: Walk, spans: Iterable[tuple[int, int]], **look: Any) -> None:
     """The path between these first and last samples, as one line with gaps."""
     gap = np.full((1, 2), np.nan)
-    xy = np.column_stack([walk.x, walk.y]) * MM
+    xy = np.column_stack([walk.x, walk.y]) * style.MM
     pieces = [part for first, last in spans for part in (xy[first : last + 1], gap)]
     if pieces:
         ax.plot(*np.concatenate(pieces).T, **look)
@@ -197,17 +183,22 @@ def _robot(ax: Axes, maze: Maze, sample: int) -> None:
     lines = frame(walk.robot, walk.antenna[sample].tolist())
     bodies = len(lines) - len(walk.robot.antennas)
     for line in lines[:bodies]:
-        shape = _placed(line, walk, sample) * MM
-        grey = {"facecolor": pale(BLOCK, 0.3), "edgecolor": INK, "linewidth": 0.6, "alpha": 0.8}
+        shape = _placed(line, walk, sample) * style.MM
+        grey = {
+            "facecolor": style.pale(style.BLOCK, 0.3),
+            "edgecolor": style.INK,
+            "linewidth": 0.6,
+            "alpha": 0.8,
+        }
         ax.add_patch(Polygon(shape, **grey, zorder=4, gid="robot"))
     time = walk.time[sample]
     held = {one.antenna for one in maze.contacts if one.begin <= time <= one.end}
     for antenna, line in zip(walk.robot.antennas, lines[bodies:], strict=True):
-        held_by = _placed(bracket(walk.robot, antenna), walk, sample) * MM
-        ax.plot(*held_by.T, color=FAINT, linewidth=0.5, zorder=3.9)
-        colour, width = (PRESSED, 2.0) if antenna.name in held else (INK, 0.8)
+        held_by = _placed(bracket(walk.robot, antenna), walk, sample) * style.MM
+        ax.plot(*held_by.T, color=style.FAINT, linewidth=0.5, zorder=3.9)
+        colour, width = (PRESSED, 2.0) if antenna.name in held else (style.INK, 0.8)
         look = {"color": colour, "linewidth": width, "gid": f"antenna {antenna.name}"}
-        ax.plot(*(_placed(line, walk, sample) * MM).T, **look, zorder=5.5)
+        ax.plot(*(_placed(line, walk, sample) * style.MM).T, **look, zorder=5.5)
 
 
 def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
@@ -225,7 +216,7 @@ def _key(maze: Maze) -> list[Artist]:
     if any(time is not None for time in touched):
         handles.append(legends.shade("touched obstacle", TOUCHED))
     if any(time is None for time in touched):
-        look = {"edgecolor": INK, "linewidth": 0.5}
+        look = {"edgecolor": style.INK, "linewidth": 0.5}
         handles.append(legends.shade("obstacle not touched", OBSTACLE, **look))
     return [*handles, legends.mark("start", **_START), legends.mark("end", size=5.0)]
 
@@ -234,11 +225,11 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
 _ANTENNA, _LANE, _GAP = 18.0, 4.6, 3.5
 # What an entry of the key takes [mm].
 _TIMELINE_ENTRY = 50.0
-_PRESSED = pale(PRESSED, 0.55)
+_PRESSED = style.pale(PRESSED, 0.55)
 MOST_OBSTACLES = 24
 
 
-@styled
+@style.styled
 def maze_timeline(maze: Maze) -> Figure:
     """Antenna contacts, the gait of each leg cycle by cycle, and obstacles touched, over time.
 
@@ -259,27 +250,27 @@ def maze_timeline(maze: Maze) -> Figure:
     order = sorted(touched, key=touched.__getitem__)[:MOST_OBSTACLES]
     antennas, legs = walk.robot.antennas, walk.robot.legs
     colours = gait_colours(walk)
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     entries = len(colours) + 2 * bool(antennas)
     columns, key_rows = legends.laid(entries, page - _LEFT, _TIMELINE_ENTRY, 3)
     height = _TOP + len(antennas) * (_ANTENNA + _GAP) + len(legs) * _LANE + _BOTTOM
     height += (len(order) * _LANE + _GAP if order else 0.0) + 3.0 + 4.2 * key_rows
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     wide = page - _LEFT - _RIGHT
     bottom = height - _TOP
     axes: list[Axes] = []
     for i, antenna in enumerate(antennas):
         bottom -= _ANTENNA
-        axes.append(ax := place(figure, _LEFT, bottom, wide, _ANTENNA))
+        axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, _ANTENNA))
         _swing(ax, maze, i)
         ax.set_ylabel(f"{literal(antenna.name)}\nantenna [°]")
         bottom -= _GAP
     bottom -= len(legs) * _LANE
-    axes.append(ax := place(figure, _LEFT, bottom, wide, len(legs) * _LANE))
+    axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, len(legs) * _LANE))
     _gaits(ax, maze, colours)
     if order:
         bottom -= _GAP + len(order) * _LANE
-        axes.append(ax := place(figure, _LEFT, bottom, wide, len(order) * _LANE))
+        axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, len(order) * _LANE))
         _touches(ax, maze, order)
     for ax in axes:
         ax.set_xlim(0.0, max(maze.duration, 1e-6))
@@ -306,7 +297,9 @@ def _swing(ax: Axes, maze: Maze, antenna: int) -> None:
         if contact.antenna == one.name:
             ax.axvspan(contact.begin, contact.end, color=_PRESSED, linewidth=0, gid="contact")
     most = np.degrees(one.swing)
-    ax.plot(walk.time, np.degrees(walk.antenna[:, antenna]), color=INK, linewidth=1.0, gid="swing")
+    ax.plot(
+        walk.time, np.degrees(walk.antenna[:, antenna]), color=style.INK, linewidth=1.0, gid="swing"
+    )
     ax.axhline(most, **DASHED, zorder=1)
     ax.set_ylim(-0.05 * most, 1.12 * most)
     ax.set_yticks([0.0, 30.0, 60.0, 90.0, 120.0][: 1 + max(1, int(most // 30))])
@@ -325,8 +318,10 @@ def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
                 ax.broken_barh(spans, (i - 0.4, 0.8), **look)
     for change in maze.changes:
         at = [leg.name for leg in legs].index(change.leg)
-        ax.plot([change.time] * 2, [at - 0.4, at + 0.4], color=INK, linewidth=0.8, gid="change")
-    name_rows(ax, [f"{literal(leg.name)} leg" for leg in legs])
+        ax.plot(
+            [change.time] * 2, [at - 0.4, at + 0.4], color=style.INK, linewidth=0.8, gid="change"
+        )
+    style.name_rows(ax, [f"{literal(leg.name)} leg" for leg in legs])
 
 
 def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
@@ -337,5 +332,5 @@ def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
     for i, name in enumerate(order):
         felt = walk.obstacle_force[:, names.index(name)] > TOUCHED
         spans = [(begin, end - begin + step) for begin, end in intervals(walk.time, felt)]
-        ax.broken_barh(spans, (i - 0.3, 0.6), facecolors=INK, linewidth=0, gid=name)
-    name_rows(ax, order)
+        ax.broken_barh(spans, (i - 0.3, 0.6), facecolors=style.INK, linewidth=0, gid=name)
+    style.name_rows(ax, order)

@@ -12,11 +12,11 @@ from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common.style import FIXED_BLOCK, GREEN, INK, MM, pale
+from stepwell.figures.common import style
 from stepwell.mechanism import Element
 from stepwell.robot import Antenna, Arena, Leg, Robot, Wall
 
-OBSTACLE, TOUCHED = FIXED_BLOCK, INK
+OBSTACLE, TOUCHED = style.FIXED_BLOCK, style.INK
 
 
 def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
@@ -27,17 +27,22 @@ def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
         arena: any.
         touched: of each obstacle, walls first.
     """
-    walls = [Polygon(_wall(wall) * MM) for wall in arena.walls]
-    rounds = [Circle((c.at[0] * MM, c.at[1] * MM), c.radius * MM) for c in arena.cylinders]
+    walls = [Polygon(_wall(wall) * style.MM) for wall in arena.walls]
+    rounds = [
+        Circle((c.at[0] * style.MM, c.at[1] * style.MM), c.radius * style.MM)
+        for c in arena.cylinders
+    ]
     for shape, felt in zip([*walls, *rounds], touched, strict=True):
         shape.set_facecolor(TOUCHED if felt else OBSTACLE)
-        shape.set_edgecolor(INK)
+        shape.set_edgecolor(style.INK)
         shape.set(linewidth=0.5, zorder=3, gid="touched obstacle" if felt else "obstacle")
         ax.add_patch(shape)
     if arena.goal is not None:
-        x, y = (value * MM for value in arena.goal.at)
-        disc = Circle((x, y), arena.goal.radius * MM, linewidth=0.8, linestyle=(0, (3, 2)))
-        disc.set(facecolor=pale(GREEN, 0.85), edgecolor=GREEN, zorder=0.5, gid="goal")
+        x, y = (value * style.MM for value in arena.goal.at)
+        disc = Circle((x, y), arena.goal.radius * style.MM, linewidth=0.8, linestyle=(0, (3, 2)))
+        disc.set(
+            facecolor=style.pale(style.GREEN, 0.85), edgecolor=style.GREEN, zorder=0.5, gid="goal"
+        )
         ax.add_patch(disc)
 
 

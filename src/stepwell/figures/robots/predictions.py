@@ -11,18 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common.sheet import blank, indent, page_width, place, text_at
-from stepwell.figures.common.style import (
-    FAINT,
-    INK,
-    MM,
-    PAGE,
-    VERMILLION,
-    name_rows,
-    on_white,
-    pale,
-    styled,
-)
+from stepwell.figures.common import sheet, style
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.robots.walk_reading import gait_words, leg_colours
 
@@ -37,7 +26,7 @@ _BOLD = 2.0  # width of a letter of the title [mm]
 _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
 
 
-@styled
+@style.styled
 def prediction(prediction: Prediction) -> Figure:
     """How far each leg is from another gait, what drag its foot overcomes, what flips it.
 
@@ -54,14 +43,14 @@ def prediction(prediction: Prediction) -> Figure:
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
     panels += [(_drags, len(pushes))] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
-    page, narrow = page_width(PAGE), _is_narrow()
+    page, narrow = sheet.page_width(style.PAGE), _is_narrow()
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
     # Names and remarks stand beside bars, or over them where that is too narrow.
     row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
     rows_of = [rows + 0.8 * narrow for _, rows in panels]
     height = top + sum(head + row * rows + _FOOT for rows in rows_of)
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     # Nothing is ever minus zero.
     advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
     says = (
@@ -70,19 +59,21 @@ def prediction(prediction: Prediction) -> Figure:
     )
     says = says.replace(", $d", ",\n$d") if narrow else says
     words = "\n".join([*title, minus(says)])
-    text_at(figure, 2.0 + indent(), height - 1.5, words, va="top", fontsize=8, weight="bold")
-    doubtful = {"color": VERMILLION, "ha": "right", "va": "top"}
-    doubt = text_at(
+    sheet.text_at(
+        figure, 2.0 + sheet.indent(), height - 1.5, words, va="top", fontsize=8, weight="bold"
+    )
+    doubtful = {"color": style.VERMILLION, "ha": "right", "va": "top"}
+    doubt = sheet.text_at(
         figure, page - 2.0, height - 1.5 - 8.0 * narrow, "in this colour: in doubt", **doubtful
     )
     bottom = height - top
     for (draw, _), rows in zip(panels, rows_of, strict=True):
         bottom -= head + row * rows
-        ax = place(figure, 4.0 if narrow else 2.0, bottom, page - beside, row * rows)
+        ax = sheet.place(figure, 4.0 if narrow else 2.0, bottom, page - beside, row * rows)
         draw(ax, prediction)
         bottom -= _FOOT
     shown = [text for ax in figure.axes for text in ax.texts]
-    doubt.set_visible(any(text.get_color() == VERMILLION for text in shown))
+    doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
     if narrow:
         return figure
     # One width of names for all, so that the panels stand in line.
@@ -103,7 +94,7 @@ def _margins(ax: Axes, found: Prediction) -> None:
     colours = leg_colours(found.robot)
     for i, leg in enumerate(legs):
         colour = colours[leg.name]
-        look = {"color": pale(FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
+        look = {"color": style.pale(style.FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
         tall = 0.4 if _is_narrow() else 0.8
         ax.barh(i, leg.uncertainty * _MN, height=tall, zorder=1, **look)
         reach = leg.margin * _MN if math.isfinite(leg.margin) else most
@@ -120,7 +111,7 @@ def _margins(ax: Axes, found: Prediction) -> None:
 
 
 def _depths(ax: Axes, found: Prediction) -> None:
-    below, ends = found.robot.foot.below * MM, np.array(found.depths) * MM
+    below, ends = found.robot.foot.below * style.MM, np.array(found.depths) * style.MM
     # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
     most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
     colours = leg_colours(found.robot)
@@ -129,7 +120,7 @@ def _depths(ax: Axes, found: Prediction) -> None:
         look = {"color": colours[leg.name], "zorder": 2, "gid": f"depths {leg.name}"}
         ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
         _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
-    ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
+    ax.axvline(below, color=style.INK, linewidth=1.0, zorder=3, gid="below")
     title = "Depths of the feet at which the gait surely stays; line: this robot's"
     names = [f"{leg.name}: {leg.gait}" for leg in found.legs]
     _rows(ax, names, most, title, "Feet below the supports [mm]")
@@ -144,9 +135,9 @@ def _drags(ax: Axes, found: Prediction) -> None:
         reach = min(push.largest_drag, most)
         ax.barh(i, reach, height=0.5, color=colours[name], zorder=2, gid=f"drag {name}")
         _remark(ax, i, push.limit.value.split(":")[0], doubtful=push.safety < 1)
-    ax.axvline(drag, color=INK, linewidth=1.0, zorder=3, gid="floor")
+    ax.axvline(drag, color=style.INK, linewidth=1.0, zorder=3, gid="floor")
     names = [
-        f"{name}, {'out' if push.loading else 'back'}: {push.step * MM:.1f} mm step"
+        f"{name}, {'out' if push.loading else 'back'}: {push.step * style.MM:.1f} mm step"
         for name, push in pushes
     ]
     title = "Largest drag that each push overcomes; line: the floor's drag"
@@ -155,17 +146,17 @@ def _drags(ax: Axes, found: Prediction) -> None:
 
 def _flips(ax: Axes, found: Prediction) -> None:
     colours = leg_colours(found.robot)
-    swings = {one.name: math.hypot(*one.moves) * MM for one in found.robot.antennas}
+    swings = {one.name: math.hypot(*one.moves) * style.MM for one in found.robot.antennas}
     full = [swings[flip.antenna] for flip in found.flips]
     most = _limit(full)
     for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
-        late = min(flip.latest * MM, most)
-        ends, colour = [flip.earliest * MM, late], colours[flip.leg]
+        late = min(flip.latest * style.MM, most)
+        ends, colour = [flip.earliest * style.MM, late], colours[flip.leg]
         look = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2}
-        ax.plot(ends, [i, i], color=pale(colour, 0.4), **look, gid=f"range {flip.antenna}")
+        ax.plot(ends, [i, i], color=style.pale(colour, 0.4), **look, gid=f"range {flip.antenna}")
         look = {"color": colour, "markersize": 5.0, "zorder": 3}
-        ax.plot(flip.displacement * MM, i, "o", **look, gid=f"flip {flip.antenna}")
-        ax.plot([end, end], [i - 0.4, i + 0.4], color=INK, linewidth=1.0, zorder=3)
+        ax.plot(flip.displacement * style.MM, i, "o", **look, gid=f"flip {flip.antenna}")
+        ax.plot([end, end], [i - 0.4, i + 0.4], color=style.INK, linewidth=1.0, zorder=3)
         _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
     title = "Displacement that flips a leg, with its range; bar: full swing"
     names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips]
@@ -174,7 +165,7 @@ def _flips(ax: Axes, found: Prediction) -> None:
 
 def _is_narrow() -> bool:
     """Whether names and remarks have no room beside the bars."""
-    return page_width(PAGE) < _NARROW
+    return sheet.page_width(style.PAGE) < _NARROW
 
 
 def _limit(values: Sequence[float]) -> float:
@@ -194,15 +185,15 @@ def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
         va="bottom" if narrow else "center",
         ha="right" if narrow else "left",
         linespacing=0.95,
-        color=VERMILLION if doubtful else INK,
-        bbox=on_white() if narrow else None,
+        color=style.VERMILLION if doubtful else style.INK,
+        bbox=style.on_white() if narrow else None,
         zorder=5,
     )
 
 
 def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
     narrow = _is_narrow()
-    name_rows(ax, [*map(literal, names)], 0.9 if narrow else 0.5)
+    style.name_rows(ax, [*map(literal, names)], 0.9 if narrow else 0.5)
     if narrow:
         ax.set_yticks([])
         look = {"transform": ax.get_yaxis_transform(), "va": "bottom"}

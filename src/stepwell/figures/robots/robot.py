@@ -13,25 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from stepwell.figures.common import legends
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, plain, scale_bar
-from stepwell.figures.common.sheet import blank, page_width, place, root, text_at
-from stepwell.figures.common.style import (
-    BLOCK,
-    BLUE,
-    FAINT,
-    FIXED_BLOCK,
-    INK,
-    MM,
-    ORANGE,
-    PAGE,
-    VERMILLION,
-    cell_colours,
-    hollow,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.parts import (
     LegParts,
@@ -46,13 +30,13 @@ from stepwell.robot import Antenna, Leg, Robot
 
 # A drawing of this width has room for its dimensions [mm].
 _DETAILED = 140.0
-FOOT, SUPPORT, ANTENNA = BLUE, VERMILLION, ORANGE
-_HOLDER: dict[str, Any] = {"color": FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}
+FOOT, SUPPORT, ANTENNA = style.BLUE, style.VERMILLION, style.ORANGE
+_HOLDER: dict[str, Any] = {"color": style.FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}
 
 
 def detailed() -> bool:
     """Whether there is room for dimensions and names; narrower, a drawing has none."""
-    return page_width(PAGE) >= _DETAILED
+    return sheet.page_width(style.PAGE) >= _DETAILED
 
 
 def above_limits(robot: Robot) -> tuple[float, float, float, float]:
@@ -69,19 +53,27 @@ def above_limits(robot: Robot) -> tuple[float, float, float, float]:
         swings = np.linspace(0.0, antenna.swing, 7)
         points += [antenna_line(antenna, swing) for swing in swings]
     room = (26.0, 12.0, 30.0, 4.0) if detailed() else (6.0, 6.0, 26.0, 6.0)
-    return limits(np.concatenate(points) * MM, room)
+    return limits(np.concatenate(points) * style.MM, room)
 
 
 def draw_above(ax: Axes, robot: Robot) -> None:
     """Draw it all, in mm, into axes that lose their frame."""
     box = above_limits(robot)
     plain(ax, box)
-    body = rectangle((0.0, 0.0), robot.body.length, robot.body.width) * MM
-    ax.add_patch(Polygon(body, facecolor=pale(BLOCK, 0.5), edgecolor=INK, linewidth=0.8, zorder=1))
-    centre = np.array(robot.body.centre[:2]) * MM
+    body = rectangle((0.0, 0.0), robot.body.length, robot.body.width) * style.MM
+    ax.add_patch(
+        Polygon(
+            body,
+            facecolor=style.pale(style.BLOCK, 0.5),
+            edgecolor=style.INK,
+            linewidth=0.8,
+            zorder=1,
+        )
+    )
+    centre = np.array(robot.body.centre[:2]) * style.MM
     centre_of_mass(ax, centre[0], centre[1])
     for point in robot.body.supports:
-        x, y = np.array(point) * MM
+        x, y = np.array(point) * style.MM
         ax.plot([0.4 * x, x], [0.4 * y, y], color=SUPPORT, linewidth=1.4, zorder=1.5)
         ax.plot(x, y, "s", color=SUPPORT, markersize=4.5, zorder=7, gid="support")
     for leg in robot.legs:
@@ -95,22 +87,27 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     if not detailed():
         return
     _dimensions(ax, robot, box)
-    names = [Label(leg.at[0] * MM, leg.at[1] * MM, literal(leg.name), FOOT) for leg in robot.legs]
+    names = [
+        Label(leg.at[0] * style.MM, leg.at[1] * style.MM, literal(leg.name), FOOT)
+        for leg in robot.legs
+    ]
     for antenna in robot.antennas:
-        x, y = antenna_line(antenna)[1] * MM
+        x, y = antenna_line(antenna)[1] * style.MM
         names.append(Label(float(x), float(y), _antenna_text(robot, antenna)))
     beside(ax, names)
 
 
 def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) -> None:
     leg = min(robot.legs, key=lambda one: one.at[1])
-    near, far = (leg_parts(robot, leg, travels).blocks[-1] * MM for travels in rest_states(leg))
+    near, far = (
+        leg_parts(robot, leg, travels).blocks[-1] * style.MM for travels in rest_states(leg)
+    )
     stroke = f"stroke {mm(leg.chain.full_stroke)} mm"
     along_x(ax, far[0], near[0], box[2] + 18.0, stroke, feet=near[1])
     low, high = (pick(one.at[1] for one in robot.legs) for pick in (min, max))
     if high > low:
         apart = f"{mm(high - low)} mm"
-        along_y(ax, low * MM, high * MM, box[0] + 9.0, apart, feet=far[0])
+        along_y(ax, low * style.MM, high * style.MM, box[0] + 9.0, apart, feet=far[0])
 
 
 def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
@@ -126,56 +123,58 @@ def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: LegParts, *, faint: bo
         return faded(colour, faint)
 
     z = 2.0 if faint else 3.0
-    ink = shade(INK)
-    frame = {"facecolor": "none" if faint else BLOCK, "edgecolor": ink, "linewidth": 0.6}
+    ink = shade(style.INK)
+    frame = {"facecolor": "none" if faint else style.BLOCK, "edgecolor": ink, "linewidth": 0.6}
     for middle in parts.blocks:
-        outline = rectangle(middle, robot.blocks.length, robot.blocks.width) * MM
+        outline = rectangle(middle, robot.blocks.length, robot.blocks.width) * style.MM
         ax.add_patch(Polygon(outline, **frame, zorder=z))
     # What slides sideways on a block reaches from beside it to the lever's outer joint.
     for middle, lever in zip(parts.blocks, parts.levers, strict=True):
         joint = lever[1]
-        x = np.array([middle[0], middle[0], joint[0]]) * MM
-        y = np.array([middle[1], joint[1], joint[1]]) * MM
-        ax.plot(x, y, color=shade(FAINT), linewidth=2.0, zorder=z + 0.1)
-    joints = hollow(2.6, ink, marker="o", markeredgewidth=0.6, gid=None if faint else "lever")
+        x = np.array([middle[0], middle[0], joint[0]]) * style.MM
+        y = np.array([middle[1], joint[1], joint[1]]) * style.MM
+        ax.plot(x, y, color=shade(style.FAINT), linewidth=2.0, zorder=z + 0.1)
+    joints = style.hollow(2.6, ink, marker="o", markeredgewidth=0.6, gid=None if faint else "lever")
     for lever in parts.levers:
-        ax.plot(*(lever * MM).T, color=ink, linewidth=1.6, zorder=z + 0.3, **joints)
+        ax.plot(*(lever * style.MM).T, color=ink, linewidth=1.6, zorder=z + 0.3, **joints)
     if not faint:
         # The innermost block belongs to the body, which holds the first lever and band.
         inside = min(abs(leg.at[1]), robot.body.width / 2) * leg.side
         x, y = parts.levers[0, 0]
-        ends = [inside * MM, y * MM]
-        ax.plot([x * MM] * 2, ends, **_HOLDER, zorder=z + 0.05)
-    colours = cell_colours(len(leg.chain))
+        ends = [inside * style.MM, y * style.MM]
+        ax.plot([x * style.MM] * 2, ends, **_HOLDER, zorder=z + 0.05)
+    colours = style.cell_colours(len(leg.chain))
     anchors = {"marker": "o", "markersize": 2.8, "gid": "band at 1" if faint else "band"}
     for cell, band in zip(parts.owner, parts.bands, strict=True):
         colour = shade(colours[cell])
-        ax.plot(*(band * MM).T, color=colour, linewidth=1.8, zorder=z + 0.5, **anchors)
-    y, foot = leg.at[1] * MM, shade(FOOT)
-    ax.plot(parts.pivots * MM, [y] * 2, color=foot, linewidth=1.0, zorder=z + 0.2)
+        ax.plot(*(band * style.MM).T, color=colour, linewidth=1.8, zorder=z + 0.5, **anchors)
+    y, foot = leg.at[1] * style.MM, shade(FOOT)
+    ax.plot(parts.pivots * style.MM, [y] * 2, color=foot, linewidth=1.0, zorder=z + 0.2)
     tip = {"zorder": 4.2, "gid": "foot at 1"} if faint else {"zorder": 4.4, "gid": "foot"}
-    ax.plot(parts.tip[0] * MM, y, "o", color=foot, markersize=5.0, **tip)
+    ax.plot(parts.tip[0] * style.MM, y, "o", color=foot, markersize=5.0, **tip)
 
 
 def _carriage(ax: Axes, robot: Robot) -> None:
     """The bar that joins the outermost blocks."""
     ends = [leg_parts(robot, leg, rest_states(leg)[0]).blocks[-1] for leg in robot.legs]
-    line = np.array(sorted(ends, key=lambda end: end[1])) * MM
+    line = np.array(sorted(ends, key=lambda end: end[1])) * style.MM
     ax.plot(*line.T, **_HOLDER, zorder=1.2)
 
 
 def _antenna_above(ax: Axes, robot: Robot, antenna: Antenna) -> None:
-    back = antenna_line(antenna, antenna.swing) * MM
-    ax.plot(*back.T, color=pale(ANTENNA, 0.6), linewidth=1.3, zorder=4)
+    back = antenna_line(antenna, antenna.swing) * style.MM
+    ax.plot(*back.T, color=style.pale(ANTENNA, 0.6), linewidth=1.3, zorder=4)
     swings = np.linspace(0.0, antenna.swing, 41)
-    sweep = np.array([antenna_line(antenna, swing)[1] for swing in swings]) * MM
+    sweep = np.array([antenna_line(antenna, swing)[1] for swing in swings]) * style.MM
     ax.plot(*sweep.T, color=ANTENNA, linewidth=0.7, linestyle=(0, (2, 2)), zorder=4, gid="swing")
     arrow(ax, tuple(sweep[-4]), tuple(sweep[-1]), ANTENNA, 0.0)
-    ax.plot(*(antenna_line(antenna) * MM).T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna")
-    ax.plot(*(np.array(antenna.pivot) * MM), "o", **hollow(3.6, ANTENNA), zorder=6)
-    ax.plot(*(bracket(robot, antenna) * MM).T, color=FAINT, linewidth=0.6, zorder=1)
+    ax.plot(
+        *(antenna_line(antenna) * style.MM).T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna"
+    )
+    ax.plot(*(np.array(antenna.pivot) * style.MM), "o", **style.hollow(3.6, ANTENNA), zorder=6)
+    ax.plot(*(bracket(robot, antenna) * style.MM).T, color=style.FAINT, linewidth=0.6, zorder=1)
     if antenna.connected:
-        start, end = anchor_moves(robot, antenna) * MM
+        start, end = anchor_moves(robot, antenna) * style.MM
         ax.plot(*end, linestyle="none", gid="moved anchor")
         arrow(ax, tuple(start), tuple(end), width=1.0)
 
@@ -192,13 +191,13 @@ def _antenna_text(robot: Robot, antenna: Antenna) -> str:
 
 def faded(colour: str, faint: bool) -> tuple[float, float, float]:
     """The colour itself, or so pale that what is drawn in it stays in the background."""
-    return pale(colour, 0.72 if faint else 0.0)
+    return style.pale(colour, 0.72 if faint else 0.0)
 
 
 def centre_of_mass(ax: Axes, x: float, y: float) -> None:
     """The mark of the body's centre of mass [mm]."""
-    ax.plot(x, y, "o", **hollow(6.0), zorder=7, gid="centre of mass")
-    ax.plot(x, y, "+", markersize=6.0, color=INK, markeredgewidth=0.8, zorder=7.1)
+    ax.plot(x, y, "o", **style.hollow(6.0), zorder=7, gid="centre of mass")
+    ax.plot(x, y, "+", markersize=6.0, color=style.INK, markeredgewidth=0.8, zorder=7.1)
 
 
 def side_limits(robot: Robot) -> tuple[float, float, float, float]:
@@ -206,8 +205,8 @@ def side_limits(robot: Robot) -> tuple[float, float, float, float]:
     above = above_limits(robot)
     right = max(above[1], _beyond(robot) + 44.0)
     if not detailed():
-        return above[0], above[1], -6.0, float(robot.foot.depth(0.0)) * MM + 16.0
-    return above[0], right, -12.0, float(robot.foot.depth(0.0)) * MM + 34.0
+        return above[0], above[1], -6.0, float(robot.foot.depth(0.0)) * style.MM + 16.0
+    return above[0], right, -12.0, float(robot.foot.depth(0.0)) * style.MM + 34.0
 
 
 def draw_side(ax: Axes, robot: Robot) -> None:
@@ -215,10 +214,10 @@ def draw_side(ax: Axes, robot: Robot) -> None:
     box = side_limits(robot)
     plain(ax, box)
     floor = box[0] + 20.0, box[1] - 4.0
-    ax.plot(floor, [0.0, 0.0], color=INK, linewidth=1.0, zorder=1, gid="floor")
+    ax.plot(floor, [0.0, 0.0], color=style.INK, linewidth=1.0, zorder=1, gid="floor")
     for x in np.arange(floor[0] + 2.5, floor[1], 5.0):
-        ax.plot([x, x - 2.5], [0.0, -2.5], color=INK, linewidth=0.4, zorder=1)
-    pivot = float(robot.foot.depth(0.0)) * MM  # above the floor while the feet stand on it
+        ax.plot([x, x - 2.5], [0.0, -2.5], color=style.INK, linewidth=0.4, zorder=1)
+    pivot = float(robot.foot.depth(0.0)) * style.MM  # above the floor while the feet stand on it
     _body(ax, robot, pivot)
     leg = min(robot.legs, key=lambda one: one.at[1])
     at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
@@ -230,47 +229,47 @@ def draw_side(ax: Axes, robot: Robot) -> None:
 
 def _body(ax: Axes, robot: Robot, pivot: float) -> None:
     """Body, supports and antennas; the body has a length, and its height is drawn for the eye."""
-    half, low = robot.body.length / 2 * MM, robot.foot.below * MM
+    half, low = robot.body.length / 2 * style.MM, robot.foot.below * style.MM
     plate = rectangle((0.0, pivot + 8.0), 2 * half, 8.0)
-    grey = pale(BLOCK, 0.5)
-    ax.add_patch(Polygon(plate, facecolor=grey, edgecolor=INK, linewidth=0.8, zorder=1))
-    centre_of_mass(ax, robot.body.centre[0] * MM, pivot + robot.body.centre[2] * MM)
+    grey = style.pale(style.BLOCK, 0.5)
+    ax.add_patch(Polygon(plate, facecolor=grey, edgecolor=style.INK, linewidth=0.8, zorder=1))
+    centre_of_mass(ax, robot.body.centre[0] * style.MM, pivot + robot.body.centre[2] * style.MM)
     # Supports behind each other are one in this view.
-    for x in sorted({round(x * MM, 6) for x, _ in robot.body.supports}):
+    for x in sorted({round(x * style.MM, 6) for x, _ in robot.body.supports}):
         strut = [0.4 * x, x], [pivot + 4.0, low + 1.5]
         ax.plot(*strut, color=SUPPORT, linewidth=1.4, zorder=1.5)
         ax.add_patch(Polygon(rectangle((x, low + 1.5), 6.0, 3.0), facecolor=SUPPORT, zorder=6))
         ax.plot([x], [low], linestyle="none", gid="support")
     for antenna in robot.antennas:
-        x = [half, *(antenna_line(antenna)[:, 0] * MM)]
+        x = [half, *(antenna_line(antenna)[:, 0] * style.MM)]
         z = [pivot + 4.0, *([pivot] * (len(x) - 1))]
         ax.plot(x, z, color=ANTENNA, linewidth=1.4, zorder=2)
 
 
 def _side_dimensions(ax: Axes, robot: Robot, at_0: LegParts, at_1: LegParts, pivot: float) -> None:
-    near, wide = at_0.pivots * MM, at_1.pivots * MM
+    near, wide = at_0.pivots * style.MM, at_1.pivots * style.MM
     along_x(ax, near[1], near[0], pivot + 18.0, f"{mm(robot.foot.span)} mm", feet=pivot)
     opened = f"{mm(at_1.pivots[0] - at_1.pivots[1])} mm with every cell at 1"
-    along_x(ax, wide[1], wide[0], pivot + 27.0, opened, feet=pivot, colour=FAINT)
+    along_x(ax, wide[1], wide[0], pivot + 27.0, opened, feet=pivot, colour=style.FAINT)
     # Clear of the chain at full stroke.
     along_y(ax, 0.0, pivot, wide[1] - 16.0, f"{pivot:.3g} mm", feet=wide[1] - 8.0)
-    low, far = robot.foot.below * MM, _beyond(robot)
-    fore = max(x for x, _ in robot.body.supports) * MM
+    low, far = robot.foot.below * style.MM, _beyond(robot)
+    fore = max(x for x, _ in robot.body.supports) * style.MM
     for height in (0.0, low):
-        ax.plot([fore + 3.0, far + 3.0], [height, height], color=INK, linewidth=0.5, zorder=2)
+        ax.plot([fore + 3.0, far + 3.0], [height, height], color=style.INK, linewidth=0.5, zorder=2)
     arrow(ax, (far, low + 7.0), (far, low))
     arrow(ax, (far, -7.0), (far, 0.0))
     below = f"feet {mm(robot.foot.below)} mm below\nthe supports"
     ax.text(far + 4.0, low + 3.0, below, va="bottom", ha="left", zorder=9)
-    x, lifted = at_1.tip[0] * MM, pivot + at_1.tip[1] * MM
-    ax.plot([x, x], [0.0, lifted], color=FAINT, linewidth=0.5, zorder=1)
+    x, lifted = at_1.tip[0] * style.MM, pivot + at_1.tip[1] * style.MM
+    ax.plot([x, x], [0.0, lifted], color=style.FAINT, linewidth=0.5, zorder=1)
     ax.text(x, -4.0, f"rises {lifted:.3g} mm", ha="center", va="top")
-    ax.text(at_0.tip[0] * MM, -4.0, f"links {mm(robot.foot.link)} mm", ha="left", va="top")
+    ax.text(at_0.tip[0] * style.MM, -4.0, f"links {mm(robot.foot.link)} mm", ha="left", va="top")
 
 
 def _beyond(robot: Robot) -> float:
     """x of what is written ahead of the body and its supports [mm]."""
-    return max(robot.body.length / 2, *(x for x, _ in robot.body.supports)) * MM + 8.0
+    return max(robot.body.length / 2, *(x for x, _ in robot.body.supports)) * style.MM + 8.0
 
 
 def _leg(ax: Axes, robot: Robot, parts: LegParts, pivot: float, *, faint: bool) -> None:
@@ -278,17 +277,21 @@ def _leg(ax: Axes, robot: Robot, parts: LegParts, pivot: float, *, faint: bool) 
         return faded(colour, faint)
 
     z = 3.0 if faint else 4.0
-    frame = {"facecolor": "white" if faint else BLOCK, "edgecolor": shade(INK), "linewidth": 0.6}
+    frame = {
+        "facecolor": "white" if faint else style.BLOCK,
+        "edgecolor": shade(style.INK),
+        "linewidth": 0.6,
+    }
     for x, _ in parts.blocks:
-        outline = rectangle((x * MM, pivot), robot.blocks.length * MM, 8.0)
+        outline = rectangle((x * style.MM, pivot), robot.blocks.length * style.MM, 8.0)
         ax.add_patch(Polygon(outline, **frame, zorder=z))
-    tip = (parts.tip[0] * MM, pivot + parts.tip[1] * MM)
+    tip = (parts.tip[0] * style.MM, pivot + parts.tip[1] * style.MM)
     link = {"color": shade(FOOT), "linewidth": 1.6, "gid": "link at 1" if faint else "link"}
-    for x in parts.pivots * MM:
+    for x in parts.pivots * style.MM:
         ax.plot([x, tip[0]], [pivot, tip[1]], **link, zorder=z + 0.3)
-    pins = hollow(2.8, shade(INK), markeredgewidth=0.6)
-    ax.plot(parts.pivots * MM, [pivot] * 2, "o", **pins, zorder=z + 0.5)
-    radius = robot.foot.radius * MM
+    pins = style.hollow(2.8, shade(style.INK), markeredgewidth=0.6)
+    ax.plot(parts.pivots * style.MM, [pivot] * 2, "o", **pins, zorder=z + 0.5)
+    radius = robot.foot.radius * style.MM
     turn = np.linspace(0.0, 2 * np.pi, 33)
     ball = tip + radius * np.column_stack([np.cos(turn), 1.0 + np.sin(turn)])
     ax.add_patch(Polygon(ball, facecolor=shade(FOOT), zorder=z + 0.4))
@@ -303,7 +306,7 @@ _ENTRY, _ENTRIES = 42.0, 8
 _LINE, _LETTER = 3.4, 1.7
 
 
-@styled
+@style.styled
 def robot_drawing(robot: Robot) -> Figure:
     """The robot from above and, at the same scale below, from the right.
 
@@ -316,7 +319,7 @@ def robot_drawing(robot: Robot) -> Figure:
         A figure of two columns' width, dimensions in mm; as a narrower panel of a page without
         them.
     """
-    page = page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     above, side = above_limits(robot), side_limits(robot)
     left, right = min(above[0], side[0]), max(above[1], side[1])
     scale = min(_LARGEST, (page - 4.0) / (right - left))
@@ -325,21 +328,21 @@ def robot_drawing(robot: Robot) -> Figure:
     title = 7.0 + _LINE * (len(words) - 1) if words else 1.0
     key = _rows()[1]
     height = sum(high) + key + title + 2.0
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     across = (right - left) * scale
     start = (page - across) / 2
-    draw_above(place(figure, start, height - title - high[0], across, high[0]), robot)
-    draw_side(place(figure, start, key, across, high[1]), robot)
+    draw_above(sheet.place(figure, start, height - title - high[0], across, high[0]), robot)
+    draw_side(sheet.place(figure, start, key, across, high[1]), robot)
     for ax in figure.axes:
         ax.set_xlim(left, right)
     _key(figure, robot)
     look = {"ha": "center", "va": "top", "weight": "bold"}
     for k, line in enumerate(words):
-        text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
+        sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
     return figure
 
 
-@styled
+@style.styled
 def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from above: body, supports, chains, feet, antennas with their swing.
 
@@ -356,7 +359,7 @@ def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
     return _view(robot, ax, above_limits, draw_above)
 
 
-@styled
+@style.styled
 def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from its right: floor, supports, V links and feet, to scale.
 
@@ -380,21 +383,21 @@ def _view(
 ) -> Figure:
     if ax is not None:
         draw(ax, robot)
-        return root(ax)
-    page = page_width(PAGE)
+        return sheet.root(ax)
+    page = sheet.page_width(style.PAGE)
     left, right, bottom, top = limits_of(robot)
     scale = min(_LARGEST, (page - 4.0) / (right - left))
     across, high = (right - left) * scale, (top - bottom) * scale
     key = _rows()[1]
-    figure = blank(page, high + key + 2.0)
-    draw(place(figure, (page - across) / 2, key, across, high), robot)
+    figure = sheet.blank(page, high + key + 2.0)
+    draw(sheet.place(figure, (page - across) / 2, key, across, high), robot)
     _key(figure, robot)
     return figure
 
 
 def _rows() -> tuple[int, float]:
     """Columns of the key, and its height [mm]."""
-    columns, rows = legends.laid(_ENTRIES, page_width(PAGE), _ENTRY, 4)
+    columns, rows = legends.laid(_ENTRIES, sheet.page_width(style.PAGE), _ENTRY, 4)
     return columns, _KEY + 3.8 * (rows - 2)
 
 
@@ -402,13 +405,13 @@ def _key(figure: Figure, robot: Robot) -> None:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     handles: list[Artist] = [
         *legends.cells(longest.names, 1.8, "band of {}", marker="o", markersize=2.8),
-        legends.line("lever", width=1.6, marker="o", **hollow(2.6)),
+        legends.line("lever", width=1.6, marker="o", **style.hollow(2.6)),
         legends.line("V links, foot", FOOT, 1.2, marker="o", markersize=5.0),
         legends.line("T-foot", SUPPORT, marker="s", markersize=4.5),
-        legends.mark("body's centre of mass", **hollow(6.0)),
+        legends.mark("body's centre of mass", **style.hollow(6.0)),
     ]
     if robot.antennas:
         handles.append(legends.line("antenna, pale at full swing", ANTENNA, 1.8))
-    look = {"edgecolor": faded(INK, True), "linewidth": 0.6}
+    look = {"edgecolor": faded(style.INK, True), "linewidth": 0.6}
     handles.append(legends.shade("pale: every cell at 1", "white", **look))
     legends.below(figure, handles, _rows()[0])

@@ -11,20 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError, Quantity
-from stepwell.figures.common import legends, marks
-from stepwell.figures.common.sheet import BESIDE, blank, page_width, place
-from stepwell.figures.common.style import (
-    BLUE,
-    FAINT,
-    GREEN,
-    INK,
-    PAGE,
-    PATHWAY,
-    PURPLE,
-    VERMILLION,
-    pale,
-    styled,
-)
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.words import literal, minus
 
 if TYPE_CHECKING:
@@ -33,7 +20,7 @@ if TYPE_CHECKING:
 Colour = str | tuple[float, float, float]
 
 MOST_KEYS = 8
-_COLOURS = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
+_COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE, "#7A6A00", style.INK)
 _REST, _STOPPED = "any other", "did not walk to the end"
 _LEFT, _RIGHT, _BOTTOM, _TOP = 16.0, 4.0, 12.0, 4.0
 # A unit at the end of a key, and tables of a path that have names or need none.
@@ -47,7 +34,7 @@ _WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
 
 
-@styled
+@style.styled
 def sweep(found: Sweep) -> Figure:
     """Advance and turn of every robot of a sweep, coloured by the gaits of its legs.
 
@@ -87,10 +74,10 @@ class _Shown(NamedTuple):
 def _over_one(shown: _Shown, foot: float) -> Figure:
     tall = 42.0
     ((key, values),) = shown.values.items()
-    figure = blank(page_width(PAGE), foot + _BOTTOM + 2 * tall + 5.0 + _TOP)
-    wide = page_width(PAGE) - _LEFT - _RIGHT
-    lower = place(figure, _LEFT, foot + _BOTTOM, wide, tall)
-    upper = place(figure, _LEFT, foot + _BOTTOM + tall + 5.0, wide, tall)
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + 2 * tall + 5.0 + _TOP)
+    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
+    lower = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
+    upper = sheet.place(figure, _LEFT, foot + _BOTTOM + tall + 5.0, wide, tall)
     _points(upper, values, shown.advance, shown, 0.5)
     _points(lower, values, shown.turn, shown, 2.0)
     upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
@@ -105,9 +92,9 @@ _NUMBERS = 9.0, 6.2
 
 def _over_two(shown: _Shown, foot: float) -> Figure:
     tall = 92.0
-    figure = blank(page_width(PAGE), foot + _BOTTOM + tall + _TOP)
-    wide = page_width(PAGE) - _LEFT - _RIGHT
-    ax = place(figure, _LEFT, foot + _BOTTOM, wide, tall)
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + tall + _TOP)
+    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
+    ax = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
     x, y = shown.values.values()
     columns, rows = (max(2, len(np.unique(one))) for one in (x, y))
     # Discs that nearly touch on a grid; draws are spread like a grid of as many.
@@ -138,16 +125,16 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
 
 
 def _over_many(shown: _Shown, foot: float) -> Figure:
-    columns = 2 if page_width(PAGE) >= BESIDE else 1
+    columns = 2 if sheet.page_width(style.PAGE) >= sheet.BESIDE else 1
     rows = -(-len(shown.values) // columns)
     tall = 40.0
     step = tall + _BOTTOM + 3.0
-    figure = blank(page_width(PAGE), foot + rows * step + _TOP)
-    wide = (page_width(PAGE) - columns * _LEFT - _RIGHT) / columns
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + rows * step + _TOP)
+    wide = (sheet.page_width(style.PAGE) - columns * _LEFT - _RIGHT) / columns
     for i, (key, values) in enumerate(shown.values.items()):
         row, column = divmod(i, columns)
         bottom = foot + _BOTTOM + (rows - 1 - row) * step
-        ax = place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
+        ax = sheet.place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
         _points(ax, values, shown.advance, shown, 0.5)
         ax.set_xlabel(axis_words(key), fontsize=7.0)
         ax.set_ylabel(r"$d/u_\mathrm{max}$")
@@ -220,7 +207,7 @@ def _read(found: Sweep, keys: list[str]) -> _Shown:
         words = ", ".join(alike if len(alike) == 1 else trial.gaits)
         gaits.append(_STOPPED if trial.stopped else words)
     often = sorted(set(gaits), key=lambda gait: (-gaits.count(gait), gait))
-    known = PATHWAY | {_STOPPED: FAINT}
+    known = style.PATHWAY | {_STOPPED: style.FAINT}
     spare = iter(_COLOURS)
     colours: dict[str, Colour] = {
         gait: colour
@@ -229,7 +216,7 @@ def _read(found: Sweep, keys: list[str]) -> _Shown:
     }
     if len(often) > len(colours):
         gaits = [gait if gait in colours else _REST for gait in gaits]
-        colours[_REST] = pale(FAINT, 0.5)
+        colours[_REST] = style.pale(style.FAINT, 0.5)
     return _Shown(
         {key: np.asarray(found.values[key], float) for key in keys},
         np.array([trial.advance for trial in found.trials]),

@@ -14,10 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.marks import limits, round_length
-from stepwell.figures.common.sheet import BESIDE, blank, page_width, place, text_at
-from stepwell.figures.common.style import BLUE, FAINT, INK, MM, ORANGE, PAGE, hollow, styled
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.parts import frame, in_world
 from stepwell.figures.robots.walk_reading import cycle_samples, number_cycles, refuse_empty
@@ -33,14 +31,14 @@ _APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
-_START = hollow(4.5)
+_START = style.hollow(4.5)
 _HEADING = 3.4  # length of an arrow to the heading [mm]
 _FAN = 2.6  # longer where steps are shorter than arrows
 _SLIGHT = 0.5  # turns that no bar shows [°]
 _SIDEWAYS: dict[str, Any] = {
     "markersize": 3.0,
-    "color": ORANGE,
-    "markeredgecolor": INK,
+    "color": style.ORANGE,
+    "markeredgecolor": style.INK,
     "markeredgewidth": 0.4,
 }
 
@@ -63,7 +61,7 @@ def trajectory(walk: Walk) -> Figure:
     return trajectories({walk.robot.title: walk})
 
 
-@styled
+@style.styled
 def trajectories(walks: Mapping[str, Walk]) -> Figure:
     """The paths of several walks at one scale, each with its displacement and rotation a cycle.
 
@@ -84,8 +82,8 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         refuse_empty(walk)
     boxes = [_extent(walk) for walk in walks.values()]
     widest = max(box[1] - box[0] for box in boxes)
-    page = page_width(PAGE)
-    beside = page >= BESIDE
+    page = sheet.page_width(style.PAGE)
+    beside = page >= sheet.BESIDE
     wide = _WIDE if beside else page - _LEFT - 5.0
     bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
     # A tenth of the width more, so that ticks stand clear of the frame.
@@ -98,23 +96,25 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     columns, keys = legends.laid(len(handles), page - _LEFT, _ENTRY)
     key = _KEY + _ROW * (keys - 1)
     height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
-    figure = blank(page, height)
+    figure = sheet.blank(page, height)
     rows: list[tuple[Axes, Axes, Axes]] = []
     bottom = height - key
     shown = zip(walks.values(), names, named, boxes, tall, strict=True)
     for walk, lines, above, box, high in shown:
         bottom -= _ABOVE + above + high
-        path = place(figure, _LEFT, bottom, wide, high)
+        path = sheet.place(figure, _LEFT, bottom, wide, high)
         _path(path, walk, box, scale, (wide, high))
         left, under, low = _LEFT, bottom - lower, _LOW
         if beside:
             left, low = _LEFT + wide + _GAP, high
-        moved = place(figure, left, under, bar, low)
-        turned = place(figure, left + bar + _GAP, under, bar - 3.0, low)
+        moved = sheet.place(figure, left, under, bar, low)
+        turned = sheet.place(figure, left + bar + _GAP, under, bar - 3.0, low)
         _bars(moved, turned, walk, bar)
         rows.append((path, moved, turned))
         for k, line in enumerate(reversed(lines)):
-            text_at(figure, _LEFT, bottom + high + 1.8 + _LINE * k, literal(line), weight="bold")
+            sheet.text_at(
+                figure, _LEFT, bottom + high + 1.8 + _LINE * k, literal(line), weight="bold"
+            )
         bottom -= _BELOW + lower
     for column in (1, 2):
         most = max(row[column].get_ylim()[1] for row in rows)
@@ -132,23 +132,23 @@ def _name(name: str, walk: Walk, room: float) -> list[str]:
 
 def _key() -> list[Artist]:
     return [
-        legends.line("path of the body", BLUE),
+        legends.line("path of the body", style.BLUE),
         legends.mark("start", **_START),
         legends.mark("end"),
         legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
-        legends.shade("along the heading", BLUE),
+        legends.shade("along the heading", style.BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
     ]
 
 
 def _outline(walk: Walk, sample: int) -> list[Floats]:
     where = (walk.x[sample], walk.y[sample], walk.yaw[sample])
-    return [in_world(line, *where) * MM for line in frame(walk.robot)]
+    return [in_world(line, *where) * style.MM for line in frame(walk.robot)]
 
 
 def _extent(walk: Walk) -> tuple[float, float, float, float]:
     ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
-    points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * MM])
+    points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * style.MM])
     return limits(points, (0.0, 0.0, 0.0, 0.0))
 
 
@@ -161,11 +161,11 @@ def _path(
 ) -> None:
     """The path in axes of this width and height [mm]."""
     wide, high = size
-    x, y = walk.x * MM, walk.y * MM
-    for sample, colour in ((0, FAINT), (len(x) - 1, INK)):
+    x, y = walk.x * style.MM, walk.y * style.MM
+    for sample, colour in ((0, style.FAINT), (len(x) - 1, style.INK)):
         for line in _outline(walk, sample):
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
-    ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
+    ax.plot(x, y, color=style.BLUE, linewidth=1.6, zorder=4.5, gid="path")
     at = cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1])
     # A robot that turns where it stands spreads its arrows like a fan.
     step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
@@ -174,11 +174,11 @@ def _path(
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
         start = np.array([x[sample], y[sample]])
         # Below the path, and only its head above: who walks straight on has both in one line.
-        look = {"color": INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
+        look = {"color": style.INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
         ax.plot(*np.array([start, start + tip]).T, **look)
-        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=9.0)
+        marks.head(ax, start.tolist(), (start + tip).tolist(), style.INK, size=9.0)
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
-    ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
+    ax.plot(x[-1], y[-1], "o", markersize=4.5, color=style.INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
     ax.set_xlim(middle[0] - wide / scale / 2, middle[0] + wide / scale / 2)
     ax.set_ylim(middle[1] - high / scale / 2, middle[1] + high / scale / 2)
@@ -193,12 +193,12 @@ def _path(
 def _bars(moved: Axes, turned: Axes, walk: Walk, wide: float) -> None:
     number = number_cycles(moved, walk)
     number_cycles(turned, walk)
-    moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
+    moved.bar(number, walk.advance, width=0.7, color=style.BLUE, zorder=2, gid="advance")
     moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
-    turned.bar(number, np.degrees(walk.turn), width=0.7, color=BLUE, zorder=2, gid="turn")
+    turned.bar(number, np.degrees(walk.turn), width=0.7, color=style.BLUE, zorder=2, gid="turn")
     # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
     degrees = np.degrees(walk.turn)
-    turned.plot(number, degrees, "o", markersize=3.0, color=INK, zorder=3, gid="turns")
+    turned.plot(number, degrees, "o", markersize=3.0, color=style.INK, zorder=3, gid="turns")
     most = float(np.abs(degrees).max(initial=0.0))
     if walk.cycles and most < _SLIGHT:
         words = (

@@ -10,23 +10,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, InputError
-from stepwell.figures.common import marks
+from stepwell.figures.common import marks, style
 from stepwell.figures.common.sheet import page_width
-from stepwell.figures.common.style import (
-    BLUE,
-    FAINT,
-    GREEN,
-    INK,
-    ORANGE,
-    PAGE,
-    PATHWAY,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    YELLOW,
-    cell_colours,
-    on_white,
-)
 
 if TYPE_CHECKING:
     from stepwell.robot import Robot
@@ -36,10 +21,16 @@ if TYPE_CHECKING:
 # How the whole robot moves in a cycle, in the order of legends.
 FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
 LEFT, RIGHT = "turning left", "turning right"
-MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
-PRESSED = PURPLE
+MOTION = {
+    FORWARD: style.INK,
+    LEFT: style.BLUE,
+    RIGHT: style.VERMILLION,
+    BACKWARD: style.ORANGE,
+    IDLE: style.FAINT,
+}
+PRESSED = style.PURPLE
 
-_MORE = (GREEN, BLUE, VERMILLION, INK)
+_MORE = (style.GREEN, style.BLUE, style.VERMILLION, style.INK)
 
 
 class Rest(NamedTuple):
@@ -53,7 +44,7 @@ class Rest(NamedTuple):
 def leg_colours(robot: Robot) -> dict[str, str]:
     """One colour a leg, by its name; neither blue nor vermillion, which have other meanings."""
     names = [leg.name for leg in robot.legs]
-    return dict(zip(names, cell_colours(len(names)), strict=True))
+    return dict(zip(names, style.cell_colours(len(names)), strict=True))
 
 
 def first_cycle(walk: Walk) -> int:
@@ -133,8 +124,8 @@ def motions(walk: Walk) -> list[str]:
 def gait_colours(walk: Walk) -> dict[str, str]:
     """A colour for every gait string that occurs, directed ones first."""
     occur = {gait for gaits in walk.gaits.values() for gait in gaits}
-    found = {gait: colour for gait, colour in PATHWAY.items() if gait in occur}
-    longer = {1: ORANGE, -1: SKY, 0: YELLOW}
+    found = {gait: colour for gait, colour in style.PATHWAY.items() if gait in occur}
+    longer = {1: style.ORANGE, -1: style.SKY, 0: style.YELLOW}
     step = {gait: direction(gait) for gait in occur}
     rest = sorted(occur - set(found), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
     spare = iter(_MORE * (len(rest) // len(_MORE) + 1))
@@ -144,7 +135,7 @@ def gait_colours(walk: Walk) -> dict[str, str]:
     return found
 
 
-DASHED = {"color": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 3))}
+DASHED = {"color": style.FAINT, "linewidth": 0.5, "linestyle": (0, (4, 3))}
 
 
 def refuse_empty(walk: Walk) -> None:
@@ -170,7 +161,7 @@ def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
     """
     time = walk.time[some]
     ax.set_xlim(time[0], max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
-    if page_width(PAGE) < PAGE:
+    if page_width(style.PAGE) < style.PAGE:
         # Moments of a short walk have many digits.
         ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     for start in walk.starts:
@@ -187,5 +178,5 @@ def number_cycles(ax: Axes, walk: Walk) -> NDArray[np.intp]:
     if not walk.cycles:
         ax.set_xticks([])
         middle = {"transform": ax.transAxes, "ha": "center", "va": "center"}
-        ax.text(0.5, 0.5, "no whole cycle", bbox=on_white(0.2), **middle)
+        ax.text(0.5, 0.5, "no whole cycle", bbox=style.on_white(0.2), **middle)
     return first + 1 + np.arange(walk.cycles)
