@@ -12,7 +12,8 @@ import pytest
 
 from claims import CLAIMS, ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement, claims as table, measured as _measured, steering
+from stepwell.paper import Judgement, measured as _measured, steering
+from stepwell.paper.claims import BEGIN, END, replaced
 from stepwell.paper.walking import WALKING_CLAIMS as ROBOT
 
 # Written by commands of their own: from recordings, from many simulated runs, of others.
@@ -20,7 +21,7 @@ APART = ("measured.md", "many-runs.md", "others.md")
 PAGES = [
     page
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    if table.BEGIN in page.read_text("utf-8") and page.name not in APART
+    if BEGIN in page.read_text("utf-8") and page.name not in APART
 ]
 
 
@@ -106,7 +107,7 @@ def test_the_page_of_many_runs_shows_its_file_and_names_every_claim():
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_a_page_with_the_table_shows_what_is_computed_now(page, computed):
     text = page.read_text("utf-8")
-    assert same(text, table.replaced(text, paper.markdown(computed.values())))
+    assert same(text, replaced(text, paper.markdown(computed.values())))
 
 
 @pytest.mark.slow
@@ -114,7 +115,7 @@ def test_the_page_of_the_recordings_shows_what_they_give_now(kamp2024):
     asked = (claim for claim in paper.claims(kamp2024) if claim.id in _measured.IDS)
     verdicts = [claim.judge() for claim in asked]
     page = (ROOT / "docs" / "measured.md").read_text("utf-8")
-    assert same(page, table.replaced(page, paper.markdown(verdicts)))
+    assert same(page, replaced(page, paper.markdown(verdicts)))
     committed = json.loads((ROOT / "docs" / "measured.json").read_text("utf-8"))["claims"]
     computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
     assert len(committed) == len(computed) == len(_measured.IDS)
@@ -130,18 +131,18 @@ def test_the_page_of_the_recordings_holds_the_claims_that_need_them(verdicts):
 
 
 def test_writing_the_table_again_changes_nothing_and_keeps_the_rest():
-    page = f"before\n{table.BEGIN}\nold\n{table.END}\nafter\n"
-    once = table.replaced(page, "new")
-    assert table.replaced(once, "new") == once
+    page = f"before\n{BEGIN}\nold\n{END}\nafter\n"
+    once = replaced(page, "new")
+    assert replaced(once, "new") == once
     assert once.startswith("before\n")
     assert once.endswith("\nafter\n")
     assert "old" not in once
 
 
-@pytest.mark.parametrize("page", ["", table.BEGIN, table.END])
+@pytest.mark.parametrize("page", ["", BEGIN, END])
 def test_a_page_without_its_markers_is_refused(page):
     with pytest.raises(ValueError, match="no place for the claims: put in"):
-        table.replaced(page, "new")
+        replaced(page, "new")
 
 
 def test_a_bar_in_a_claim_does_not_break_the_table(verdicts):

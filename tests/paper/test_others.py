@@ -4,7 +4,8 @@ import pytest
 
 from claims import ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement, claims as table
+from stepwell.paper import Judgement
+from stepwell.paper.claims import replaced
 
 FILE, PAGE = ROOT / "docs" / "others.json", ROOT / "docs" / "others.md"
 
@@ -25,7 +26,7 @@ def test_the_committed_results_of_others_are_those_computed_now(computed):
 @pytest.mark.shown
 def test_the_page_of_others_shows_what_is_computed_now(computed):
     text = PAGE.read_text("utf-8")
-    assert same(text, table.replaced(text, paper.markdown(computed.values())))
+    assert same(text, replaced(text, paper.markdown(computed.values())))
 
 
 @pytest.mark.slow

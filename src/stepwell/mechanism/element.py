@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
-from stepwell.mechanism import element_curves as build
+from stepwell.mechanism import element_curves
 from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
 from stepwell.mechanism.element_curves import beside, folded
 from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
@@ -119,7 +119,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: too few points, travels that do not rise, or noise larger than a snap.
         """
-        rows, end, band = build.table(travel, force, noise, measure)
+        rows, end, band = element_curves.table(travel, force, noise, measure)
         on = (Sheet.of(rows, end),)
         return cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
 
@@ -145,7 +145,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: too few points, or travels that do not rise.
         """
-        rows, end = build.points(travel, force, measure)
+        rows, end = element_curves.points(travel, force, measure)
         on = (Sheet.of(rows, end),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 
@@ -176,7 +176,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: a law without finite values, or with a kink that `kinks` does not name.
         """
-        rows, end = build.law(force, low, high, kinks, accuracy, measure)
+        rows, end = element_curves.law(force, low, high, kinks, accuracy, measure)
         on = (Sheet.of(rows, end),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 

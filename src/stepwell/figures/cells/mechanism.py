@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError
 from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
-from stepwell.figures.common import legends, marks, style, words as told
+from stepwell.figures.common import legends, marks, style, words
 from stepwell.figures.common.marks import plain, round_length
 from stepwell.figures.common.sheet import canvas, page_width
 from stepwell.mechanism import Chain, Element
@@ -185,7 +185,7 @@ def draw(ax: Axes, sheet: Sheet) -> None:
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
     slack = False
-    stroke_of = told.stroke(sheet.linkage.chain.measure)
+    stroke_of = words.stroke(sheet.linkage.chain.measure)
     for k, (travels, sheets, title, origin) in enumerate(
         zip(sheet.travels, sheet.sheets, sheet.titles, sheet.origins, strict=True)
     ):
@@ -295,5 +295,5 @@ def _allowed(chain: Chain) -> str:
 def _title(chain: Chain, state: State) -> str:
     if isinstance(state, str):
         return state
-    travel = told.travel(chain.measure)
+    travel = words.travel(chain.measure)
     return f"{travel.symbol} = {', '.join(map(travel.number, state))} {travel.sign}"

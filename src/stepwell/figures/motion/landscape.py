@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats
-from stepwell.figures.common import marks, style, words as told
+from stepwell.figures.common import marks, style, words
 from stepwell.figures.common.reading import path_of, require_two_cells, snaps_of, span
 from stepwell.figures.common.sheet import canvas, keep_inside, page_width, place, root
 from stepwell.figures.common.words import literal
@@ -83,7 +83,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 
 def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     """The landscape itself with its stops or phases, states and lines of equal stroke."""
-    chain, of = path.chain, told.travel(path.chain.measure)
+    chain, of = path.chain, words.travel(path.chain.measure)
     spans = [span(path, i) for i in range(2)]
     along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
     inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
@@ -151,7 +151,7 @@ def _name_states(ax: Axes, width: float, height: float) -> None:
 
 def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
     """A frame round each state, with the digits of the inner cell above, of the outer beside."""
-    factor = told.travel(chain.measure).factor
+    factor = words.travel(chain.measure).factor
     both = [
         [np.clip([phase.low * factor, phase.high * factor], *within) for phase in phases]
         for phases, within in zip(chain.phases, ends, strict=True)
@@ -183,7 +183,7 @@ def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
 
 def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
-    x, y = path.travel.T * told.travel(path.chain.measure).factor
+    x, y = path.travel.T * words.travel(path.chain.measure).factor
     marks.trace(ax, path, x, y, _WIDTHS)
     marks.snaps(ax, snaps_of(path), x, y)
     marks.headings(ax, path, x, y, sizes=(13.0, 10.0))

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats
-from stepwell.figures.common import marks, style, words as told
+from stepwell.figures.common import marks, style, words
 from stepwell.figures.common.reading import curve, snaps_of
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class StrokePlan(NamedTuple):
 
 def plan_of(path: Path) -> StrokePlan:
     """The plan of a path: mm, or N under force control."""
-    of = told.drive(path.chain)
+    of = words.drive(path.chain)
     drive = path.drive * of.factor
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
     return StrokePlan(path, way, drive, of.sign, of.label)
@@ -53,7 +53,7 @@ def plan_of(path: Path) -> StrokePlan:
 
 def windows_of(program: Program) -> list[Window]:
     """One for every turn, and one for the end where that may vary."""
-    scale = told.drive(program.chain).factor
+    scale = words.drive(program.chain).factor
     points = np.array(program.turning_points) * scale
     ways = np.cumsum(np.abs(np.diff(points)))
     bounds = [(turn.low, turn.high) for turn in program.turns]

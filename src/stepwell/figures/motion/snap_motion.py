@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, style, words as told
+from stepwell.figures.common import legends, style, words
 from stepwell.figures.common.sheet import canvas, keep_inside
 from stepwell.figures.common.words import literal
 
@@ -58,7 +58,7 @@ def snap_motion(
         )
     own = ax is None
     full = np.array([cell.full_travel for cell in chain.cells])
-    y, colours, until = told.travel(chain.measure), style.cell_colours(len(chain)), 0.0
+    y, colours, until = words.travel(chain.measure), style.cell_colours(len(chain)), 0.0
     moved = np.zeros(len(chain), bool)
     for name, landing in landings.items():
         time, travel = _curve(name, landing, full)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
 from stepwell.base import Floats, InputError, Measure
-from stepwell.figures.common import legends, marks, sheet, style, words as told
+from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
 from stepwell.figures.common.words import literal
@@ -93,7 +93,7 @@ def force_stroke(
     own = ax is None
     width = style.COLUMN if len(path.chain) <= 4 else style.PAGE
     figure, ax = sheet.canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0), keyed=True)
-    x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
+    x, y = words.stroke(path.chain.measure), words.actuator(path.chain.measure)
     stroke, force = path.stroke * x.factor, path.force * y.factor
     ax.set(xlabel=x.label, ylabel=y.label)
     marks.zero_line(ax)
@@ -167,7 +167,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     least = len(cells) * (_LANE if named else _ROW / every)
     size, margins = (style.COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0)
     figure, ax = sheet.canvas(ax, size, margins, keyed=True, least=least)
-    x, y = told.stroke(path.chain.measure), told.travel(path.chain.measure)
+    x, y = words.stroke(path.chain.measure), words.travel(path.chain.measure)
     stroke = path.stroke * x.factor
     snaps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
@@ -244,7 +244,7 @@ def lanes(path: Path, gap: float) -> list[Lane]:
         path: of a chain of any length.
         gap: between two lanes, as a fraction of the longest travel.
     """
-    cells, of = path.chain.cells, told.travel(path.chain.measure)
+    cells, of = path.chain.cells, words.travel(path.chain.measure)
     spans = [span(path, i) for i in range(len(cells))]
     longest = max(high - low for low, high in spans) * of.factor
     found: list[Lane] = []
