@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from stepwell import paper
-from stepwell.paper import Judgement, Verdict
+from stepwell.paper import Judgement, Verdict, Verdicts
 
 ROOT = Path(__file__).resolve().parents[1]
 CLAIMS = ROOT / "docs" / "claims.json"
@@ -17,14 +17,15 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 ONE_DIGIT = 2e-3
 
 
-def committed() -> tuple[Verdict, ...]:
+def committed() -> Verdicts:
     """A verdict for each claim, in the order of the claims, without computing any."""
     found = {one["id"]: one for one in json.loads(CLAIMS.read_text("utf-8"))["claims"]}
     claims = paper.claims()
     new = [claim.id for claim in claims if claim.id not in found]
-    assert not new, f"{new}: run `python -m stepwell.paper docs/claims.json docs/claims.md`"
+    tool = "python tests/docs/claims_pages.py"
+    assert not new, f"{new}: run `{tool} docs/claims.json docs/claims.md`"
     told = [(claim, found[claim.id]) for claim in claims]
-    return tuple(
+    return Verdicts(
         Verdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"]) for claim, one in told
     )
 

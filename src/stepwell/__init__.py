@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stepwell import (
         base,
-        cards,
         concave,
         figures,
         files,
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
         mechanism,
         paper,
         reports,
-        results,
         robot,
         sequences,
         simulation,
@@ -122,8 +120,8 @@ _DOORS = {
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
 # and commands are nobody's to call.
 _ROOMS = (
-    *("accounts", "base", "cards", "concave", "design", "figures", "files", "lab"),
-    *("mechanism", "paper", "reports", "results", "robot", "sequences", "simulation", "statics"),
+    *("accounts", "base", "concave", "design", "figures", "files", "lab"),
+    *("mechanism", "paper", "reports", "robot", "sequences", "simulation", "statics"),
     *("studies", "studio"),
 )
 

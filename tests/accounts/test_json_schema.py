@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from accounts.schemas import violations
-from stepwell import results
+from stepwell import accounts as results
 from stepwell.accounts import account
 from stepwell.accounts.json_schema import KINDS, schema_kinds, schema_of
 from stepwell.accounts.shape import shapes

@@ -1,16 +1,22 @@
 """One of every result that a user can hold, small, by the name of its class."""
 
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 import stepwell as sw
+from claims import committed
 from lab.values import of_recordings
 from stepwell import simulation
-from stepwell.base import StepwellError
+from stepwell.accounts import account
+from stepwell.base import Installation, StepwellError, installation
 from stepwell.design import USUAL, share_of
-from stepwell.studies import Atlas, Axis, Machine, Sampled
+from stepwell.studies import Atlas, Axis, Machine, Sampled, Space, Status, sweep
+
+_AXES = (Axis("outer.q.x", 0.0, 0.02),)
 
 
 def _refused(ask: Any) -> StepwellError:
@@ -29,9 +35,22 @@ def _atlas(chain: sw.Chain) -> Atlas:
     )  # fmt: skip
     counts = (100, 60, 0, 40, 0)
     return Atlas(
-        chain, (Axis("outer.q.x", 0.0, 0.02),), "stroke", 0, *counts, USUAL, (one,), (),
+        chain, _AXES, "stroke", 0, *counts, USUAL, (one,), (),
         share_of(1, 50), Sampled(0, 0, {}), 0, 0, None, False,
     )  # fmt: skip
+
+
+def _installation() -> Installation:
+    """Of no cores."""
+    return installation(dict.fromkeys(("cores", "kernels", "OpenGL", "display"), lambda: None))
+
+
+def _study(chain: sw.Chain) -> Status:
+    """Of two designs."""
+    with TemporaryDirectory() as folder:
+        found = sweep(chain, "graph", Space(_AXES), Path(folder) / "few.zarr", workers=0)
+        account(found).record  # noqa: B018  reads the store, which is gone after this
+    return found
 
 
 @cache
@@ -61,6 +80,9 @@ def of_chains() -> dict[str, Any]:
         chain.survival([0.0, 0.040, 0.0], "00", n=20),
         chain.reprogram("00>01>11>10>00", by="inner.p"),
         _atlas(chain),
+        _study(chain),
+        committed(),
+        _installation(),
         sw.design("00>01>11>10>00", n=40),
         _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,

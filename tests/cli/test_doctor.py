@@ -2,15 +2,18 @@
 
 import json
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from stepwell.base import EXTRAS
+from accounts.schemas import violations
+from stepwell.accounts import account, card, page
+from stepwell.base import EXTRAS, installation, installed
 from stepwell.cli import doctor
 from stepwell.kernels import store
-from stepwell.results.json_schema import violations
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -18,8 +21,8 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_it_says_what_is_here_and_ends_with_0(stepwell):
     result = stepwell("doctor")
     assert result.exit_code == 0
-    assert "all that Stepwell needs is here" in result.stdout
-    for name in (*doctor.NEEDED, *EXTRAS, "H.264 encoder", "OpenGL"):
+    assert "All packages that Stepwell needs are installed" in result.stdout
+    for name in (*installed.NEEDED, *EXTRAS, "H.264 encoder", "OpenGL"):
         assert re.search(rf"^{re.escape(name)} ", result.stdout, re.M), name
 
 
@@ -36,7 +39,7 @@ def test_the_json_says_all_that_the_screen_says(stepwell):
 def test_it_knows_the_packages_and_extras_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     bare = [re.split(r"[><=\[]", text)[0] for text in project["dependencies"]]
-    assert sorted(doctor.NEEDED) == sorted(bare)
+    assert sorted(installed.NEEDED) == sorted(bare)
     extras = project["optional-dependencies"]
     assert extras.keys() - {"all", "docs", "dev"} == EXTRAS.keys()
     for name, extra in EXTRAS.items():
@@ -47,8 +50,8 @@ def test_it_knows_the_packages_and_extras_of_the_project():
 
 
 def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypatch):
-    known = doctor._version
-    monkeypatch.setattr(doctor, "_version", lambda name: None if name == "av" else known(name))
+    known = installed._version
+    monkeypatch.setattr(installed, "_version", lambda name: None if name == "av" else known(name))
     result = stepwell("doctor")
     assert result.exit_code == 0
     assert "pip install 'stepwell[video]'" in result.stdout
@@ -56,8 +59,10 @@ def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypat
 
 
 def test_a_missing_package_is_named_and_ends_with_1(stepwell, monkeypatch):
-    known = doctor._version
-    monkeypatch.setattr(doctor, "_version", lambda name: None if name == "scipy" else known(name))
+    known = installed._version
+    monkeypatch.setattr(
+        installed, "_version", lambda name: None if name == "scipy" else known(name)
+    )
     result = stepwell("doctor")
     assert result.exit_code == 1
     assert re.search(r"^Missing +scipy$", result.stdout, re.M)
@@ -67,7 +72,7 @@ def test_a_missing_package_is_named_and_ends_with_1(stepwell, monkeypatch):
 def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_at(
     stepwell, monkeypatch
 ):
-    kept = doctor.import_module
+    kept = installed.import_module
 
     def broken(name):
         if name in ("mujoco", "networkx", "av"):
@@ -77,19 +82,39 @@ def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_a
     def failing():
         raise RuntimeError("no kernels")
 
-    monkeypatch.setattr(doctor, "import_module", broken)
+    monkeypatch.setattr(installed, "import_module", broken)
     monkeypatch.setattr(doctor, "_opengl", failing)
     monkeypatch.setenv("MUJOCO_GL", "bogus")
     result = stepwell("doctor")
     assert result.exit_code == 1  # for networkx, without which nothing goes
-    assert "packages are broken" in result.stdout
+    assert "Packages are broken" in result.stdout
     record = json.loads(stepwell("doctor", "--json").stdout)
     assert [one["part"] for one in record["broken"]] == [
         "networkx", "mujoco with MUJOCO_GL=bogus", "av", "H.264 encoder", "OpenGL",
     ]  # fmt: skip
     assert record["broken"][0]["reason"] == "AttributeError: networkx has no such thing"
-    monkeypatch.setattr(doctor, "import_module", kept)
+    monkeypatch.setattr(installed, "import_module", kept)
     assert stepwell("doctor").exit_code == 0  # drawing is no more than an extra
+
+
+def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form(monkeypatch):
+    monkeypatch.setattr(installed, "_version", lambda name: None)
+    probes = dict.fromkeys(("cores", "kernels", "OpenGL", "display"), lambda: None)
+    found = account(installation(probes))
+    assert violations(found.record) == []
+    assert found.record["packages"][0]["version"] is None and found.record["kernels"] is None
+    for form in (card(found), page(found)):
+        assert "Packages are missing" in form and "numpy" in form
+
+
+def test_what_is_missing_can_be_reported_without_any_package():
+    # What the command imports before it examines anything.
+    program = (
+        "import sys, stepwell.cli.doctor;"
+        f"print(*{{*sys.modules}} & {{*{installed.NEEDED}}} - {{'typer', 'rich', 'pydantic'}})"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (ran.stdout.strip(), ran.returncode) == ("", 0), ran
 
 
 @pytest.mark.parametrize("writable", [True, False])

@@ -36,7 +36,7 @@ from stepwell.files.schema.keys import field_of, written
 from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
-from stepwell.paper import record as paper_record
+from stepwell.paper import Verdicts
 from stepwell.sequences import Unreachable
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -208,7 +208,7 @@ def motion_records() -> list[dict[str, Any]]:
 @pytest.mark.slow
 def test_every_name_of_the_json_is_documented():
     text = page("commands")
-    records = [*lab_records(), *motion_records(), paper_record([VERDICT])]
+    records = [*lab_records(), *motion_records(), account(Verdicts([VERDICT])).record]
     names = {name for record in records for name in keys_of(record)} - {"unsolved"}
     for name in sorted(names):
         # Drives that are forces end in _N, as the page says once for all of them.

@@ -23,6 +23,7 @@ from scipy.stats import binomtest
 
 import stepwell as sw
 from stepwell import studies
+from stepwell.accounts import account
 from stepwell.base import number, percent
 from stepwell.design import share_of
 from stepwell.figures import svg
@@ -215,7 +216,7 @@ def collected(folder: Path) -> dict[str, Any]:
     for store in (*ROUNDS, *LAST):
         status = studies.status(folder / f"{store}.zarr")
         status.study.to_csv(folder / "table.csv")
-        record = sw.results.study_record(status)
+        record = account(status).record
         kept = (
             "stepwell",
             "versions",

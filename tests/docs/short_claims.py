@@ -1,6 +1,6 @@
 """The README's sentence on the claims: `python tests/docs/short_claims.py` writes it.
 
-It is made of docs/claims.json alone, which `python -m stepwell.paper docs/claims.json` computes.
+It is made of docs/claims.json alone, which `python tests/docs/claims_pages.py` computes.
 """
 
 import json

@@ -15,7 +15,6 @@ from typing import Any
 
 from stepwell.base import percent
 from stepwell.figures import compose, influences, svg
-from stepwell.results import deciding_rows
 from stepwell.studies import Decided, Influence
 
 ROOT = Path(__file__).parents[2]
@@ -61,9 +60,10 @@ def table(record: dict[str, Any], columns: tuple[str, ...]) -> str:
         "| what | decided by | share of its variance | more of it gives |",
         "|---|---|---|---|",
     ]
-    for row in deciding_rows(record):
-        what = row["column"].partition(" = ")[0]
-        if what in columns and row["share"] >= 0.01:
+    rows = ((one, row) for one in record["decided"] for row in one["influences"][:5])
+    for one, row in rows:
+        what = one["column"]
+        if what in columns and row["share"] >= max(0.01, one["floor"]):
             more = "more" if row["trend"] > 0 else "less"
             more = {"gaits": f"{more} often"}.get(what, more)
             told, key = WORDS.get(what, what), WORDS[row["parameter"]]

@@ -8,7 +8,7 @@ import pytest
 from figures.drawn import lines, points, untidy
 from figures.shapes import boxes, ends
 from stepwell import figures
-from stepwell.figures import Effect, Sensitivity
+from stepwell.paper import Effect, Sensitivity
 
 EFFECTS = (
     Effect("period [s]", 1.0, 4.0, 0.75, 0.74),

@@ -12,7 +12,8 @@ import pytest
 
 from claims import CLAIMS, ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement, measured as _measured, steering
+from stepwell.accounts import account
+from stepwell.paper import Judgement, Verdicts, measured as _measured, steering
 from stepwell.paper.claims import BEGIN, END, replaced
 from stepwell.paper.walking import WALKING_CLAIMS as ROBOT
 
@@ -42,7 +43,7 @@ def test_the_comparison_sees_a_changed_number_and_a_changed_word():
 @pytest.mark.slow
 @pytest.mark.shown
 def test_the_committed_claims_are_those_computed_now(computed):
-    assert_committed(CLAIMS, paper.record(computed.values()))
+    assert_committed(CLAIMS, account(Verdicts(computed.values())).record)
 
 
 @pytest.mark.slow
@@ -113,11 +114,11 @@ def test_a_page_with_the_table_shows_what_is_computed_now(page, computed):
 @pytest.mark.slow
 def test_the_page_of_the_recordings_shows_what_they_give_now(kamp2024):
     asked = (claim for claim in paper.claims(kamp2024) if claim.id in _measured.IDS)
-    verdicts = [claim.judge() for claim in asked]
+    verdicts = Verdicts(claim.judge() for claim in asked)
     page = (ROOT / "docs" / "measured.md").read_text("utf-8")
     assert same(page, replaced(page, paper.markdown(verdicts)))
     committed = json.loads((ROOT / "docs" / "measured.json").read_text("utf-8"))["claims"]
-    computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
+    computed = json.loads(json.dumps(account(verdicts).record["claims"]))
     assert len(committed) == len(computed) == len(_measured.IDS)
     for old, new in zip(committed, computed, strict=True):
         assert all(same(old[name], new[name]) for name in new), (old, new)
@@ -153,10 +154,9 @@ def test_a_bar_in_a_claim_does_not_break_the_table(verdicts):
 
 @pytest.mark.slow
 def test_the_module_says_how_to_be_called():
-    asked = subprocess.run(
-        [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False
-    )
+    tool = ROOT / "tests" / "docs" / "claims_pages.py"
+    asked = subprocess.run([sys.executable, tool], capture_output=True, text=True, check=False)
     assert asked.returncode == 1
     assert asked.stderr.startswith(
-        "usage: python -m stepwell.paper [--data PATH | --all | --others] FILE.json"
+        "usage:\npython tests/docs/claims_pages.py [--data PATH | --all | --others] FILE.json"
     )

@@ -5,8 +5,8 @@ from PIL import Image
 
 from cli.folders import written
 from figures.drawn import says, untidy
-from stepwell import paper
-from stepwell.paper import figures
+from stepwell import paper, reports
+from stepwell.reports import paper as figures
 
 DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 
@@ -36,9 +36,9 @@ def test_six_cells_are_told_apart_by_their_anchors():
 
 
 def test_a_figure_is_asked_for_by_its_name():
-    assert paper.figure_of("fig1").subfigs
+    assert reports.figure_of("fig1").subfigs
     with pytest.raises(ValueError, match=r"no such figure of the paper. Did you mean fig2\?"):
-        paper.figure_of("fig2d")
+        reports.figure_of("fig2d")
 
 
 def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
@@ -53,15 +53,17 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
     monkeypatch.setattr(figures, "FIGURES", chosen)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     told = []
-    paper.run(tmp_path / "out", progress=lambda done, total: told.append((done, total)))
+    progress = lambda done, total: told.append((done, total))  # noqa: E731
+    reports.write(paper.run(), tmp_path / "out", progress=progress)
     assert written(tmp_path / "out") == {
         "claims.json",
+        "report.html",
         *(f"{name}{suffix}" for name in chosen for suffix in (".png", ".svg")),
     }
     with Image.open(tmp_path / "out" / "fig2c.png") as picture:
         assert picture.size[0] == pytest.approx(85 / 25.4 * 300, abs=1)
     assert told[-1] == (len(told), len(told))
-    assert len(told) == len(paper.claims()) + len(chosen)
+    assert len(told) == 2 * len(chosen) + 2
 
 
 def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatch, known_verdicts):
@@ -73,6 +75,6 @@ def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatc
     out.mkdir()
     (out / "claims.json").write_text("old")
     with pytest.raises(RuntimeError, match="no ink"):
-        paper.run(out, force=True)
+        reports.write(paper.run(), out, force=True)
     assert (out / "claims.json").read_text() == "old"
     assert [file.name for file in tmp_path.rglob("*.*")] == ["claims.json"]

@@ -4,7 +4,8 @@ import pytest
 
 from claims import ROOT, assert_committed, same
 from stepwell import paper
-from stepwell.paper import Judgement
+from stepwell.accounts import account
+from stepwell.paper import Judgement, Verdicts
 from stepwell.paper.claims import replaced
 
 FILE, PAGE = ROOT / "docs" / "others.json", ROOT / "docs" / "others.md"
@@ -19,7 +20,7 @@ def computed() -> dict[str, paper.Verdict]:
 @pytest.mark.slow
 @pytest.mark.shown
 def test_the_committed_results_of_others_are_those_computed_now(computed):
-    assert_committed(FILE, paper.record(computed.values()))
+    assert_committed(FILE, account(Verdicts(computed.values())).record)
 
 
 @pytest.mark.slow

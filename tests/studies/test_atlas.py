@@ -15,7 +15,8 @@ from studies_bytes import bytes_of
 
 pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installed")
 
-from stepwell import figures, reports, results
+from stepwell import figures, reports
+from stepwell.accounts import account
 from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
 from stepwell.design import Tolerances, parameter
 from stepwell.studies import (
@@ -314,7 +315,7 @@ def test_the_status_of_an_atlas_is_a_few_numbers(stores):
     from stepwell.studies import status
 
     study, _ = stores(2, 20_000)
-    record = sw.results.study_record(status(study))
+    record = account(status(study)).record
     assert record["outcomes"] == [] and record["finished"]
     told = {one["column"]: one["most"] for one in record["numbers"]}
     assert told == {"told": 20_000, "not_proved": 0, "ties": 0, "wakes": 0}
@@ -353,13 +354,13 @@ def test_machines_are_drawn_with_their_states_in_one_place_and_their_own_way_bac
 
 def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tmp_path):
     _, found = stores(2, 20_000)
-    names = reports.write_atlas(found, tmp_path)
+    names = reports.write(found, tmp_path)
     assert set(names) == {"atlas.json", "machines.png", "machines.svg", "report.html"}
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "3 graphs and 4 cycles" in page
     assert all(one.name in page for one in found.machines)
     record = json.loads((tmp_path / "atlas.json").read_text("utf-8"))
-    assert record["machines"] == results.atlas_record(found)["machines"]
+    assert record["machines"] == account(found).record["machines"]
 
 
 def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:

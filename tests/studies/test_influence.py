@@ -9,7 +9,8 @@ from hypothesis import given, strategies as st
 
 import stepwell as sw
 from figures.drawn import untidy
-from stepwell import figures, reports, results
+from stepwell import figures, reports
+from stepwell.accounts import account
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
 
@@ -75,7 +76,7 @@ def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
     assert cycle.sure[0].name == "outer.q.y"
     low, high = (study.study.values(cycle.influences[0].name)[k] for k in (0, 1))
     assert low != high
-    record = results.study_record(study)
+    record = account(study).record
     (first,) = [one for one in record["outcomes"] if one["value"] == cycle.value]
     assert first["share"] == np.mean(study.study.values("sequence") == cycle.value)
     assert first["share_low"] < first["share"] < first["share_high"]
@@ -83,13 +84,13 @@ def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
 
 def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
     found = sweep(LEG, "cycle", Space((Axis("outer.q.x", 0.0, 0.020, 5),)), tmp_path / "a.zarr")
-    record = results.study_record(found)
+    record = account(found).record
     assert record["decided"] == []
     assert {one["share_low"] for one in record["outcomes"]} == {None}
 
 
 def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
-    names = reports.write_study(study, tmp_path / "out")
+    names = reports.write(study, tmp_path / "out")
     assert {"report.html", "outcomes.svg", "influences.svg", "study.csv", "study.json"} <= {*names}
     page = (tmp_path / "out" / "report.html").read_text("utf-8")
     assert "outer.q.y" in page and "problem" not in page
@@ -100,10 +101,10 @@ def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
     try:
         half = status(opened(study.study.folder))
         with pytest.raises(GapError, match="are missing"):
-            reports.write_study(half, tmp_path / "half")
-        reports.write_study(half, tmp_path / "half", partial=True)
+            reports.write(half, tmp_path / "half")
+        reports.write(half, tmp_path / "half", partial=True)
         page = (tmp_path / "half" / "report.html").read_text("utf-8")
-        assert "4 of 5 chunks are done: " in page and "designs are missing: " in page
+        assert "4 of 5 chunks are done" in page and "designs are missing: " in page
     finally:
         (tmp_path / "kept").rename(study.study.folder / "snaps" / "c" / "1")
 
@@ -137,4 +138,4 @@ def test_an_atlas_has_no_report_of_a_study(tmp_path):
     cell = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
     found = atlas(sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr")
     with pytest.raises(ValueError, match="stepwell atlas show"):
-        reports.write_study(found, tmp_path / "out")
+        reports.write(found, tmp_path / "out")

@@ -12,8 +12,9 @@ from studies_bytes import bytes_of
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
 pytest.importorskip("mujoco", reason="robots' studies are not tested: mujoco is not installed")
 
+from accounts.schemas import violations
+from stepwell.accounts import account, terminal
 from stepwell.base import ExtraError, InputError, extras
-from stepwell.results.json_schema import violations
 from stepwell.robot import Robot
 from stepwell.simulation import Outcome, Trial
 from stepwell.studies import (
@@ -152,19 +153,16 @@ def test_agreement_is_what_counting_gives(make):
         assert share is not None and (share.times, share.of) == (times, of) and of > 0
 
 
-def test_shares_are_told_of_designs_drawn_by_lot_and_none_of_those_chosen(make, capsys):
-    from stepwell.cli.text import studies as texts
-
+def test_shares_are_told_of_designs_drawn_by_lot_and_none_of_those_chosen(make):
     study = filled(make(Wrong()))
-    record = sw.results.study_record(status(study))
+    record = account(status(study)).record
     lot = [k for k in range(COUNT) if study.by_lot(k)]
     assert sum(one["designs"] for one in record["outcomes"]) == len(lot)
     assert record["decided"] == [] and decided(study) == ()
     assert [one["column"] for one in record["numbers"]] == ["depth"]
     assert violations(record) == []
-    texts.study(record)
-    shown = " ".join(capsys.readouterr().out.split())
-    assert "Screen warp keeps 10 of 20" in shown and "drawn by lot (95 %:" in shown
+    shown = " ".join(line.text for line in terminal(account(status(study))))
+    assert "warp keeps 10 of 20" in shown and "drawn at random: " in shown
 
 
 def test_a_study_that_is_not_screened_has_no_screen_and_asks_for_what_it_asked_before(tmp_path):

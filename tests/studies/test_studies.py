@@ -26,6 +26,7 @@ from studies_bytes import bytes_of
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
 
+from stepwell.accounts import account
 from stepwell.studies import (
     Axis,
     CancelledError,
@@ -174,7 +175,7 @@ def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, undisturbed):
     gone.unlink()
     assert study.missing() == [1, 3, 5] and status(folder).done == study.chunks - 3
     # What holds can be read meanwhile.
-    told = {one["column"]: one for one in sw.results.study_record(status(folder))["numbers"]}
+    told = {one["column"]: one for one in account(status(folder)).record["numbers"]}
     assert told["snaps"]["designs"] == GRID.count - CHUNK
     assert study.to_csv(tmp_path / "some.csv", partial=True) == GRID.count - 3 * CHUNK
     assert resumed(opened(folder), 2).finished
@@ -416,7 +417,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     data.study.to_csv(tmp_path / "w.csv")
     head, first, _ = (tmp_path / "w.csv").read_text().splitlines()
     assert head.startswith("design,foot.below_mm,advance") and first.startswith("0,0.3,")
-    (spanned,) = sw.results.study_record(data)["varied"]
+    (spanned,) = account(data).record["varied"]
     assert (spanned["from"], spanned["to"]) == (0.3, 0.6)
     arena = sw.files.dumps(sw.load_arena("pen"))
     given = {"arena": arena, "limit": 1.0, "layouts": 2}

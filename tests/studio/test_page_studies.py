@@ -9,9 +9,9 @@ import pytest
 
 from chromium import nothing_found
 from stepwell import studies
+from stepwell.accounts import account
 from stepwell.design import parameter
 from stepwell.mechanism import Chain
-from stepwell.results import study_record
 from stepwell.studies import Study
 from studio.browser import anchors, number, output, settled, shown_as
 
@@ -51,7 +51,7 @@ def told(text: str) -> float:
 
 def test_an_open_study_shows_what_the_command_prints(page: Page, study: Study):
     opened_study(page, study)
-    record = study_record(studies.status(study))
+    record = account(studies.status(study)).record
     expect(output(page, "how far it is")).to_have_text("64 designs, all done")
     for row, one in zip(cells(page, "Outcomes"), record["outcomes"], strict=True):
         assert row[0] == one["value"] and int(row[1]) == one["designs"]

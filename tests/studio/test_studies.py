@@ -17,8 +17,8 @@ import pytest
 import stepwell as sw
 from golden.running import invoke
 from stepwell import base, files, studies
+from stepwell.accounts import account
 from stepwell.files import loads_tables, preset_text, tables_in
-from stepwell.results import atlas_record, study_record
 from stepwell.studies import Axis, How, Space, Study, Workshop, asked, begun
 from stepwell.studio.answering import answered
 from stepwell.studio.panels import end_studies
@@ -58,7 +58,7 @@ def robot() -> dict[str, Any]:
 def test_an_open_study_is_what_the_command_says_of_it(ask: Asks, tmp_path: Path):
     study = filled(plane(tmp_path / "home", 60))
     header, blocks = ask("study", name=study.folder.name)
-    record = json.loads(json.dumps(study_record(studies.status(study))))
+    record = json.loads(json.dumps(account(studies.status(study)).record))
     assert header["failures"] == record.pop("problems")
     del record["schema"]
     assert {key: header[key] for key in record} == record
@@ -371,7 +371,7 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     header, _ = unpacked(answered(Message("atlas", 1, None, {"name": "two.zarr"}, 0, two)))
     study = studies.opened(two / "two.zarr")
     found = studies.charted(study)
-    record = json.loads(json.dumps(atlas_record(found, borders=studies.borders(study, found))))
+    record = json.loads(json.dumps(account(found, borders=studies.borders(study, found)).record))
     del record["cycles"], record["schema"]
     shown = header["machines"]
     for one, of in zip(shown, record.pop("machines"), strict=True):

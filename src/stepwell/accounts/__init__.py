@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Level
-from stepwell.accounts.assumptions import actuator_words, assumptions, simulation_assumptions
+from stepwell.accounts.account import Account, Level, Picture
 from stepwell.accounts.card import card
 from stepwell.accounts.head import CALIBRATED, About, Calibrated, head
-from stepwell.accounts.json_schema import schema_kinds, schema_of
 from stepwell.accounts.page import Drawn, Image, page
 from stepwell.accounts.terminal import (
     Line,
@@ -23,10 +21,28 @@ from stepwell.accounts.terminal import (
     table,
     terminal,
 )
-from stepwell.accounts.words import tie_notes
 from stepwell.base import InputError, of_kind
 
-__all__ = ["About", "Account", "account", "card", "page", "schema_kinds", "schema_of", "terminal"]
+if TYPE_CHECKING:
+    from stepwell.accounts.assumptions import (
+        actuator_words,
+        assumptions,
+        simulation_assumptions,
+    )
+    from stepwell.accounts.json_schema import schema_kinds, schema_of
+    from stepwell.accounts.words import tie_notes
+
+__all__ = [
+    "About",
+    "Account",
+    "account",
+    "card",
+    "card_of",
+    "page",
+    "schema_kinds",
+    "schema_of",
+    "terminal",
+]
 
 # Which file has the account of a class.
 ACCOUNTS: dict[str, str] = {
@@ -36,6 +52,7 @@ ACCOUNTS: dict[str, str] = {
     "BandTest": "lab.band",
     "Batch": "lab.read",
     "Calibration": "lab.calibrate",
+    "Atlas": "atlas",
     "Cell": "chain",
     "CellTest": "lab.compare",
     "Chain": "chain",
@@ -48,6 +65,7 @@ ACCOUNTS: dict[str, str] = {
     "Event": "events",
     "ImplicitGraph": "graph",
     "Impossible": "design",
+    "Installation": "doctor",
     "Landing": "events",
     "MapView": "map",
     "Margin": "changes",
@@ -63,27 +81,25 @@ ACCOUNTS: dict[str, str] = {
     "Robustness": "design",
     "Run": "run",
     "Sequence": "graph",
+    "Status": "study",
     "Survival": "survival",
     "Sweep": "sweep",
     "TransitionGraph": "graph",
     "Unreachable": "program",
     "Walk": "walk",
+    "Verdicts": "paper",
     "Walked": "walked",
     "Yield": "yields",
 }
 
 
-def has_account(value: Any) -> bool:
-    """Whether there is an account of a value."""
-    return of_kind(ACCOUNTS, value) is not None
-
-
-def account(value: Any, about: About | None = None) -> Account:
+def account(value: Any, about: About | None = None, **options: Any) -> Account:
     """What is reported of a result.
 
     Args:
         value: a result, such as a `Check`.
         about: the design file and the recordings that it was computed from.
+        options: of the kind of result, such as `borders` of an atlas.
 
     Raises:
         ValueError: there is no account of such a value.
@@ -91,4 +107,37 @@ def account(value: Any, about: About | None = None) -> Account:
     file = of_kind(ACCOUNTS, value)
     if file is None:
         raise InputError(f"{type(value).__name__}: must be one of {', '.join(ACCOUNTS)}.")
-    return import_module(f"stepwell.accounts.{file}").account(value, about)
+    return import_module(f"stepwell.accounts.{file}").account(value, about, **options)
+
+
+def card_of(value: Any) -> str:
+    """What a notebook shows of a value: the card of its account, or what it prints.
+
+    Args:
+        value: any of the package.
+
+    Returns:
+        HTML with inline styles, for light and dark notebooks alike.
+    """
+    if of_kind(ACCOUNTS, value) is not None:
+        return card(account(value))
+    name, text = type(value).__name__, repr(value)
+    inside = text.removeprefix(f"{name}(")
+    return card(Account(value, name, answer=inside.removesuffix(")") if inside != text else text))
+
+
+# These open NumPy and the rooms below, without which `stepwell doctor` reports what is missing.
+_LATE = {
+    "actuator_words": "assumptions",
+    "assumptions": "assumptions",
+    "schema_kinds": "json_schema",
+    "schema_of": "json_schema",
+    "simulation_assumptions": "assumptions",
+    "tie_notes": "words",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LATE:
+        return getattr(import_module(f"stepwell.accounts.{_LATE[name]}"), name)
+    raise AttributeError(f"module 'stepwell.accounts' has no attribute {name!r}")

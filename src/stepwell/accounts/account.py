@@ -8,7 +8,7 @@ from enum import IntEnum
 from functools import cached_property
 from typing import Any
 
-from stepwell.accounts.head import About, head
+from stepwell.accounts.head import About, bare, head
 from stepwell.base import Columns, Schema, record
 
 Row = Mapping[str, Any]
@@ -168,6 +168,7 @@ class Account:
         about: the design file and the recordings that it was computed from.
         seed: of the draws; None where nothing is drawn.
         packages: that took part, besides NumPy, SciPy and Numba.
+        computed: whether it was computed of a design; else its record has no provenance.
         given: quantities by name that the value does not have itself.
         facts: the numbers that matter.
         warnings: what has to be known first.
@@ -184,6 +185,7 @@ class Account:
     about: About = field(default_factory=lambda: About())
     seed: int | None = None
     packages: tuple[str, ...] = ()
+    computed: bool = True
     given: Mapping[str, Any] = field(default_factory=dict)
     facts: Sequence[Fact] = ()
     warnings: Sequence[Warned] = ()
@@ -193,7 +195,11 @@ class Account:
     @cached_property
     def record(self) -> dict[str, Any]:
         """What JSON has of it: provenance first, then the schema's quantities."""
-        first = head(self.kind, self.about.design, self.seed, *self.packages)
+        first = (
+            head(self.kind, self.about.design, self.seed, *self.packages)
+            if self.computed
+            else bare(self.kind)
+        )
         return first | record(self.schema, self.value, **self.given)
 
     def known(self, level: Level) -> dict[str, str]:

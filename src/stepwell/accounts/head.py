@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, __version__, versions
-from stepwell.files import digest
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
     from stepwell.robot import Robot
 
-# The first names of every JSON Schema, see `head`.
+# The first name of every JSON Schema, and those of what was computed, see `head`.
+BARE: Schema = (Quantity("stepwell"),)
 HEAD: Schema = (
-    Quantity("stepwell"),
+    *BARE,
     Quantity("versions", holds={str: str}),
     Quantity("design_sha256", missing=True),
     Quantity("seed", holds=int, missing=True),
@@ -71,6 +71,11 @@ class About:
     designs_sha256: Mapping[str, str] = field(default_factory=dict)
 
 
+def bare(kind: str) -> dict[str, Any]:
+    """The first names of a record of which nothing was computed: `schema` and `stepwell`."""
+    return {"schema": f"stepwell.{kind}", "stepwell": __version__}
+
+
 def head(
     kind: str, design: str | Chain | Robot | None, seed: int | None = None, *packages: str
 ) -> dict[str, Any]:
@@ -86,16 +91,15 @@ def head(
         `schema`, `stepwell`, `versions`, `design_sha256` (None of a design that no file can
         hold) and `seed`.
     """
-    if design is not None and not isinstance(design, str):
-        from stepwell.files import dumps
+    from stepwell.files import digest, dumps
 
+    if design is not None and not isinstance(design, str):
         try:
             design = dumps(design)
         except ValueError:
             design = None
     return {
-        "schema": f"stepwell.{kind}",
-        "stepwell": __version__,
+        **bare(kind),
         "versions": versions(*packages),
         "design_sha256": None if design is None else digest(design),
         "seed": seed,

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from enum import Enum
 from functools import reduce
 from importlib import import_module
+from types import UnionType
 from typing import Any
 
 from stepwell.accounts.head import HEAD
@@ -18,10 +19,12 @@ _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
 # The kinds of records, and the file that has each.
 KINDS = {
+    "atlas": "atlas",
     "check": "check",
     "convergence": "convergence",
     "design": "design",
     "folder": "folder",
+    "doctor": "doctor",
     "graph": "graph",
     "implicit_graph": "walked",
     "lab.as_built": "lab.as_built",
@@ -31,10 +34,12 @@ KINDS = {
     "lab.read": "lab.read",
     "map": "map",
     "maze": "maze",
+    "paper": "paper",
     "program": "program",
     "reprogram": "reprogram",
     "robot": "robot",
     "run": "run",
+    "study": "study",
     "survival": "survival",
     "sweep": "sweep",
     "walk": "walk",
@@ -59,6 +64,7 @@ def schema_of(kind: str) -> JsonSchema:
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
     module = import_module(f"stepwell.accounts.{KINDS[kind]}")
     name, of = module.KIND, module.schema
+    # Records of what was not computed of a design have less provenance.
     first = getattr(module, "FIRST", HEAD)
     body = reduce(_merged, (_object((*first, *of(shape))) for shape in shapes()))
     properties = {
@@ -105,6 +111,8 @@ def _held(holds: Any) -> JsonSchema:
     if holds is float:
         # Not finite is null, whatever the quantity.
         return {"type": ["number", "null"]}
+    if isinstance(holds, UnionType):
+        return {"type": [_TYPES[one] for one in holds.__args__]}
     if isinstance(holds, type) and issubclass(holds, Enum):
         return {"type": "string", "enum": [one.name.lower() for one in holds]}
     return {"type": _TYPES[holds]}

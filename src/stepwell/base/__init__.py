@@ -71,9 +71,15 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Ints = NDArray[np.int64]
 
+    from stepwell.base.installed import Installation, installation
 
-# With NumPy, which takes longer to open than `stepwell --help` to answer.
+
+# With NumPy, or with the versions of packages: they take longer to open than `stepwell --help`.
 def __getattr__(name: str) -> Any:
+    if name in ("Installation", "installation"):
+        from stepwell.base import installed
+
+        return getattr(installed, name)
     if name in ("Bools", "Floats", "Ints"):
         import numpy as np
         from numpy.typing import NDArray

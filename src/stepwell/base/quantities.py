@@ -118,9 +118,8 @@ class Quantity:
         none: what tables tell where there is none.
         left: whether its column starts at the left; words do.
         dims: further dimensions in xarray.
-        holds: what JSON has of it: a type, a schema, a list of one of these, or a dictionary from
-            `str` to one of these; a number where it has a unit, else text. The unit is that of all
-            numbers in it.
+        holds: what JSON has of it: a type, a union of types, a schema, a list of one of these, or a
+            dictionary from `str` to one of these; a number where it has a unit, else text.
         missing: whether JSON has null where there is none; of numbers it always has.
     """
 

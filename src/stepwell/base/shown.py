@@ -18,9 +18,9 @@ class Shown:
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        from stepwell.cards import card
+        from stepwell.accounts import card_of
 
-        return card(self)
+        return card_of(self)
 
 
 class Drawn:

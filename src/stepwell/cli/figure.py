@@ -128,7 +128,7 @@ def figure(
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     """A figure of the paper, which has its own panels."""
-    from stepwell.paper import figure_of
+    from stepwell.reports import figure_of
 
     for option, value in others.items():
         if value:

@@ -24,7 +24,7 @@ def schema(
     Every JSON that a command prints or writes names its schema and the version of it, as in
     stepwell.run/2; this prints that schema, for programs that read results.
     """
-    from stepwell.results import schema_kinds, schema_of
+    from stepwell.accounts import schema_kinds, schema_of
 
     if kind is None:
         names = (schema_of(one)["title"] for one in schema_kinds())

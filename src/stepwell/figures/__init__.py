@@ -38,16 +38,14 @@ from stepwell.figures.robots.predictions import prediction
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
 from stepwell.figures.robots.sweeps import sweep
 from stepwell.figures.robots.trajectory import trajectories, trajectory
-from stepwell.figures.tornado import Effect, Sensitivity, tornado
+from stepwell.figures.tornado import tornado
 from stepwell.figures.usual import plot
 from stepwell.figures.yield_bars import yield_bars
 
 __all__ = [
     "JOURNAL_WIDTHS",
     "PRINT_DPI",
-    "Effect",
     "JournalWidth",
-    "Sensitivity",
     "animation",
     "band_laws",
     "calibration",

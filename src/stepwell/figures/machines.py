@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from math import comb
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,11 +16,10 @@ from stepwell.base import InputError, number
 from stepwell.figures.common import sheet, style
 from stepwell.figures.graphs import small_graph
 from stepwell.mechanism import Cell
-from stepwell.results import atlas_record, memory_words
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
-    from stepwell.studies import Atlas
+    from stepwell.studies import Atlas, Machine
 
 # What a graph needs at least, by how many cells it has [mm].
 _WIDTHS = {1: 36.0, 2: 40.0, 3: 52.0, 4: 80.0}
@@ -58,7 +56,6 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
     if not found.machines:
         raise InputError("the atlas holds no machine yet: build more designs.")
     shown = found.machines[: max(1, most)]
-    told = atlas_record(found, shown)["machines"]
     page = sheet.page_width(style.PAGE)
     room = int((page - 2 * _EDGE + _GAP) / (_WIDTHS[count] + _GAP))
     beside = max(1, min(len(shown), room))
@@ -79,7 +76,7 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
         ax = sheet.place(figure, left, bottom, wide, tall)
         graph = _as_it_loads(one.chain).graph("force" if found.drive == "force" else None)
         key |= {str(each.get_label()): each for each in small_graph(graph, ax, wide, tall)}
-        _head(figure, left + 1.0, bottom + tall, k + 1, told[k])
+        _head(figure, left + 1.0, bottom + tall, k + 1, one)
     _tell(figure, found, len(shown), page)
     handles = list(key.values())
     figure.legend(
@@ -99,16 +96,15 @@ def _as_it_loads(chain: Chain) -> Chain:
     return replace(chain, cells=tuple(sorted(cells, key=lambda cell: cell.force_0)))
 
 
-def _head(figure: Figure, x: float, y: float, place: int, one: Mapping[str, Any]) -> None:
+def _head(figure: Figure, x: float, y: float, place: int, one: Machine) -> None:
     """The number of a machine, how often it comes, how surely it is built, what it remembers."""
     sheet.text_at(figure, x, y + 3.4, f"{place}", fontweight="bold", fontsize=8.0)
-    share = f"{number(one['share_percent'])} % of designs"
+    share = f"{number(one.share.share * 100)} % of designs"
     sheet.text_at(figure, x + 5.5, y + 3.4, share, fontweight="bold", fontsize=8.0, gid="share")
     grey = {"color": "#5A5A5A", "gid": "name"}
-    sheet.text_at(
-        figure, x + 5.5, y, f"{one['name']}, yield {number(one['yield_percent'])} %", **grey
-    )
-    sheet.text_at(figure, x + 5.5, y - 3.1, memory_words(one), **grey)
+    text = f"{one.name}, yield {number(one.kept.share * 100)} %"
+    sheet.text_at(figure, x + 5.5, y, text, **grey)
+    sheet.text_at(figure, x + 5.5, y - 3.1, one.memory, **grey)
 
 
 def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:

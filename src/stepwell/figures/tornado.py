@@ -4,60 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import InputError
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus
+
+if TYPE_CHECKING:
+    from stepwell.paper import Sensitivity
 
 LOW, HIGH = style.SKY, style.ORANGE
 _MISSING: dict[str, Any] = {"markersize": 5.5, "markeredgecolor": style.INK, "markeredgewidth": 0.5}
 _ROW, _HEAD, _FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Effect(ByValue):
-    """What a result becomes when one parameter alone is changed.
-
-    Args:
-        parameter: its name and unit, as "foot friction" or "period [s]".
-        low, high: the two values it is given, in that unit.
-        at_low, at_high: the result with each; NaN where there is none.
-    """
-
-    parameter: str
-    low: float
-    high: float
-    at_low: float
-    at_high: float
-
-    @property
-    def span(self) -> float:
-        """Difference between the two results, infinite where either is missing."""
-        span = abs(self.at_high - self.at_low)
-        return span if math.isfinite(span) else math.inf
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sensitivity(ByValue):
-    """A result, and what each parameter does to it.
-
-    Args:
-        result: its name and unit, as "forward: d/u_max"; mathematics between dollar signs.
-        nominal: with every parameter as it is.
-        effects: in any order.
-        target: lower and upper bound of what the result should be, None if there is none.
-    """
-
-    result: str
-    nominal: float
-    effects: Sequence[Effect]
-    target: tuple[float, float] | None = None
 
 
 @style.styled
@@ -74,7 +36,7 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
     Raises:
         ValueError: nothing to show.
     """
-    shown = [results] if isinstance(results, Sensitivity) else list(results)
+    shown = list(results) if isinstance(results, Sequence) else [results]
     if not shown or not all(one.effects for one in shown):
         raise InputError("results is empty: give one Sensitivity or more, each with effects.")
     columns = min(len(shown), 2)

@@ -15,6 +15,7 @@ def pictures(*names: str) -> tuple[str, ...]:
 _PAGE = "report.html"
 # By command: files, and figures by their names.
 _OF_COMMANDS = {
+    "paper": ("claims.json", "fig1 fig2 fig2c fig3 fig4 robot-tornado"),
     "demo": (
         "index.html leg.toml leg-reversed.toml wish.toml fingers.toml robot.toml "
         "robot-turning.toml robot-antennas.toml",

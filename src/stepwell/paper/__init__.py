@@ -1,19 +1,20 @@
 """Claims of the paper and of others as data, each with a function that computes ours."""
 
-from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, markdown
-from stepwell.paper.run import claims, figure_of, others, outputs, record, run, validate
+from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, Verdicts, markdown
+from stepwell.paper.run import claims, others, run, validate
+from stepwell.paper.sensitivity import Effect, Sensitivity
 
 __all__ = [
     "Claim",
+    "Effect",
     "Finding",
     "Judgement",
+    "Sensitivity",
     "Verdict",
+    "Verdicts",
     "claims",
     "markdown",
     "others",
-    "figure_of",
-    "outputs",
-    "record",
     "run",
     "validate",
 ]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from stepwell.base import ByValue, InputError, described
+from stepwell.base import ByValue, InputError, Shown, described
 
 
 class Judgement(StrEnum):
@@ -95,6 +95,12 @@ class Verdict(ByValue):
         )
 
 
+class Verdicts(tuple[Verdict, ...], Shown):
+    """A verdict for each claim, in the order of the claims."""
+
+    __slots__ = ()
+
+
 def claim(
     where: str, paper_value: str, tolerance: str
 ) -> Callable[[Callable[..., Finding]], Claim]:
@@ -120,7 +126,7 @@ def judged(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> F
     return Finding(ours, Judgement.DIFFERS, otherwise or note or "Outside the tolerance.")
 
 
-BEGIN = "<!-- claims: written by `python -m stepwell.paper`, not by hand -->"
+BEGIN = "<!-- claims: written by `python tests/docs/claims_pages.py`, not by hand -->"
 END = "<!-- end of claims -->"
 
 

@@ -1,18 +1,13 @@
-"""Every claim, of the paper in its order and of others, judged; and the paper's figures."""
+"""Every claim, of the paper in its order and of others, judged."""
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Callable, Iterable
-from itertools import count
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
 
-from stepwell import files
-from stepwell.accounts import head
-from stepwell.base import InputError, nearest_word, need
+from stepwell.base import need
 from stepwell.paper.cells import CELL_CLAIMS, MISPRINT_CLAIMS
-from stepwell.paper.claims import Claim, Verdict
+from stepwell.paper.claims import Claim, Verdict, Verdicts
 from stepwell.paper.measured import claims as measured_claims
 from stepwell.paper.order import MORE_CELLS_CLAIMS, ORDER_CLAIMS
 from stepwell.paper.others.elements import BALLOON_CLAIMS, COUNTERSNAPPING_CLAIMS, KRESLING_CLAIMS
@@ -22,10 +17,7 @@ from stepwell.paper.pathways import MAP_CLAIMS, PATHWAY_CLAIMS, WELL_CLAIMS
 from stepwell.paper.steering import ANTENNA_CLAIMS, MANY_RUNS, STEERING_CLAIMS
 from stepwell.paper.walking import LOSS_CLAIMS, WALKING_CLAIMS
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-SCHEMA = "paper/1"
+Progress = Callable[[int, int], None]
 
 
 def claims(
@@ -72,8 +64,8 @@ def others() -> tuple[Claim, ...]:
     )
 
 
-def validate(progress: Callable[[int, int], None] | None = None) -> tuple[Verdict, ...]:
-    """Compute every claim of others anew.
+def validate(progress: Progress | None = None) -> Verdicts:
+    """Compute every claim of others.
 
     Args:
         progress: called with (done, total) claims.
@@ -81,30 +73,20 @@ def validate(progress: Callable[[int, int], None] | None = None) -> tuple[Verdic
     Returns:
         A verdict for each claim, in the order of `others()`.
     """
-    asked, found = others(), list[Verdict]()
-    for claim in asked:
-        found.append(claim.judge())
-        if progress is not None:
-            progress(len(found), len(asked))
-    return tuple(found)
+    return _judged(others(), progress)
 
 
 def run(
-    out: str | os.PathLike[str] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     *,
     everything: bool = False,
     data: str | os.PathLike[str] | None = None,
-    force: bool = False,
-) -> tuple[Verdict, ...]:
-    """Compute every claim anew.
+) -> Verdicts:
+    """Compute every claim; `reports.write` draws the paper's figures into a folder.
 
     Args:
-        out: folder for the figures (a .png and a .svg each) and claims.json; all of them appear
-            in it or none.
-        progress: called with (done, total) claims and figures.
-        everything: also the claims and figures that take many simulated runs, minutes of them.
-        force: replace files in `out` that others wrote or changed too.
+        progress: called with (done, total) claims.
+        everything: also the claims that take many simulated runs, minutes of them.
         data: folder of the recordings published with the paper; without it the claims that they
             decide say that they need data.
 
@@ -113,89 +95,19 @@ def run(
 
     Raises:
         LabError: a folder of data without a recording.
-        OverwriteError: a file in `out` is not one that this function wrote.
-        OSError: the folder cannot be written.
-        ExtraError: xarray is not installed, or Matplotlib for figures.
+        ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024.
     """
     # The claims about the map take a labelled table.
-    need("tables") if out is None else need("figures", "tables")
-    asked = claims(data, everything=everything)
-    drawn: dict[str, Callable[[], Figure]] = {}
-    names = outputs(everything) if out is not None else ()
-    if out is not None:
-        from stepwell.paper.figures import figures_of
+    need("tables")
+    return _judged(claims(data, everything=everything), progress)
 
-        files.check_folder(out, "paper", names=names, force=force)
-        drawn = figures_of(everything)
-    steps = count(1)
 
-    def done() -> None:
-        if progress is not None:
-            progress(next(steps), len(asked) + len(drawn))
-
+def _judged(asked: tuple[Claim, ...], progress: Progress | None) -> Verdicts:
     found: list[Verdict] = []
     for claim in asked:
         found.append(claim.judge())
-        done()
-    if out is not None:
-        from stepwell import figures
-
-        told = record(found)
-        with files.staged_folder(out, "paper", told, names=names, force=force) as draft:
-            files.write_atomic(draft / "claims.json", json.dumps(told, indent=2) + "\n")
-            for name, draw in drawn.items():
-                figure = draw()
-                for suffix in (".png", ".svg"):
-                    figures.save(figure, draft / f"{name}{suffix}")
-                done()
-    return tuple(found)
-
-
-def record(verdicts: Iterable[Verdict]) -> dict[str, Any]:
-    """The verdicts as JSON can hold them; docs/commands.md describes the names."""
-    return {
-        **head(SCHEMA, None),
-        "claims": [
-            {
-                "id": verdict.claim.id,
-                "claim": verdict.claim.claim,
-                "where": verdict.claim.where,
-                "paper": verdict.claim.paper_value,
-                "tolerance": verdict.claim.tolerance,
-                "ours": verdict.ours,
-                "verdict": verdict.verdict,
-                "reason": verdict.reason,
-            }
-            for verdict in verdicts
-        ],
-    }
-
-
-def outputs(everything: bool = False) -> tuple[str, ...]:
-    """The names of the files that `run` writes."""
-    from stepwell.paper.figures import figures_of
-
-    return ("claims.json", *files.pictures(*figures_of(everything)))
-
-
-def figure_of(name: str) -> Figure:
-    """A figure of the paper, drawn from the model.
-
-    Args:
-        name: fig1 (Figs. 1D, 1E), fig2 (2B, 2D to 2G), fig2c, fig3 (3C to 3E), fig4 (4D), or
-            robot-tornado; those of robots are simulated, the last two many times.
-
-    Raises:
-        ValueError: there is none of that name.
-        ExtraError: it needs the simulator, which is not installed.
-    """
-    from stepwell.paper import figures
-
-    every = figures.FIGURES | figures.ROBOT_FIGURES | figures.MANY_RUNS
-    if name not in every:
-        near = nearest_word(name, every)
-        guess = f"Did you mean {near}?" if near else f"There are {', '.join(every)}."
-        raise InputError(f"{name!r}: no such figure of the paper. {guess}")
-    return every[name]()
+        if progress is not None:
+            progress(len(found), len(asked))
+    return Verdicts(found)

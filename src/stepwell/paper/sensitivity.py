@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,14 +12,54 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell import files
+from stepwell.base import ByValue
 from stepwell.paper.walking import BACKWARD, FORWARD, STANDS_STILL, TURN_DEG, robot
 from stepwell.robot import Robot
 
 if TYPE_CHECKING:
-    from stepwell.figures import Sensitivity
     from stepwell.simulation import Trial
 
 CYCLES = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect(ByValue):
+    """What a result becomes when one parameter alone is changed.
+
+    Args:
+        parameter: its name and unit, as "foot friction" or "period [s]".
+        low, high: the two values it is given, in that unit.
+        at_low, at_high: the result with each; NaN where there is none.
+    """
+
+    parameter: str
+    low: float
+    high: float
+    at_low: float
+    at_high: float
+
+    @property
+    def span(self) -> float:
+        """Difference between the two results, infinite where either is missing."""
+        span = abs(self.at_high - self.at_low)
+        return span if math.isfinite(span) else math.inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivity(ByValue):
+    """A result, and what each parameter does to it.
+
+    Args:
+        result: its name and unit, as "forward: d/u_max"; mathematics between dollar signs.
+        nominal: with every parameter as it is.
+        effects: in any order.
+        target: lower and upper bound of what the result should be, None if there is none.
+    """
+
+    result: str
+    nominal: float
+    effects: Sequence[Effect]
+    target: tuple[float, float] | None = None
 
 
 class Variation(NamedTuple):
@@ -96,7 +138,6 @@ def _changed(design: Robot, variation: Variation, value: float) -> Robot:
 @cache
 def sensitivities() -> tuple[Sensitivity, ...]:
     """Each result with every assumed number, and every number of the simulation, changed alone."""
-    from stepwell.figures import Effect, Sensitivity
     from stepwell.simulation import Integrator, Settings, sweep
 
     coarse = Settings(time_step=2e-3, contact_time=4e-3)

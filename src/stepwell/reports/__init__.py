@@ -1,35 +1,35 @@
-"""Folders of results: figures, tables, numbers and pages that belong together.
+"""Folders of results: records, pages, figures and data that belong together."""
 
-Every `write_…` takes the result and a folder, which is made if missing, and writes all of its files
-or nothing. What the same function wrote there before is replaced; figures are a .png and a .svg.
+from typing import TYPE_CHECKING, Any
 
-    design      text of the design file, kept beside the result; written anew by default
-    progress    called with (done, total) files
-    force       replace files that others wrote or changed too
-
-It returns the names of the files, and raises OverwriteError where a file there is not one that it
-wrote, and OSError where the folder cannot be written; nothing has changed then.
-"""
-
-from stepwell.reports.atlas import write_atlas
 from stepwell.reports.chains import boundary_rows, checked_suffix, write_graph
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
-from stepwell.reports.study import write_study
 from stepwell.reports.write import write
+
+if TYPE_CHECKING:
+    from stepwell.reports.paper import figure_of
 
 __all__ = [
     "OPENING",
+    "PANELS",
     "STEPS",
     "Step",
     "Telling",
-    "PANELS",
     "boundary_rows",
     "checked_suffix",
     "figure",
-    "write_atlas",
+    "figure_of",
     "write",
     "write_graph",
     "write_story",
-    "write_study",
 ]
+
+
+# The claims of the paper are opened when its figures are asked for.
+def __getattr__(name: str) -> Any:
+    if name == "figure_of":
+        from stepwell.reports import paper
+
+        return paper.figure_of
+    raise AttributeError(f"module 'stepwell.reports' has no attribute {name!r}")

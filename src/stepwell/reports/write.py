@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts import About, Account, Drawn, Image, account, page
+from stepwell.accounts import About, Account, Drawn, Image, Level, Picture, account, page
 from stepwell.base import InputError, StepwellError, have, of_kind, write_atomic
 from stepwell.files import dumps, staged_folder
 from stepwell.studio.replay import embedded
@@ -58,6 +58,7 @@ _CONTENTS = {
     "BandFit": "measured",
     "Batch": "measured",
     "Calibration": "measured",
+    "Atlas": "studies",
     "Check": "designs",
     "Comparison": "measured",
     "Design": "designs",
@@ -67,9 +68,11 @@ _CONTENTS = {
     "Program": "chains",
     "Reprogramming": "designs",
     "Run": "chains",
+    "Status": "studies",
     "Survival": "designs",
     "Sweep": "robots",
     "Walk": "robots",
+    "Verdicts": "paper",
     "Yield": "designs",
 }
 
@@ -117,7 +120,9 @@ def _written(
     # A page needs no figures: where they cannot be drawn, it stands without them.
     draws = {**contents.draws, **contents.on_page} if have("figures") else {}
     drawn = {name: draw() for name, draw in draws.items()}
-    pictures = {name: _drawn(figure, draws[name]) for name, figure in drawn.items()}
+    parts = (part for section in found.sections for part in section.within(Level.PAGE))
+    shown = {part.name for part in parts if isinstance(part, Picture)} & drawn.keys()
+    pictures = {name: _drawn(drawn[name], draws[name]) for name in shown}
     files: dict[str, Content] = {
         **contents.files,
         contents.record: json.dumps(found.record, indent=2, allow_nan=False) + "\n",

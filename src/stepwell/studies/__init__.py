@@ -18,6 +18,7 @@ from stepwell.studies.designs import (
     unit_in,
 )
 from stepwell.studies.fill import Estimate, Pace, estimate, pace
+from stepwell.studies.found import Extent, Frequency, Varied
 from stepwell.studies.influence import Decided, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
@@ -75,6 +76,8 @@ __all__ = [
     "Decided",
     "Designs",
     "Estimate",
+    "Extent",
+    "Frequency",
     "Gap",
     "GapError",
     "How",
@@ -90,6 +93,7 @@ __all__ = [
     "StudyError",
     "SweepError",
     "Table",
+    "Varied",
     "WorkerError",
     "Workshop",
     "asked",

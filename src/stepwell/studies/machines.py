@@ -174,6 +174,19 @@ class Machine(ByValue):
     latches: int
     ways: tuple[Way, ...] = field(repr=False)
 
+    @property
+    def memory(self) -> str:
+        """What it does with what was done to it before, in the words that `find` understands."""
+        counts = max(self.counts, self.counts_by_hand)
+        by_hand = "" if self.counts == counts else " by hand"
+        words = {
+            "forgets": not self.remembers,
+            "scrambles": self.scrambled,
+            f"counts to {counts}{by_hand}": counts,
+            "latches": self.latches,
+        }
+        return ", ".join(word for word, is_so in words.items() if is_so)
+
     def __repr__(self):
         return (
             f"Machine({self.name}: {self.cycle}, {number(self.share.share * 100)} % of designs, "

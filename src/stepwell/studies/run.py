@@ -7,15 +7,18 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import ByValue, InputError, StepwellError
+from stepwell.base import ByValue, InputError, Shown, StepwellError
 from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
+from stepwell.studies.found import Extent, Frequency, Varied, extents, frequencies, varied
+from stepwell.studies.influence import Decided, decided
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
-from stepwell.studies.screen import aimed
+from stepwell.studies.screen import Screened, aimed, screened
 from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened
 from stepwell.studies.work import WARP
 
@@ -35,14 +38,17 @@ class CancelledError(SweepError):
 
 
 @dataclass(frozen=True, eq=False)
-class Status(ByValue):
-    """How far a study is.
+class Status(ByValue, Shown):
+    """How far a study is, and what it has found so far.
 
     Attributes:
         study: which.
         done: chunks that are there and hold.
         gaps: designs that are missing.
         problems: how many designs could not be computed, by the kind of their problem.
+        varied, outcomes, numbers, decided, screened: read from the store once, when they are asked
+            for: what varies, how often each outcome occurs, the range of every number, which number
+            decides what, and how a screen and what was computed agree.
     """
 
     study: Study
@@ -54,6 +60,31 @@ class Status(ByValue):
     def finished(self) -> bool:
         """Whether nothing is missing."""
         return self.done == self.study.chunks
+
+    @cached_property
+    def varied(self) -> tuple[Varied, ...]:
+        """What differs from design to design."""
+        return varied(self.study)
+
+    @cached_property
+    def outcomes(self) -> tuple[Frequency, ...]:
+        """How often each outcome occurs, of every column of words the most frequent first."""
+        return frequencies(self.study)
+
+    @cached_property
+    def numbers(self) -> tuple[Extent, ...]:
+        """The range of every number that was found."""
+        return extents(self.study)
+
+    @cached_property
+    def decided(self) -> tuple[Decided, ...]:
+        """Which number decides what, see `studies.decided`."""
+        return decided(self.study)
+
+    @cached_property
+    def screened(self) -> Screened | None:
+        """How a screen and what was computed agree, see `studies.screened`."""
+        return screened(self.study)
 
     def __repr__(self):
         failed = sum(self.problems.values())

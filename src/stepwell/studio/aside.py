@@ -17,7 +17,7 @@ from stepwell.studio.answering import answered
 from stepwell.studio.wire import Ask, Message, View, part, step
 
 # What long answers need, imported once for all of them.
-_USED = "stepwell.design", "stepwell.results", "scipy.stats", "scipy.optimize", "xarray", "numba"
+_USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize", "xarray", "numba"
 # So often it is said how far the work is [s].
 _EVERY = 0.1
 

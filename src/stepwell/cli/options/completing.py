@@ -39,7 +39,7 @@ def arenas(incomplete: str) -> list[str]:
 
 def results(incomplete: str) -> list[str]:
     """Results that have a JSON Schema."""
-    from stepwell.results import schema_kinds
+    from stepwell.accounts import schema_kinds
 
     return _begun(iter(schema_kinds()), incomplete)
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stepwell.accounts import account
 from stepwell.cli.options import Force, Json, Out, free, local, read_design, tolerances as parts
-from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable, warn
+from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, styled, usable, warn
 from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
@@ -163,8 +163,7 @@ def find(
     as_json: Json = False,
 ) -> None:
     """Find machines of a store by what they do, those that are built most surely first."""
-    from stepwell import files, results, studies
-    from stepwell.cli.text import atlas as texts
+    from stepwell import files, studies
 
     if out is not None and out.suffix != ".toml":
         raise typer.BadParameter(f"{out}: must end in .toml.", param_hint="--out")
@@ -178,7 +177,7 @@ def find(
         files.save(machines[0].chain, out)
         if not as_json:
             show_lines(f"Written into {out}: {machines[0].name}.")
-    finish(results.atlas_record(chart, machines), texts.found, as_json)
+    report(account(chart, machines=machines, query=query), as_json)
 
 
 def _opened(store: Path | None) -> Study:
@@ -217,10 +216,8 @@ def _charted(
 def _show(
     study: Study, found: Atlas, as_json: bool, out: Path | None = None, force: bool = False
 ) -> None:
-    from stepwell import reports, results, studies
-    from stepwell.cli.text import atlas as texts
+    from stepwell.studies import borders
 
     # People look at neighbours in the studio.
-    near = studies.borders(study, found) if as_json else ()
-    write = partial(reports.write_atlas, found)
-    finish(results.atlas_record(found, borders=near), texts.atlas, as_json, out, force, write)
+    near = borders(study, found) if as_json else ()
+    report(account(found, borders=near), as_json, out, force)

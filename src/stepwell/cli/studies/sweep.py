@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
 import math
 from collections import Counter
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from stepwell.accounts import account
 from stepwell.cli.options import (
     Design,
     Force,
@@ -26,8 +26,8 @@ from stepwell.cli.options import (
 from stepwell.cli.screen import (
     EXIT_CODES,
     FAILED,
-    finish,
     progress,
+    report as show,
     show_lines,
     styled,
     usable,
@@ -35,7 +35,7 @@ from stepwell.cli.screen import (
 )
 
 if TYPE_CHECKING:
-    from stepwell.studies import Axis, Designs, Estimate, Status, Study
+    from stepwell.studies import Axis, Designs, Estimate, Study
 
 commands = typer.Typer(
     no_args_is_help=True,
@@ -349,7 +349,7 @@ def status(store: _There, as_json: Json = False) -> None:
     from stepwell import studies
 
     found = studies.status(store)
-    _show(found, as_json)
+    show(account(found), as_json)
     if any(gap.damaged for gap in found.gaps):
         raise typer.Exit(FAILED)
 
@@ -427,15 +427,13 @@ def report(
     as_json: Json = False,
 ) -> None:
     """Draw what a study has found, and say which number decides it, on one page."""
-    from stepwell import reports, results, studies
-    from stepwell.cli.text import studies as texts
+    from stepwell.studies import status
 
     free(out, "sweep report", force)
-    found = studies.status(store)
+    found = status(store)
     if not partial:
         found.study.require_whole()
-    write = functools.partial(reports.write_study, found, partial=partial)
-    finish(results.study_record(found), texts.study, as_json, out, force, write)
+    show(account(found), as_json, out, force, partial=partial)
 
 
 def _resumed(study: Study, workers: int | None, scheduler: str | None, as_json: bool) -> None:
@@ -448,7 +446,7 @@ def _resumed(study: Study, workers: int | None, scheduler: str | None, as_json: 
         found = resumed(
             begun(study), workers, scheduler=scheduler, progress=tell, problems=kinds.update
         )
-    _show(found, as_json)
+    show(account(found), as_json)
 
 
 def _warn_without_gpu() -> None:
@@ -490,13 +488,6 @@ def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
         with usable("--function"):
             return function_of(own["function"], subject)
     return own
-
-
-def _show(found: Status, as_json: bool) -> None:
-    from stepwell import results
-    from stepwell.cli.text import studies as texts
-
-    finish(results.study_record(found), texts.study, as_json)
 
 
 def _tell(found: Estimate) -> None:

@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepwell.mechanism import Chain
-from stepwell.reports.pages import image_of
+from stepwell.reports.write import image_of
 from stepwell.sequences import Program
 from stepwell.studio.replay import embedded, replay
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from stepwell import files
+from stepwell.accounts import account
 from stepwell.base import need
-from stepwell.results import atlas_record
 from stepwell.studies import (
     QUERIES,
     THREE,
@@ -47,7 +47,8 @@ def answer(_design: Design, ask: Ask) -> View:
         )
     shown = found.machines[:_MOST]
     names = {one.name for one in shown}
-    record = atlas_record(found, shown, [one for one in near if {one.machine, one.beyond} <= names])
+    among = [one for one in near if {one.machine, one.beyond} <= names]
+    record = account(found, machines=shown, borders=among).record
     places = placed(found, near, shown)
     for told, machine in zip(record["machines"], shown, strict=True):
         told["design_tables"] = files.tables_in(files.dumps(machine.chain))

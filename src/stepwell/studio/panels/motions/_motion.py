@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stepwell.accounts import assumptions
 from stepwell.base import Ints, __version__, told_in
 from stepwell.design import Margin, margin
 from stepwell.mechanism import Chain, phase_at
-from stepwell.results import assumptions
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 from stepwell.studio.panels.motions.evaluate import (

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.results import study_record
+from stepwell.accounts import account
 from stepwell.studies import Study, pace, status
 from stepwell.studio.panels.studies._command import command_of
 from stepwell.studio.panels.studies._folder import study_of
@@ -27,7 +27,7 @@ def answer(_design: Design, ask: Ask) -> View:
     study = study_of(ask)
     ask.close()
     found = status(study)
-    record = study_record(found)
+    record = account(found).record
     going = pace(study)
     done = study.done_chunks()
     numbers = np.concatenate([np.asarray(study.rows(k)) for k in done] or [np.empty(0, int)])

@@ -1,16 +1,18 @@
-"""`python -m stepwell.paper claims.json PAGE.md …`: compute the claims and write them down."""
+"""`python tests/docs/claims_pages.py claims.json PAGE.md …`: compute the claims and write them."""
 
 import json
 import sys
 from pathlib import Path
 
+from stepwell.accounts import account
 from stepwell.base import write_atomic
+from stepwell.paper import Verdicts, run, validate
 from stepwell.paper.claims import markdown, replaced
 from stepwell.paper.measured import IDS
-from stepwell.paper.run import record, run, validate
 from stepwell.paper.steering import MANY_RUNS
 
-USAGE = """usage: python -m stepwell.paper [--data PATH | --all | --others] FILE.json [PAGE.md ...]
+USAGE = """usage:
+python tests/docs/claims_pages.py [--data PATH | --all | --others] FILE.json [PAGE.md ...]
 
 Without an option all claims are written but those that take many simulated runs; those that
 recordings decide say that they need data. With the recordings only those are written, with --all
@@ -31,12 +33,12 @@ def main(given: list[str]) -> None:
     if theirs:
         verdicts = validate()
     else:
-        verdicts = tuple(claim.judge() for claim in MANY_RUNS) if many else run(data=data)
+        verdicts = Verdicts(claim.judge() for claim in MANY_RUNS) if many else run(data=data)
     if data is not None:
-        verdicts = tuple(verdict for verdict in verdicts if verdict.claim.id in IDS)
+        verdicts = Verdicts(verdict for verdict in verdicts if verdict.claim.id in IDS)
     table = markdown(verdicts)
     written = [replaced(text, table) for text in texts]
-    write_atomic(target, json.dumps(record(verdicts), indent=2) + "\n")
+    write_atomic(target, json.dumps(account(verdicts).record, indent=2) + "\n")
     for page, text in zip(pages, written, strict=True):
         write_atomic(page, text)
 

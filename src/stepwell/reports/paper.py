@@ -1,4 +1,4 @@
-"""The paper's figures, page by page, drawn from the model."""
+"""The folder of the paper: its figures, page by page, drawn from the model."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell import figures
-from stepwell.base import have
+from stepwell.accounts import Account
+from stepwell.base import InputError, have, nearest_word
 from stepwell.design import boundaries, transition_map
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
+from stepwell.reports.write import Contents
 from stepwell.sequences import Cycle, Pathway
 
 if TYPE_CHECKING:
@@ -117,3 +119,31 @@ def _pairs() -> dict[str, Cycle]:
 
 def _mm(q: tuple[float, float]) -> str:
     return ", ".join(f"{part * 1e3:g}" for part in q).replace("-", "\N{MINUS SIGN}")
+
+
+def contents(_account: Account, everything: bool = False) -> Contents:
+    """Of verdicts on the claims of the paper: its figures.
+
+    Args:
+        everything: also the figures that take many simulated runs, minutes of them.
+    """
+    return Contents("paper", "claims.json", draws=figures_of(everything))
+
+
+def figure_of(name: str) -> Figure:
+    """A figure of the paper, drawn from the model.
+
+    Args:
+        name: fig1 (Figs. 1D, 1E), fig2 (2B, 2D to 2G), fig2c, fig3 (3C to 3E), fig4 (4D), or
+            robot-tornado; those of robots are simulated, the last two many times.
+
+    Raises:
+        ValueError: there is none of that name.
+        ExtraError: it needs the simulator, which is not installed.
+    """
+    every = FIGURES | ROBOT_FIGURES | MANY_RUNS
+    if name not in every:
+        near = nearest_word(name, every)
+        guess = f"Did you mean {near}?" if near else f"There are {', '.join(every)}."
+        raise InputError(f"{name!r}: no such figure of the paper. {guess}")
+    return every[name]()

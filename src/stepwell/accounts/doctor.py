@@ -1,0 +1,114 @@
+"""An installation: what is installed, what is kept and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from stepwell.accounts.account import Account, Fact, Section, Table, Verbatim
+from stepwell.accounts.head import BARE, About
+from stepwell.base import Column, Columns, Quantity, Schema, __version__, record
+
+if TYPE_CHECKING:
+    from stepwell.accounts.shape import Shape
+    from stepwell.base import Installation
+
+KIND = "doctor/1"
+FIRST: Schema = BARE
+
+
+def schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of an installation."""
+    return (
+        Quantity("ok", holds=bool),
+        Quantity("python"),
+        Quantity("system"),
+        Quantity("cores", holds=int, missing=True),
+        Quantity("packages", holds=[_PACKAGE]),
+        Quantity("extras", holds=[_EXTRA]),
+        Quantity("kernels", holds=_KERNELS, missing=True),
+        Quantity("tools", holds=[_TOOL]),
+        Quantity("broken", holds=[_BROKEN]),
+    )
+
+
+_PACKAGE: Schema = (
+    Quantity("name", head="package"),
+    Quantity("version", head="version", none="missing", missing=True),
+)
+_NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="used for")
+_EXTRA: Schema = (
+    _NAME,
+    _USED_FOR,
+    Quantity("present", holds=bool),
+    Quantity("versions", holds={str: str}),
+    Quantity("install"),
+)
+_HERE = Column("installed", lambda row: _versions(row))
+_KERNELS: Schema = (
+    Quantity("folder", read=lambda kept: str(kept.folder)),
+    Quantity("writable", holds=bool),
+    Quantity("compiled", holds=int),
+    Quantity("size_MB", read=lambda kept: kept.size / 1e6, holds=float),
+)
+_TOOL: Schema = (
+    Quantity("name", head="tool"),
+    _USED_FOR,
+    Quantity("found", head="found", none="no", missing=True),
+)
+_BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reason"))
+
+
+def account(found: Installation, about: About | None = None) -> Account:
+    """What is reported of an installation."""
+    missing, kernels = found.missing, found.kernels
+    lacking = [one.install for one in found.extras if not one.present]
+    return Account(
+        found,
+        "Installation",
+        KIND,
+        schema(),
+        answer=_answer(found),
+        computed=False,
+        facts=(
+            Fact("Missing", ", ".join(missing)),
+            Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
+            Fact("Stepwell", f"{__version__}, Python {found.python}, {found.system}"),
+            Fact("Cores", str(found.cores or "")),
+            Fact("Kernels", _kernel_words(kernels) if kernels else ""),
+            Fact("Kept in", str(kernels.folder) if kernels else ""),
+            Fact("Writable", _writable(kernels.writable) if kernels else ""),
+        ),
+        sections=(
+            Section("Broken", [_table(_BROKEN, found.broken)]),
+            Section("Packages", [_table(_PACKAGE, found.packages)]),
+            Section("Extras", [_table(_EXTRA, found.extras, (_NAME, _USED_FOR, _HERE))]),
+            Section("Extras to install", [Verbatim("\n".join(lacking), "commands")]),
+            Section("Tools", [_table(_TOOL, found.tools)]),
+        ),
+        hints=["No other part is examined before the packages are installed."] if missing else (),
+    )
+
+
+def _table(schema_: Schema, rows: Sequence[Any], columns: Columns = ()) -> Table:
+    found = [record(schema_, one) for one in rows]
+    return Table(columns or schema_, lambda: found, most=None)
+
+
+def _answer(found: Installation) -> str:
+    if found.ok:
+        return "All packages that Stepwell needs are installed"
+    return "Packages are missing" if found.missing else "Packages are broken"
+
+
+def _kernel_words(kept: Any) -> str:
+    return f"{kept.compiled} compiled, {kept.size / 1e6:.0f} MB"
+
+
+def _writable(writable: bool) -> str:
+    return "yes" if writable else "no: set a writable folder with NUMBA_CACHE_DIR"
+
+
+def _versions(row: Mapping[str, Any]) -> str:
+    versions = (f"{name} {version}" for name, version in row["versions"].items())
+    return ", ".join(versions) if row["present"] else "no"

@@ -1,0 +1,296 @@
+"""A study: how far it is, what its designs do, and which number decides it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from stepwell.accounts.account import (
+    Account,
+    Fact,
+    Level,
+    Notes,
+    Picture,
+    Section,
+    Table,
+    Warned,
+)
+from stepwell.accounts.head import About
+from stepwell.accounts.shape import Shape
+from stepwell.base import Columns, Quantity, Schema, counted, percent, record
+
+if TYPE_CHECKING:
+    from stepwell.design import Share
+    from stepwell.studies import Extent, Status, Varied
+
+KIND = "study/1"
+# Of what decides a column so many are shown.
+_FOREMOST = 5
+
+
+def schema(_shape: Shape) -> Schema:
+    """What is reported of a study."""
+    return (
+        Quantity("title", read="study.subject.title"),
+        Quantity("store", read=lambda found: str(found.study.folder)),
+        Quantity("what", read="study.what"),
+        Quantity("identity", read="study.identity"),
+        Quantity("how", read=lambda found: str(found.study.designs.how)),
+        Quantity("count", read="study.count", holds=int),
+        Quantity("varied", holds=[VARIED]),
+        Quantity("chunk", read="study.chunk", holds=int),
+        Quantity("chunks", read="study.chunks", holds=int),
+        Quantity("done", holds=int),
+        Quantity("finished", holds=bool),
+        Quantity("missing", read="gaps", holds=[_GAP]),
+        Quantity("problems", holds={str: int}),
+        Quantity("screen", read=_screen, holds=_SCREEN, missing=True),
+        Quantity("outcomes", holds=[_OUTCOME]),
+        Quantity("numbers", holds=[_NUMBER]),
+        Quantity("decided", holds=[_DECIDED]),
+    )
+
+
+def _screen(found: Status) -> Status | None:
+    return found if found.screened else None
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+def _told(one: Varied | Extent) -> str:
+    return one.unit or "1"
+
+
+def _end(name: str, read: str = "") -> Quantity:
+    """A number in the unit that its row has."""
+    return Quantity(name, head=name, read=read, holds=float, left=False)
+
+
+# What varies, of atlases too.
+VARIED: Schema = (
+    Quantity("parameter", head="parameter"),
+    Quantity("unit", head="unit", read=_told, form=_unit),
+    _end("from", "low"),
+    _end("to", "high"),
+)
+_GAP: Schema = (
+    Quantity("first", holds=int),
+    Quantity("last", holds=int),
+    Quantity("damaged", holds=bool),
+)
+_SHARE: Schema = (
+    Quantity("times", holds=int),
+    Quantity("of", holds=int),
+    Quantity("low", holds=float),
+    Quantity("high", holds=float),
+    Quantity("share", holds=float),
+)
+_SCREEN: Schema = (
+    Quantity("engine", read=lambda found: found.study.given["engine"]),
+    Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
+    *(Quantity(name, read=f"screened.{name}", holds=int) for name in ("designs", "kept")),
+    Quantity("computed", read="screened.computed", holds=int),
+    *(
+        Quantity(name, read=f"screened.{name}", holds=_SHARE, missing=True)
+        for name in ("alike", "held", "missed")
+    ),
+)
+_OUTCOME: Schema = (
+    Quantity("column", head="column"),
+    Quantity("value", head="value"),
+    Quantity("designs", head="designs", read="share.times", holds=int, left=False),
+    Quantity("share", head="fraction", read="share.share", holds=float, form=percent, left=False),
+    Quantity("share_low", read=lambda one: one.share.low if one.sampled else None, holds=float),
+    Quantity("share_high", read=lambda one: one.share.high if one.sampled else None, holds=float),
+)
+_NUMBER: Schema = (
+    Quantity("column", head="column"),
+    Quantity("unit", head="unit", read=_told, form=_unit),
+    _end("least"),
+    _end("median"),
+    _end("most"),
+    Quantity("designs", head="designs", holds=int, left=False),
+)
+_DECIDED: Schema = (
+    Quantity("column"),
+    Quantity("value", read=lambda one: one.value or None, missing=True),
+    Quantity("designs", holds=int),
+    Quantity("floor", holds=float),
+    Quantity(
+        "influences",
+        holds=[
+            (
+                Quantity("parameter", read="name"),
+                Quantity("share", holds=float),
+                Quantity("trend", holds=float),
+            )
+        ],
+    ),
+)
+# A row for each number that decides a column.
+_DECIDING: Columns = (
+    Quantity("column", head="column"),
+    Quantity("parameter", head="parameter"),
+    Quantity("share", head="fraction of its variance", form=percent, left=False),
+    Quantity("trend", head="rank correlation", form="+.2f", left=False),
+)
+
+
+# Of what a screen kept and what was computed: which designs have the fraction.
+_AMONG = {
+    "alike": "drawn at random",
+    "held": "kept",
+    "missed": "drawn at random and not kept",
+}
+
+
+def account(found: Status, about: About | None = None) -> Account:
+    """What is reported of a study."""
+    from stepwell.studies import gaps_text
+
+    study, deciding = found.study, _deciding(found)
+    missing = [gaps_text(found.gaps, study.count)] if found.gaps else []
+    designs = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
+    return Account(
+        found,
+        study.subject.title or "A study",
+        KIND,
+        schema(Shape()),
+        answer=_answer(found, deciding),
+        about=about or About(study.text),
+        seed=study.designs.seed,
+        packages=("zarr",),
+        facts=(
+            Fact("Study", designs),
+            Fact("Done", _done(found)),
+            Fact("Store", str(study.folder), Level.TERMINAL),
+            *_screened(found),
+        ),
+        warnings=(
+            Warned("Missing designs", "", missing),
+            Warned(
+                "Designs that could not be computed",
+                "",
+                [f"{counted(n, 'design')}: {kind}" for kind, n in found.problems.items()],
+            ),
+        ),
+        sections=(
+            Section(
+                "Outcomes",
+                [
+                    Picture("outcomes", "Outcomes over the parameters that decide them"),
+                    _table(_OUTCOME, found, "outcomes", "The most frequent first.", "outcomes"),
+                ],
+            ),
+            Section(
+                "Influence of each number",
+                [
+                    Picture("influences", "Fraction of the variance that each number explains"),
+                    Table(
+                        _DECIDING,
+                        lambda: deciding,
+                        "The fraction of a column's variance that a number explains by itself, and "
+                        "its rank correlation. Fractions that chance could produce are left out.",
+                        most=None,
+                        more="numbers",
+                    ),
+                ],
+            ),
+            Section("Range of each result", [_table(_NUMBER, found, "numbers", "", "results")]),
+            Section("Varied parameters", [_table(VARIED, found, "varied", "", "parameters")]),
+            Section("Assumptions", [Notes(_assumed(found), Level.PAGE)]),
+        ),
+        hints=[] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"],
+    )
+
+
+def _table(columns: Schema, found: Status, name: str, about: str, more: str) -> Table:
+    rows = getattr(found, name)
+    return Table(
+        columns, lambda: [record(columns, one) for one in rows], about, most=None, more=more
+    )
+
+
+def _done(found: Status) -> str:
+    chunks = found.study.chunks
+    return "all of it" if found.finished else f"{found.done} of {chunks} chunks are done"
+
+
+def _deciding(found: Status) -> list[dict[str, Any]]:
+    """The numbers that surely decide something, the foremost of each column."""
+    return [
+        {
+            "column": one.column + (f" = {one.value}" if one.value else ""),
+            "parameter": each.name,
+            "share": each.share,
+            "trend": each.trend,
+        }
+        for one in found.decided
+        for each in one.sure[:_FOREMOST]
+    ]
+
+
+def _answer(found: Status, deciding: Sequence[Mapping[str, Any]]) -> str:
+    """What most of the designs do, or else what decides most."""
+    if found.outcomes:
+        first = found.outcomes[0]
+        share = _share(first.share, first.sampled, " of the designs")
+        return f"{share} have {first.column} {first.value}"
+    if deciding:
+        first = deciding[0]
+        of = f"the variance of {first['column']}"
+        return f"{first['parameter']} explains {percent(first['share'])} of {of}"
+    return ""
+
+
+def _share(share: Share, sampled: bool = True, of: str = "") -> str:
+    """A fraction, of what, with its interval where the designs are a sample."""
+    ends = f" (95 % confidence {percent(share.low)} to {percent(share.high)})" if sampled else ""
+    return f"{percent(share.share)}{of}{ends}"
+
+
+def _screened(found: Status) -> list[Fact]:
+    """How a screen and what was computed agree."""
+    of = found.screened
+    if of is None:
+        return []
+    engine = found.study.given["engine"]
+    kept = f"{engine} keeps {of.kept} of {of.designs}; {of.computed} were computed"
+    return [
+        Fact("Screen", kept),
+        *(
+            Fact(name.capitalize(), f"{share.times} of {share.of} {among}: {_share(share)}")
+            for name, among in _AMONG.items()
+            if (share := getattr(of, name))
+        ),
+    ]
+
+
+def _assumed(found: Status) -> list[str]:
+    assumed = ["Each parameter varies independently and evenly between its bounds."]
+    if found.study.designs.how == "listed":
+        assumed = [
+            "The designs were listed: each of the parameters that vary together has the fraction "
+            "of all of them."
+        ]
+    elif found.study.designs.how == "as built":
+        assumed = ["The designs vary as mechanisms are built within their tolerances."]
+    if found.decided:
+        assumed.append(
+            "What several parameters decide only together is in the fraction of none. A fraction "
+            "below the floor, which chance alone exceeds in one study of twenty, is not shown."
+        )
+    if any(one.sampled for one in found.outcomes):
+        assumed.append(
+            "Intervals are those of designs drawn independently, 95 % (Clopper and Pearson); with "
+            "a Sobol' sequence or a Latin hypercube the error is mostly smaller."
+        )
+    if found.screened:
+        assumed.append(
+            "A prefilter in single precision chose the designs that were computed, and some were "
+            "drawn at random: fractions are those of the designs drawn, all other numbers those "
+            "of all designs that were computed."
+        )
+    return assumed

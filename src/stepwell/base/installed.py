@@ -1,0 +1,193 @@
+"""What is installed here, what is kept and what does not work."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, NamedTuple, TypeVar
+
+from stepwell.base.errors import printable
+from stepwell.base.extras import EXTRAS, Extra
+from stepwell.base.shown import Shown
+from stepwell.base.value import ByValue
+
+T = TypeVar("T")
+Probes = Mapping[str, Callable[[], Any]]
+
+# As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
+# nothing of it. What extras bring is in `extras`.
+NEEDED = (
+    "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy",
+    "tomli-w", "typer",
+)  # fmt: skip
+
+
+class Package(NamedTuple):
+    """A package that Stepwell needs, and its version; None where it is missing."""
+
+    name: str
+    version: str | None
+
+
+class InstalledExtra(NamedTuple):
+    """An extra.
+
+    Attributes:
+        name: of it.
+        used_for: what one can do with it.
+        present: whether all of its packages are installed.
+        versions: of those that are.
+    """
+
+    name: str
+    used_for: str
+    present: bool
+    versions: dict[str, str]
+
+    @property
+    def install(self) -> str:
+        """The command that adds it."""
+        return f"pip install 'stepwell[{self.name}]'"
+
+
+class Tool(NamedTuple):
+    """A program or a device, and by what it was found; None where it was not."""
+
+    name: str
+    used_for: str
+    found: str | None
+
+
+class Broken(NamedTuple):
+    """A part that is installed and does not work."""
+
+    part: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Installation(ByValue, Shown):
+    """What is installed here.
+
+    Attributes:
+        ok: whether all packages that are needed are installed and work.
+        python: its version.
+        system: operating system and processor.
+        packages: that are needed.
+        extras: whether they are needed or not.
+        tools: programs and devices.
+        broken: parts that do not work.
+        cores: that may be used; None before the packages are there.
+        kernels: compiled kernels, as `kernels.kept` has them; None before the packages are there.
+    """
+
+    ok: bool
+    python: str
+    system: str
+    packages: tuple[Package, ...] = field(repr=False)
+    extras: tuple[InstalledExtra, ...] = field(repr=False)
+    tools: tuple[Tool, ...] = field(repr=False)
+    broken: tuple[Broken, ...]
+    cores: int | None
+    kernels: Any = field(repr=False)
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the packages that are missing."""
+        return [one.name for one in self.packages if one.version is None]
+
+
+def installation(probes: Probes) -> Installation:
+    """Examine each part by itself; a part that fails is listed as broken.
+
+    Args:
+        probes: functions of higher layers that find something each: `cores`, `kernels`, `OpenGL`
+            and `display`.
+    """
+    broken: list[Broken] = []
+    packages = tuple(Package(name, _version(name)) for name in NEEDED)
+    whole = all(one.version for one in packages)
+    for name in NEEDED if whole else ():
+        _checked(name, partial(import_module, name.replace("-", "_")), broken)
+    whole = whole and not broken
+    extras = tuple(_extra(name, one) for name, one in EXTRAS.items())
+    for one in extras:
+        for package in one.versions:
+            module = EXTRAS[one.name].packages[package]
+            system = os.environ.get("MUJOCO_GL") if "mujoco" in package else None
+            part = f"{package} with MUJOCO_GL={system}" if system else package
+            _checked(part, partial(import_module, module), broken)
+    return Installation(
+        whole,
+        platform.python_version(),
+        f"{platform.system()} {platform.machine()}",
+        packages,
+        extras,
+        cores=_checked("cores", probes["cores"], broken) if whole else None,
+        kernels=_checked("kernels", probes["kernels"], broken) if whole else None,
+        tools=_tools({one.name for one in extras if one.present}, probes, broken),
+        broken=tuple(broken),
+    )
+
+
+def _checked(part: str, check: Callable[[], T], broken: list[Broken]) -> T | None:
+    """What a check finds; None, and an entry in what is broken, where it fails."""
+    try:
+        return check()
+    except Exception as error:  # whatever a package that is broken raises
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        broken.append(Broken(part, printable(reason)))
+        return None
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _extra(name: str, extra: Extra) -> InstalledExtra:
+    found = {package: _version(package) for package in extra.packages}
+    known = {package: known for package, known in found.items() if known}
+    return InstalledExtra(name, extra.used_for, len(known) == len(found), known)
+
+
+def _tools(extras: set[str], probes: Probes, broken: list[Broken]) -> tuple[Tool, ...]:
+    chromium = partial(_path, "chromium", "chromium-browser", "google-chrome")
+    tools: tuple[tuple[str, str, Callable[[], str | None] | None], ...] = (
+        ("browser", "opening the studio's page", _browser),
+        ("Chromium", "the tests of the page", chromium),
+        ("H.264 encoder", "videos as MP4", _encoder if "video" in extras else None),
+        ("OpenGL", "drawing robots off screen", probes["OpenGL"] if "robot" in extras else None),
+        ("display", "`stepwell view`", probes["display"]),
+    )
+    return tuple(
+        Tool(name, what, find and _checked(name, find, broken)) for name, what, find in tools
+    )
+
+
+def _path(*names: str) -> str | None:
+    return next((found for name in names if (found := shutil.which(name))), None)
+
+
+def _browser() -> str | None:
+    import webbrowser
+
+    try:
+        return getattr(webbrowser.get(), "name", "yes")
+    except webbrowser.Error:
+        return None
+
+
+def _encoder() -> str | None:
+    try:
+        return import_module("av").Codec("libx264", "w").name
+    except (ImportError, ValueError):
+        return None
