@@ -1,6 +1,7 @@
-"""What is done to pages while MkDocs builds them: formulas, the sources' address, search."""
+"""What is done to pages while MkDocs builds them: formulas, the sources' address, search, files."""
 
 import html
+import json
 import os
 import re
 import tomllib
@@ -10,7 +11,10 @@ from typing import Any
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+
+from stepwell.accounts import schema_kinds, schema_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -95,6 +99,14 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         config.repo_url = address
         config.repo_name = "/".join(address.split("/")[-2:])
     return config
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """The JSON Schema of every result, as `stepwell schema` prints it: generated, not committed."""
+    for kind in schema_kinds():
+        text = json.dumps(schema_of(kind), indent=2) + "\n"
+        files.append(File.generated(config, f"schema/{kind}.json", content=text))
+    return files
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:

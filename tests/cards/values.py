@@ -82,6 +82,7 @@ def of_chains() -> dict[str, Any]:
         _atlas(chain),
         _study(chain),
         committed(),
+        sw.presets(),
         _installation(),
         sw.design("00>01>11>10>00", n=40),
         _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import runpy
@@ -23,6 +24,7 @@ from docs.site import Read, lost, outside, shown
 from docs.test_pages import difference
 from sizes import SIZE
 from stepwell import files
+from stepwell.accounts import schema_kinds, schema_of
 from stepwell.files import preset_text
 
 if TYPE_CHECKING:
@@ -121,6 +123,12 @@ def paths(site: Path) -> list[str]:
 def test_every_link_anchor_and_picture_leads_somewhere(site):
     assert len(paths(site)) > 50
     assert lost(site) == []
+
+
+def test_the_schema_of_every_result_is_served_and_committed_nowhere(site):
+    served = {file.stem: file.read_text("utf-8") for file in (site / "schema").glob("*.json")}
+    assert served == {kind: json.dumps(schema_of(kind), indent=2) + "\n" for kind in schema_kinds()}
+    assert not [*(ROOT / "docs").rglob("schema/*.json"), *(ROOT / "src").rglob("schemas/*.json")]
 
 
 def test_a_link_to_nowhere_is_found_out(tmp_path):

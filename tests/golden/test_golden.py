@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from stepwell.results.json_schema import violations
 
 from golden.cases import CASES, Case, commands
 from golden.comparing import EXACT, differences, text_differences
@@ -17,7 +18,6 @@ from golden.options import options
 from golden.reducing import laid_out, read
 from golden.running import FROZEN, Outcome, entries_of, frozen, invoke, outcome, shown_in
 from stepwell.base import number
-from stepwell.results.json_schema import violations
 from stepwell.studies import WORKS
 
 # Digits and the places of ticks are those of the locked dependencies.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Level, Picture
+from stepwell.accounts.account import Account, Level
+from stepwell.accounts.assumptions import actuator_words, assumptions, simulation_assumptions
 from stepwell.accounts.card import card
 from stepwell.accounts.head import CALIBRATED, About, Calibrated, head
 from stepwell.accounts.page import Drawn, Image, page
@@ -24,11 +25,6 @@ from stepwell.accounts.terminal import (
 from stepwell.base import InputError, of_kind
 
 if TYPE_CHECKING:
-    from stepwell.accounts.assumptions import (
-        actuator_words,
-        assumptions,
-        simulation_assumptions,
-    )
     from stepwell.accounts.json_schema import schema_kinds, schema_of
     from stepwell.accounts.words import tie_notes
 
@@ -74,6 +70,7 @@ ACCOUNTS: dict[str, str] = {
     "PairTest": "lab.compare",
     "Path": "run",
     "Prediction": "robot",
+    "Presets": "presets",
     "Program": "program",
     "Recording": "lab.read",
     "Reprogramming": "reprogram",
@@ -127,12 +124,10 @@ def card_of(value: Any) -> str:
 
 
 # These open NumPy and the rooms below, without which `stepwell doctor` reports what is missing.
+# A name here must differ from that of its file, which becomes an attribute once it is imported.
 _LATE = {
-    "actuator_words": "assumptions",
-    "assumptions": "assumptions",
     "schema_kinds": "json_schema",
     "schema_of": "json_schema",
-    "simulation_assumptions": "assumptions",
     "tie_notes": "words",
 }
 

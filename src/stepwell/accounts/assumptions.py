@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Measure, amount, number
-from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
+    from stepwell.mechanism import Cell, Chain, Element
     from stepwell.robot import Antenna
     from stepwell.simulation import Walk
 
@@ -20,6 +20,8 @@ _RIGID = (
 
 def assumptions(chain: Chain) -> list[str]:
     """What the results of a chain rest on, a sentence each."""
+    from stepwell.mechanism import Cell, Element, Linear
+
     words = chain.measure
     named = list(zip(chain.names, chain.cells, strict=True))
     levers = [(name, cell) for name, cell in named if isinstance(cell, Cell)]

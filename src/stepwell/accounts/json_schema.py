@@ -35,6 +35,7 @@ KINDS = {
     "map": "map",
     "maze": "maze",
     "paper": "paper",
+    "presets": "presets",
     "program": "program",
     "reprogram": "reprogram",
     "robot": "robot",

@@ -34,7 +34,6 @@ _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _TOLERANCE, *_COMPARED[2:], _
 
 def account(found: Verdicts, about: About | None = None) -> Account:
     """What is reported of verdicts."""
-    agreed = sum(one.verdict == "agrees" for one in found)
     rows = [record(_CLAIM, one) for one in found]
     reasons = [row for row in rows if row["reason"]]
     compared, wide = (_ID, *_COMPARED), (_TOLERANCE, _STATEMENT)
@@ -43,7 +42,7 @@ def account(found: Verdicts, about: About | None = None) -> Account:
         "Validation against published claims",
         KIND,
         schema(),
-        answer=f"{agreed} of {len(found)} claims agree",
+        answer=f"{found.agreed} of {len(found)} claims agree",
         about=about or About(),
         sections=(
             Section("Claims", [Table(compared, lambda: rows, "", wide, None, "claims")]),

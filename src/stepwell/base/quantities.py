@@ -119,7 +119,8 @@ class Quantity:
         left: whether its column starts at the left; words do.
         dims: further dimensions in xarray.
         holds: what JSON has of it: a type, a union of types, a schema, a list of one of these, or a
-            dictionary from `str` to one of these; a number where it has a unit, else text.
+            dictionary from `str` to one of these; a number where it has a unit, else text. The unit
+            is that of all numbers in it.
         missing: whether JSON has null where there is none; of numbers it always has.
     """
 

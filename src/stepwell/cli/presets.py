@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
+from stepwell.accounts import account
 from stepwell.cli.options import ForceFile, completing, free_file, local
-from stepwell.cli.screen import finish, show_lines, show_table
+from stepwell.cli.screen import report, show_lines
 
 
 def presets(
@@ -18,13 +19,7 @@ def presets(
     """
     from stepwell import files
 
-    found = files.presets()
-    rows = [{"name": name, "title": title} for name, title in found.items()]
-    finish(
-        {"schema": "stepwell.presets/1", "presets": rows},
-        lambda _: show_table("Designs", ["name", "what it is"], list(found.items()), left=(0, 1)),
-        as_json,
-    )
+    report(account(files.presets()), as_json)
 
 
 def new(

@@ -7,6 +7,7 @@ from stepwell.base import write_atomic
 from stepwell.files.curves import load_element
 from stepwell.files.design import (
     DesignFile,
+    Presets,
     load,
     loads,
     loads_tables,
@@ -49,6 +50,7 @@ __all__ = [
     "BusyError",
     "DesignError",
     "DesignFile",
+    "Presets",
     "Given",
     "IncompleteError",
     "OverwriteError",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from stepwell.base import content_of, nearest_word
+from stepwell.base import Shown, content_of, nearest_word
 from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
@@ -178,9 +178,13 @@ def text_of(design: str | os.PathLike[str]) -> str:
     raise DesignError(name, [problem])
 
 
-def presets() -> dict[str, str]:
+class Presets(dict[str, str], Shown):
     """The name of every design that comes with the package, and its title."""
-    return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
+
+
+def presets() -> Presets:
+    """The name of every design that comes with the package, and its title."""
+    return Presets({name: tomllib.loads(text)["title"] for name, text in _texts().items()})
 
 
 def preset_text(name: str) -> str:

@@ -100,6 +100,14 @@ class Verdicts(tuple[Verdict, ...], Shown):
 
     __slots__ = ()
 
+    @property
+    def agreed(self) -> int:
+        """How many agree."""
+        return sum(one.verdict is Judgement.AGREES for one in self)
+
+    def __repr__(self):
+        return f"Verdicts({self.agreed} of {len(self)} claims agree)"
+
 
 def claim(
     where: str, paper_value: str, tolerance: str

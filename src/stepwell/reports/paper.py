@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from stepwell.accounts import Account
 from stepwell.base import InputError, have, nearest_word
 from stepwell.design import boundaries, transition_map
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
-from stepwell.reports.write import Contents
+from stepwell.reports.write import Content, Contents
 from stepwell.sequences import Cycle, Pathway
 
 if TYPE_CHECKING:
@@ -127,7 +128,16 @@ def contents(_account: Account, everything: bool = False) -> Contents:
     Args:
         everything: also the figures that take many simulated runs, minutes of them.
     """
-    return Contents("paper", "claims.json", draws=figures_of(everything))
+    files: dict[str, Content] = {}
+    for name, draw in figures_of(everything).items():
+        # Drawn when its first file is written: some take minutes. The page has none of them.
+        drawn = cache(draw)
+        files |= {f"{name}{end}": partial(_saved, drawn) for end in (".png", ".svg")}
+    return Contents("paper", "claims.json", files)
+
+
+def _saved(draw: Callable[[], Figure], file: Path) -> None:
+    figures.save(draw(), file)
 
 
 def figure_of(name: str) -> Figure:

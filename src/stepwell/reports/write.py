@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts import About, Account, Drawn, Image, Level, Picture, account, page
+from stepwell.accounts import About, Account, Drawn, Image, account, page
 from stepwell.base import InputError, StepwellError, have, of_kind, write_atomic
 from stepwell.files import dumps, staged_folder
 from stepwell.studio.replay import embedded
@@ -55,10 +55,10 @@ class Contents:
 # Which file knows the contents of a class.
 _CONTENTS = {
     "AsBuilt": "measured",
+    "Atlas": "studies",
     "BandFit": "measured",
     "Batch": "measured",
     "Calibration": "measured",
-    "Atlas": "studies",
     "Check": "designs",
     "Comparison": "measured",
     "Design": "designs",
@@ -71,8 +71,8 @@ _CONTENTS = {
     "Status": "studies",
     "Survival": "designs",
     "Sweep": "robots",
-    "Walk": "robots",
     "Verdicts": "paper",
+    "Walk": "robots",
     "Yield": "designs",
 }
 
@@ -120,9 +120,7 @@ def _written(
     # A page needs no figures: where they cannot be drawn, it stands without them.
     draws = {**contents.draws, **contents.on_page} if have("figures") else {}
     drawn = {name: draw() for name, draw in draws.items()}
-    parts = (part for section in found.sections for part in section.within(Level.PAGE))
-    shown = {part.name for part in parts if isinstance(part, Picture)} & drawn.keys()
-    pictures = {name: _drawn(drawn[name], draws[name]) for name in shown}
+    pictures = {name: _drawn(figure, draws[name]) for name, figure in drawn.items()}
     files: dict[str, Content] = {
         **contents.files,
         contents.record: json.dumps(found.record, indent=2, allow_nan=False) + "\n",
