@@ -172,7 +172,7 @@ def _lines(value: Any, head: str, indent: str) -> Iterator[str]:
     yield f"{indent}{closing}"
 
 
-def file_told(file: Path, digits: int, *, words: bool) -> Any:
+def file_reduced(file: Path, digits: int, *, words: bool) -> Any:
     """What is frozen of a written file besides its name; None where the name is enough.
 
     Args:
@@ -239,6 +239,12 @@ def _toml(file: Path, digits: int) -> Any:
     return reduced(tomllib.loads(file.read_text("utf-8")), digits)
 
 
+def _xml(file: Path, digits: int) -> dict[str, int]:
+    """How many there are of each tag."""
+    tags = [node.tag.rpartition("}")[2] for node in ElementTree.parse(file).iter()]
+    return {tag: tags.count(tag) for tag in dict.fromkeys(tags)}
+
+
 def _text(file: Path, digits: int) -> str:
     lines = file.read_text("utf-8").splitlines()
     return f"{len(lines)} lines, the first {lines[0]!r}" if lines else "no lines"
@@ -250,9 +256,9 @@ _FILES = {
     ".gif": _picture,
     ".png": _picture,
     ".toml": _toml,
-    ".xml": _text,
+    ".xml": _xml,
     ".dot": _text,
-    ".graphml": _text,
+    ".graphml": _xml,
 }
 
 

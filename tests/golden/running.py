@@ -47,6 +47,8 @@ class Outcome:
         entries: for each command what is frozen as JSON.
         text: the screens and pages of a case that shows them.
         screens: what was printed for people, by command.
+        pages: the HTML of every page, by its name.
+        words: the text of every page, by its name.
         records: every result in JSON, whole.
         folders: the manifest of every folder that was written, and the files in it.
     """
@@ -54,6 +56,8 @@ class Outcome:
     entries: list[dict[str, Any]] = field(default_factory=list)
     text: str = ""
     screens: dict[str, str] = field(default_factory=dict)
+    pages: dict[str, str] = field(default_factory=dict)
+    words: dict[str, str] = field(default_factory=dict)
     records: list[dict[str, Any]] = field(default_factory=list)
     folders: list[tuple[dict[str, Any], set[str]]] = field(default_factory=list)
 
@@ -131,7 +135,10 @@ def _entry(
     files: dict[str, Any] = {}
     for name in new:
         if not name.endswith(".json"):
-            files[name] = reducing.file_told(folder / name, case.within.digits, words=case.shown)
+            files[name] = reducing.file_reduced(folder / name, case.within.digits, words=case.shown)
+            if name.endswith(".html"):
+                found.pages[name] = (folder / name).read_text("utf-8")
+                found.words[name] = "\n".join(reducing.page(folder / name))
             continue
         written = json.loads((folder / name).read_text("utf-8"))
         if str(written.get("schema")).startswith("stepwell."):

@@ -4,9 +4,7 @@ A change that is meant is accepted with `python tests/golden/freeze.py [CASE…]
 diff of the files under frozen/.
 """
 
-import re
 import shlex
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -15,6 +13,7 @@ from stepwell.results.json_schema import violations
 from golden.cases import CASES, Case, commands
 from golden.comparing import EXACT, differences, text_differences
 from golden.options import options
+from golden.promises import WIDE, page_faults, too_wide, unknown_numbers
 from golden.reducing import laid_out, read
 from golden.running import FROZEN, Outcome, entries_of, frozen, invoke, outcome, shown_in
 from stepwell.base import number
@@ -37,11 +36,10 @@ _NOT_FROZEN = {
     "sweep WHAT --scheduler",
     "atlas build --scheduler",
 }
-_WIDE = 80
-# A number with a point: counts and the digits of states are too many to mean one thing.
-_NUMBER = re.compile(r"(?<![\w.>])[-+]?\d+\.\d+(?![\w.>])")
 # Their screens show numbers of what is no result of theirs: of a story, of a design file.
 _OTHER_NUMBERS = {"files/presets", "help/pages"}
+# The page of a run shows how many of those built do it, and the bands, which its record does not.
+_OTHER_PAGES = {"run", "elements"}
 
 
 @pytest.mark.parametrize(
@@ -68,50 +66,12 @@ def _keeps_its_promises(case: Case, found: Outcome) -> None:
     assert [problem for record in found.records for problem in violations(record)] == []
     for manifest, files in found.folders:
         assert {*manifest["files"], "stepwell.json"} == files
-    for screen in found.screens.values():
-        # What is there to be copied is printed as it is; a path may be longer.
-        lines = screen.partition("For a design file:")[0].split("\n")
-        assert [line for line in lines if len(line) > _WIDE and " " in line.strip()] == []
+    assert [line for screen in found.screens.values() for line in too_wide(screen)] == []
+    assert [fault for page in found.pages.values() for fault in page_faults(page)] == []
     if found.records and case.name not in _OTHER_NUMBERS:
-        assert _unknown_numbers(found) == {}
-
-
-def _unknown_numbers(found: Outcome) -> dict[str, list[str]]:
-    """Numbers on screens that no record holds, by command."""
-    known = {
-        abs(value * factor)
-        for record in found.records
-        for value in _numbers(record)
-        for factor in (1.0, 100.0, 1e3)
-    }
-    # How far an anchor has been moved stands in JSON as a share of the whole way.
-    known |= {
-        one["fraction"] * record["distance_mm"]
-        for record in found.records
-        for one in record.get("way", ())
-    }
-    # Numbers of a design are printed as they were given, all others with four digits or fewer.
-    printed = {number(value, digits) for value in known for digits in (2, 3, 4, 6)}
-    printed |= {f"{value:.{digits}f}" for value in known for digits in (1, 2, 3)}
-    unknown = {
-        command: [text for text in _NUMBER.findall(screen) if text.lstrip("+-") not in printed]
-        for command, screen in found.screens.items()
-    }
-    return {command: texts for command, texts in unknown.items() if texts}
-
-
-def _numbers(value: Any) -> Iterator[float]:
-    """Every number in a record, those in its sentences too."""
-    if isinstance(value, dict):
-        for part in value.values():
-            yield from _numbers(part)
-    elif isinstance(value, list):
-        for part in value:
-            yield from _numbers(part)
-    elif isinstance(value, str):
-        yield from map(float, _NUMBER.findall(value))
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield float(value)
+        texts = found.screens | ({} if case.kind in _OTHER_PAGES else found.words)
+        unknown = {name: unknown_numbers(text, found.records) for name, text in texts.items()}
+        assert {name: numbers for name, numbers in unknown.items() if numbers} == {}
 
 
 def test_every_command_has_the_options_that_were_frozen():
@@ -124,7 +84,7 @@ def test_every_command_has_the_options_that_were_frozen():
 def test_every_help_page_names_its_options_and_fits_a_terminal():
     for name, command in commands():
         page = invoke(*name.split(), "--help").stdout
-        assert [line for line in page.split("\n") if len(line) > _WIDE] == []
+        assert [line for line in page.split("\n") if len(line) > WIDE] == []
         assert [
             one.opts[0] for one in command.params if one.opts[0] not in page and _is_option(one)
         ] == []
