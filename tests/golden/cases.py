@@ -2,7 +2,7 @@
 
 A case is an entry of frozen/KIND.json, where KIND is what its name begins with. Its commands run
 one after another in one new folder, which holds `given` files. One case of a kind is shown: its
-screens and its page are frozen too, in frozen/shown/.
+screens and its page are frozen too, in a text of that name beside the JSON.
 """
 
 from collections.abc import Callable, Iterator, Mapping
