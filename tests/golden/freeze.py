@@ -1,45 +1,25 @@
 """Freeze what commands print and write now: `python tests/golden/freeze.py [CASE…]`.
 
 A CASE is a name in cases.py or the beginning of one, such as run/; without any, all cases are
-frozen, and what belongs to no case is removed. The published JSON Schemas are widened by what the
-cases print as JSON; they are never narrowed but by a new version in a record's `schema`.
+frozen, and what belongs to no case is removed.
 """
 
-import json
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 # What stands beside this file is run, whatever else is installed.
 _ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(_ROOT / "src"), str(_ROOT / "tests")]
 
 
-def publish(record: dict[str, Any]) -> None:
-    """Widen the published JSON Schema by a record that it does not allow yet."""
-    from stepwell.results.json_schema import kind_of, schema_of, widened
-
-    kind = kind_of(record)
-    name = f"{kind}.json"
-    places = [_ROOT / "src/stepwell/results/schemas" / name, _ROOT / "docs/schema" / name]
-    old = schema_of(kind) if places[0].exists() else None
-    new = widened(old, record)
-    if new != old:
-        print(f"published {name}")
-        for place in places:
-            place.write_text(json.dumps(new, indent=2) + "\n", "utf-8")
-
-
 def main(wanted: list[str]) -> None:
     from golden.cases import CASES
     from golden.options import options
     from golden.running import frozen, outcome, save, write
-    from stepwell.cli.doctor import examined
 
-    records: list[dict[str, Any]] = []
     names = [name for name in CASES if not wanted or name.startswith(tuple(wanted))]
     for name in names:
         began = time.process_time()
@@ -48,12 +28,7 @@ def main(wanted: list[str]) -> None:
         before = frozen(CASES[name])
         save(CASES[name], found)
         news = "" if frozen(CASES[name]) == before else "  changed"
-        records += found.records
         print(f"{time.process_time() - began:6.2f} s of CPU  {name}{news}", flush=True)
-    if not wanted:
-        records.append(examined() | {"files": []})
-    for record in records:
-        publish(record)
     for name in () if wanted else leftovers():
         print(f"removed   {name}")
     if "options".startswith(tuple(wanted) or ""):

@@ -8,15 +8,14 @@ import shlex
 from typing import Any
 
 import pytest
-from stepwell.results.json_schema import violations
 
+from accounts.schemas import violations
 from golden.cases import CASES, Case, commands
 from golden.comparing import EXACT, differences, text_differences
 from golden.options import options
 from golden.promises import WIDE, page_faults, too_wide, unknown_numbers
 from golden.reducing import laid_out, read
 from golden.running import FROZEN, Outcome, entries_of, frozen, invoke, outcome, shown_in
-from stepwell.base import number
 from stepwell.studies import WORKS
 
 # Digits and the places of ticks are those of the locked dependencies.
