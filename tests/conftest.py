@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
+from once import once
 from sizes import SIZE
 
 if TYPE_CHECKING:
@@ -45,8 +46,15 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     return 0 if named and not said else None
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with much that is slow come first, so that no core has one of them left at the end."""
+    """Files with much that is slow come first, so that no core has one of them left at the end.
+
+    All that is looked at in a browser is slow.
+    """
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("slow")
     slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
     items.sort(key=lambda item: -slow[item.path])
 
@@ -90,17 +98,24 @@ def kamp2024() -> Path:
 
 @pytest.fixture(scope="session")
 def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page's sources in a folder of their own, with what builds and tests them."""
+    """The page's sources in a folder of their own, with what builds and tests them.
+
+    Of all processes: nothing may be written there.
+    """
     npm = shutil.which("npm")
     if npm is None and os.environ.get("STEPWELL_REQUIRE_BROWSER") != "1":
         pytest.skip("npm is not installed: the studio's page is not built anew, nor run by axe")
     assert npm is not None, "STEPWELL_REQUIRE_BROWSER=1, and npm is not installed"
-    found = tmp_path_factory.mktemp("sources") / "studio"
-    shutil.copytree(ROOT / "studio", found, ignore=shutil.ignore_patterns("node_modules"))
     words = [npm, "ci", "--no-audit", "--no-fund", "--ignore-scripts"]
-    done = subprocess.run(words, cwd=found, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return found
+
+    def installed(folder: Path) -> None:
+        found = folder / "studio"
+        ignored = shutil.ignore_patterns("node_modules")
+        shutil.copytree(ROOT / "studio", found, ignore=ignored, dirs_exist_ok=True)
+        done = subprocess.run(words, cwd=found, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    return once(tmp_path_factory, "sources", installed) / "studio"
 
 
 @pytest.fixture(scope="session")
