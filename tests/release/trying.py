@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,8 @@ ROOT = Path(__file__).resolve().parents[2]
 NOT_OURS = ("pip", "setuptools", "pkg_resources", "_distutils_hack", "distutils-precedence.pth")
 # The compiled core, llvmlite, Numba, NumPy and SciPy, takes nine tenths of it.
 MOST_MB = 500
+# The same without what Python compiles of it, which takes as long as all that is installed.
+MOST_UNCOMPILED_MB = 410
 
 
 class CannotInstall(Exception):
@@ -46,6 +48,19 @@ def locked() -> str:
     return "\n".join(found[1].strip() for found in pinned if found) + "\n"
 
 
+# Codes and words of commands that are given as JSON, one after another.
+EACH = """
+import json, sys
+from typer.testing import CliRunner
+from stepwell.cli import app
+told = []
+for words in json.loads(sys.argv[1]):
+    done = CliRunner().invoke(app, words)
+    told.append((done.exit_code, done.output))
+print(json.dumps(told))
+"""
+
+
 @dataclass(frozen=True)
 class Fresh:
     """A virtual environment of its own."""
@@ -55,8 +70,12 @@ class Fresh:
 
     @classmethod
     def made(cls, folder: Path, kernels: Path, python: str = sys.executable) -> Fresh:
-        """Make it with an interpreter; what it compiles is kept in a folder beside it."""
-        subprocess.run([python, "-m", "venv", str(folder)], check=True, capture_output=True)
+        """Make it with an interpreter; what it compiles is kept in a folder beside it.
+
+        Without a pip of its own, which takes as long as all of ours: this one's installs there.
+        """
+        words = [python, "-m", "venv", "--without-pip", str(folder)]
+        subprocess.run(words, check=True, capture_output=True)
         return cls(folder, kernels)
 
     @property
@@ -77,7 +96,8 @@ class Fresh:
         """
         limits = self.folder / "constraints.txt"
         limits.write_text(locked(), "utf-8")
-        pip = [str(self.python), "-m", "pip", "install", "--disable-pip-version-check", "--quiet"]
+        pip = [sys.executable, "-m", "pip", "--python", str(self.python), "install"]
+        pip += ["--disable-pip-version-check", "--quiet"]
         pip += [] if compiled else ["--no-compile"]
         told = subprocess.run(
             [*pip, "--only-binary", ":all:", "--constraint", str(limits), what],
@@ -107,6 +127,17 @@ class Fresh:
         """What the command `stepwell` prints."""
         return self.run("-m", "stepwell", *words, code=code)
 
+    def each(self, *commands: Sequence[str], code: int = 0) -> list[str]:
+        """What each of several commands prints, run by one process; each must end with this code.
+
+        Starting takes most of the time of a small one.
+        """
+        told: list[tuple[int, str]] = json.loads(self.run("-c", EACH, json.dumps(commands)))
+        for words, (found, said) in zip(commands, told, strict=True):
+            assert found == code, f"{' '.join(words)} ended with {found}:\n{said}"
+            assert "Traceback" not in said, said
+        return [said for _, said in told]
+
     def sizes(self) -> dict[str, float]:
         """What each package takes on the disk [MB], the largest first, compiled files included."""
         where = "import sysconfig; print(sysconfig.get_path('purelib'))"
@@ -134,14 +165,25 @@ def told(sizes: dict[str, float], most: int = 8) -> str:
 
 def core(env: Fresh) -> None:
     """All that returns values or stands on the screen; what is missing comes with its command."""
+    # Once as people start it; the others in one process.
     assert "00>10>11>01>00" in env.stepwell("run", "preset:paper-forward")
-    assert '"sequence"' in env.stepwell("run", "preset:paper-forward", "--json")
-    assert "return-point memory" in env.stepwell("graph", "preset:paper-forward")
-    env.stepwell("graph", "preset:paper-forward", "--out", "graph.graphml")
-    assert "As it was given." in env.stepwell("program", "preset:finger-selector")
-    assert "100000" in env.stepwell("design", "00>10>11>01>00")
-    assert "%" in env.stepwell("yield", "preset:paper-forward", "--samples", "1000")
-    env.stepwell("replay", "preset:paper-forward")
+    said = env.each(
+        ("run", "preset:paper-forward", "--json"),
+        ("graph", "preset:paper-forward"),
+        ("graph", "preset:paper-forward", "--out", "graph.graphml"),
+        ("program", "preset:finger-selector"),
+        ("design", "00>10>11>01>00"),
+        ("yield", "preset:paper-forward", "--samples", "1000"),
+        ("replay", "preset:paper-forward"),
+    )
+    for words, wanted in (
+        (said[0], '"sequence"'),
+        (said[1], "return-point memory"),
+        (said[3], "As it was given."),
+        (said[4], "100000"),
+        (said[5], "%"),
+    ):
+        assert wanted in words
     env.run(
         "-c",
         "import stepwell as sw\ncycle = sw.preset('paper-forward').cycle()\n"
@@ -170,13 +212,16 @@ LACKS = {
 
 def without(env: Fresh, *extras: str) -> None:
     """Every command that lacks an extra ends in one line that says which; `doctor` lists them."""
+    # As people start it, with one of them; the others in one process.
     listed = env.stepwell("doctor")
+    assert "pip install" in env.stepwell(*LACKS["figures"][0], code=1)
+    lacked = [(extra, words) for extra in extras for words in LACKS[extra]]
+    told = env.each(*(words for _, words in lacked), code=1)
     for extra in extras:
         assert f"pip install 'stepwell[{extra}]'" in listed
-        for words in LACKS[extra]:
-            said = env.stepwell(*words, code=1)
-            assert len(said.splitlines()) == 1, said
-            assert f"pip install 'stepwell[{extra}]'" in said
+    for (extra, _), said in zip(lacked, told, strict=True):
+        assert len(said.splitlines()) == 1, said
+        assert f"pip install 'stepwell[{extra}]'" in said
     assert not (env.folder / "forward").exists()
 
 
@@ -312,7 +357,9 @@ def tried(wheel: Path, extra: str, python: str, kernels: Path) -> str:
     with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
         env = Fresh.made(Path(folder), kernels, python)
         env.install(f"{wheel}[{extra}]" if extra else str(wheel))
-        size = told(env.sizes())
+        sizes = env.sizes()
+        size = told(sizes)
+        assert extra or sum(sizes.values()) <= MOST_MB, size
         core(env)
         if not extra:
             without(env, *CHECKS)
