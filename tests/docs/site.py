@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -34,6 +35,12 @@ class Read(HTMLParser):
             self.silent.append(told.get("src", "?"))
 
 
+@cache
+def read(file: Path) -> Read:
+    """A page that does not change any more, read once."""
+    return Read(file)
+
+
 def outside(link: str) -> bool:
     """Whether a link leaves the site."""
     parts = urlsplit(link)
@@ -42,7 +49,7 @@ def outside(link: str) -> bool:
 
 def lost(site: Path) -> list[str]:
     """Links, anchors and files of a built site that lead nowhere, as "page: link"."""
-    pages = {file: Read(file) for file in site.rglob("*.html")}
+    pages = {file: read(file) for file in site.rglob("*.html")}
     found = []
     for file, page in pages.items():
         for link in [*page.links, *page.loads]:

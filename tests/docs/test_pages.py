@@ -173,6 +173,7 @@ def test_the_moving_picture_repeats_and_is_small_enough_to_be_waited_for():
     assert file.stat().st_size < 1_500_000
 
 
+@pytest.mark.slow
 def test_what_the_moving_picture_says_is_so():
     told = runpy.run_path(str(ROOT / "examples" / "00_moving_picture.py"))
     before, after = told["acts"]()

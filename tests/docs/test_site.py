@@ -20,7 +20,7 @@ import pytest
 from chromium import Opened, needed, nothing_found
 from docs.pages import ROOT
 from docs.screenshots import FOLDER, SCHEMES, labels, taken
-from docs.site import Read, lost, outside, shown
+from docs.site import lost, outside, read, shown
 from docs.test_pages import difference
 from sizes import SIZE
 from stepwell import files
@@ -141,7 +141,7 @@ def test_a_link_to_nowhere_is_found_out(tmp_path):
 
 
 def test_links_that_leave_the_site_are_addresses_of_the_web_by_https(site):
-    found = {link for file in site.rglob("*.html") for link in Read(file).links if outside(link)}
+    found = {link for file in site.rglob("*.html") for link in read(file).links if outside(link)}
     assert "https://arxiv.org/abs/2409.03737" in found
     for link in sorted(found):
         parts = urlsplit(link)
@@ -151,12 +151,12 @@ def test_links_that_leave_the_site_are_addresses_of_the_web_by_https(site):
 
 
 def test_every_picture_says_in_words_what_it_shows(site):
-    assert [one for file in site.rglob("*.html") for one in Read(file).silent] == []
+    assert [one for file in site.rglob("*.html") for one in read(file).silent] == []
 
 
 def test_pages_name_no_file_of_another_host(site):
     for file in site.rglob("*.html"):
-        assert [one for one in Read(file).loads if outside(one) and "data:" not in one] == []
+        assert [one for one in read(file).loads if outside(one) and "data:" not in one] == []
     for file in site.rglob("*.css"):
         assert not re.search(r"url\([\"']?(https?:)?//|@import", file.read_text("utf-8")), file
 
@@ -201,25 +201,47 @@ def test_no_page_scrolls_sideways_on_a_phone_and_none_asks_another_host(chromium
     assert [url for url in opened.asked if not url.startswith((home, "data:", "blob:"))] == []
 
 
+@pytest.fixture(scope="module")
+def searching(chromium: Browser, home: str) -> Iterator[Page]:
+    """A page whose search is open, and has read its index."""
+    context = chromium.new_context(**LOOKS["light"])
+    page = context.new_page()
+    page.goto(home + "decisions/")
+    page.keyboard.press("s")
+    yield page
+    context.close()
+
+
 @pytest.mark.parametrize("words", ASKED)
-def test_a_search_finds_first_what_one_wants_to_do(window, home, words):
-    window.goto(home + "decisions/")
-    window.keyboard.press("s")
+def test_a_search_finds_first_what_one_wants_to_do(searching, words):
+    results = searching.locator("li.md-search-result__item > a.md-search-result__link")
+    box = searching.get_by_role("textbox", name="Search")
+    box.fill("")
+    expect(results).to_have_count(0)
     # Typed key by key: the page listens to keys, and a value that is put in after it is ready
     # is never asked for.
-    window.get_by_role("textbox", name="Search").press_sequentially(words)
-    results = window.locator("li.md-search-result__item > a.md-search-result__link")
+    box.press_sequentially(words)
     results.first.wait_for()
-    window.wait_for_timeout(500)
+    searching.wait_for_timeout(500)
     found = [one.get_attribute("href") or "" for one in results.all()[:5]]
     pages = [urlsplit(link).path.lstrip("/") for link in found]
     assert set(pages[:3]) & ASKED[words], pages
     assert not any(page.startswith("decisions/") for page in pages[:3]), pages
 
 
-@pytest.mark.parametrize("look", LOOKS)
+# Every kind of page; in the quick run the largest in one look.
+KINDS = ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
+IN_ONE_LOOK = ("theory/", "commands/", "gallery/") if SIZE == "ci" else ()
+
+
 @pytest.mark.parametrize(
-    "path", ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
+    ("path", "look"),
+    [
+        (path, look)
+        for path in KINDS
+        for look in LOOKS
+        if look == "light" or path not in IN_ONE_LOOK
+    ],
 )
 def test_the_pages_keep_nobody_out(chromium, home, axe, path, look):
     context = chromium.new_context(**LOOKS[look])
@@ -266,23 +288,26 @@ def shots(page: Page, name: str) -> tuple[bytes, bytes]:
     return first, card.screenshot()
 
 
-@pytest.mark.parametrize("name", ["metachronal-wave", "robot-left"])
-def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, home, name):
+def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, home):
+    names = ("metachronal-wave", "robot-left")
     context = chromium.new_context(**LOOKS["light"])
     page = context.new_page()
     page.goto(home + "gallery/")
-    first, second = shots(page, name)
-    assert first != second
+    for name in names:
+        first, second = shots(page, name)
+        assert first != second
     page.get_by_role("checkbox", name="Hold all pictures still").check()
-    first, second = shots(page, name)
-    assert first == second
+    for name in names:
+        first, second = shots(page, name)
+        assert first == second
     context.close()
     context = chromium.new_context(reduced_motion="reduce", **LOOKS["light"])
     opened = Opened(context.new_page())
     opened.page.goto(home + "gallery/")
-    first, second = shots(opened.page, name)
-    assert first == second
-    assert not [url for url in opened.asked if url.endswith(f"/{name}.svg")]
+    for name in names:
+        first, second = shots(opened.page, name)
+        assert first == second
+        assert not [url for url in opened.asked if url.endswith(f"/{name}.svg")]
     context.close()
 
 
@@ -313,14 +338,19 @@ def test_cards_stand_side_by_side_on_paper(chromium, home, path, columns):
     context.close()
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_pictures_of_the_studio_show_what_it_is_now(chromium, tmp_path, scheme):
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     needed("starlette", "uvicorn", "websockets")
     from studio.browser import served
 
+    with served(tmp_path_factory.mktemp("studio"), "paper-forward") as address:
+        yield address
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_pictures_of_the_studio_show_what_it_is_now(chromium, studio, tmp_path, scheme):
     kept = FOLDER / f"{scheme}.png"
-    with served(tmp_path, "paper-forward") as address:
-        now = taken(chromium, address, scheme)
+    now = taken(chromium, studio, scheme)
     (tmp_path / "now.png").write_bytes(now)
     again = "run `python tests/docs/screenshots.py`"
     assert labels(now) == labels(kept.read_bytes()), again
