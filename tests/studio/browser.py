@@ -1,5 +1,6 @@
 """A page in a browser: what its tests share."""
 
+import base64
 import json
 import subprocess
 import sys
@@ -24,6 +25,11 @@ if __name__ == "__main__":
     serve(
         design, port=port, studies=studies, opened=lambda address: print(address, flush=True)
     )
+"""
+
+# What stands in the fields of these names.
+VALUES = """(names) =>
+  names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
 """
 
 needed("starlette", "uvicorn", "websockets")
@@ -56,6 +62,16 @@ def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
             server.terminate()
 
 
+def begun(page: Page, address: str, preset: str) -> Page:
+    """The page of a studio with a preset, as its link holds it, answered and kept."""
+    text = json.dumps(files.tables_in(files.preset_text(preset), preset))
+    held = base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
+    page.goto(f"{address}#design={held}")
+    expect(output(page, "sequence")).to_be_visible()
+    settled(page)
+    return page
+
+
 def opens(offline: Opened, folder: Path, text: str) -> Page:
     """The page of a text that is opened from a file."""
     file = folder / "page.html"
@@ -85,9 +101,11 @@ def handle(page: Page, anchor: str, cell: str):
 
 
 def anchors(page: Page, cell: str) -> list[list[float]]:
-    return [
-        [float(field(page, anchor, cell, axis).input_value()) for axis in "xy"] for anchor in "pq"
-    ]
+    """p and q, read at once: each word to a browser takes as long as all of them."""
+    names = [f"{anchor} of {cell}, {axis} in mm" for anchor in "pq" for axis in "xy"]
+    field(page, "p", cell, "x").wait_for()
+    px, py, qx, qy = map(float, page.evaluate(VALUES, names))
+    return [[px, py], [qx, qy]]
 
 
 def chain_shown(page: Page) -> Chain:

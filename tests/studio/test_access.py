@@ -5,16 +5,19 @@ from collections.abc import Iterator
 import pytest
 
 from chromium import nothing_found
-from studio.browser import Opened, field, output, served, settled
+from sizes import SIZE
+from studio.browser import Opened, begun, field, output, served, settled
 
 from playwright.sync_api import Browser, Page, expect  # isort: skip
 
-WINDOWS = {
+ALL = {
     "light": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "light"},
     "dark": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "dark"},
     "narrow": {"viewport": {"width": 390, "height": 844}, "color_scheme": "light"},
     "narrow and dark": {"viewport": {"width": 390, "height": 844}, "color_scheme": "dark"},
 }
+# Both widths and both schemes, if not each with each.
+WINDOWS = ALL if SIZE == "full" else {name: ALL[name] for name in ("light", "narrow and dark")}
 
 
 def each_tab(page: Page, axe: str) -> None:
@@ -48,14 +51,11 @@ def test_a_chain_with_each_tab_open(window: Page, address: str, axe: str):
 
 @pytest.mark.parametrize("preset", ["balloon", "robot-forward", "friction", "paper-forward-double"])
 def test_elements_robots_searched_margins_and_several_bands(
-    browser: Browser, axe: str, preset: str, tmp_path
+    browser: Browser, empty_address: str, axe: str, preset: str
 ):
     page = browser.new_page(viewport={"width": 1280, "height": 800})
-    with served(tmp_path, preset) as address:
-        page.goto(address)
-        expect(output(page, "sequence")).to_be_visible()
-        each_tab(page, axe)
-        page.close()
+    each_tab(begun(page, empty_address, preset), axe)
+    page.close()
 
 
 def test_a_problem_a_lock_and_holes(page: Page, axe: str):

@@ -1,35 +1,22 @@
 """Every number of a cell in the page: what is typed there is what Python says."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from stepwell import files
-from studio.browser import Opened, handle, number, output, served, settled, shown_as
+from studio.browser import Opened, begun, handle, number, output, settled, shown_as
 
 from playwright.sync_api import Locator, Page, expect  # isort: skip
 
 
 @pytest.fixture
-def start(opened: Opened, tmp_path: Path) -> Iterator[Any]:
+def start(opened: Opened, empty_address: str) -> Callable[[str], Page]:
     """Opens a preset."""
-    studios: list[Any] = []
-
-    def begun(preset: str) -> Page:
-        studios.append(served(tmp_path, preset))
-        opened.page.goto(studios[-1].__enter__())
-        expect(output(opened.page, "sequence")).to_be_visible()
-        settled(opened.page)
-        return opened.page
-
-    yield begun
-    # The page leaves first, lest it looks for a studio that is gone.
-    opened.page.goto("about:blank")
-    for studio in studios:
-        studio.__exit__(None, None, None)
+    return lambda preset: begun(opened.page, empty_address, preset)
 
 
 def more(page: Page, cell: str) -> None:

@@ -23,6 +23,12 @@ from studio.browser import (
 from playwright.sync_api import Browser, Page  # isort: skip
 
 STEPS = 100
+PRESSED = """async (button, times) => {
+  for (let k = 0; k < times; k += 1) {
+    button.click();
+    await new Promise(requestAnimationFrame);
+  }
+}"""
 
 
 def focus(page: Page, name: str, most: int = 60) -> None:
@@ -56,8 +62,8 @@ def test_a_hundred_steps_are_undone_and_the_first_is_not(page: Page):
     settled(page)
     compare(page)
     redo = page.get_by_role("button", name="Redo")
-    for _ in range(STEPS):
-        redo.click()
+    # Pressed by the page itself, once a frame.
+    redo.evaluate(PRESSED, STEPS)
     expect(redo).to_be_disabled()
     assert anchors(page, "outer") == states[-1]
 
@@ -218,9 +224,9 @@ def test_a_long_drag_leaves_the_page_as_large_as_it_was(page: Page):
             page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
         return heap()
 
-    before = moved(200)
-    after = moved(800)
+    before = moved(100)
+    after = moved(400)
     page.mouse.up()
     settled(page)
-    assert after - before < 8
+    assert after - before < 4
     compare(page)
