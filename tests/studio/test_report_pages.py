@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from chromium import needed
+from sizes import SIZE
 from stepwell import files
 from stepwell.design import Run, yields
 from stepwell.reports import write
@@ -14,12 +15,14 @@ needed()
 
 from playwright.sync_api import Browser, Page  # noqa: E402, where it is missing the tests are skipped above # isort: skip
 
-WINDOWS = {
+ALL = {
     "laptop": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "light"},
     "laptop, dark": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "dark"},
     "phone": {"viewport": {"width": 360, "height": 740}, "color_scheme": "light"},
     "phone, dark": {"viewport": {"width": 360, "height": 740}, "color_scheme": "dark"},
 }
+# Both widths and both schemes, if not each with each.
+WINDOWS = ALL if SIZE == "full" else {name: ALL[name] for name in ("laptop", "phone, dark")}
 # What is in a frame is another page, which has its own tests.
 RUN = """
 async () => {
