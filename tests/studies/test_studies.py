@@ -71,10 +71,17 @@ if __name__ == "__main__":
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> dict[str, str]:
+def whole(tmp_path_factory) -> Study:
+    """The whole grid, computed by two processes: nothing is written there any more."""
     folder = tmp_path_factory.mktemp("undisturbed") / "study.zarr"
-    assert sweep(LEG, "cycle", GRID, folder, chunk=CHUNK, workers=2).finished
-    return bytes_of(folder)
+    found = sweep(LEG, "cycle", GRID, folder, chunk=CHUNK, workers=2)
+    assert found.finished
+    return found.study
+
+
+@pytest.fixture(scope="module")
+def undisturbed(whole) -> dict[str, str]:
+    return bytes_of(whole.folder)
 
 
 def client(folder: Path, **told) -> Any:
@@ -106,9 +113,9 @@ def test_a_latin_hypercube_has_one_design_in_every_slice():
         assert sorted(np.floor(shares * 50).astype(int)) == list(range(50))
 
 
-def test_a_store_holds_what_the_engine_says(tmp_path):
-    found = sweep(LEG, "cycle", GRID, tmp_path / "s.zarr", chunk=CHUNK, workers=2)
-    data = found.study.to_xarray()
+@pytest.mark.slow
+def test_a_store_holds_what_the_engine_says(whole):
+    data = whole.to_xarray()
     assert data.peak_force.attrs["units"] == "N" and data["outer.q.x"].attrs["units"] == "m"
     for row in range(0, GRID.count, 5):
         x, y = float(data["outer.q.x"][row]), float(data["outer.q.y"][row])
@@ -142,7 +149,7 @@ def test_without_processes_the_bytes_are_the_same(tmp_path, undisturbed):
 @pytest.mark.slow
 def test_workers_and_clients_killed_at_random_leave_the_same_bytes(tmp_path, undisturbed):
     dice, folder, kills = random.Random(5), tmp_path / "study.zarr", 0
-    wanted = examples(12, 100)
+    wanted = examples(4, 100)
     while kills < wanted:
         running = client(folder)
         time.sleep(dice.uniform(0.3, 4.0))
@@ -164,9 +171,10 @@ def test_workers_and_clients_killed_at_random_leave_the_same_bytes(tmp_path, und
     assert bytes_of(folder) == undisturbed
 
 
-def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, undisturbed):
-    folder = tmp_path / "study.zarr"
-    study = sweep(LEG, "cycle", GRID, folder, chunk=CHUNK, workers=2).study
+@pytest.mark.slow
+def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, whole, undisturbed):
+    folder = shutil.copytree(whole.folder, tmp_path / "study.zarr")
+    study = opened(folder)
     cut, flipped, gone = (folder / name for name in ("sequence/c/1", "snaps/c/3", "problem/c/5"))
     cut.write_bytes(cut.read_bytes()[:-3])
     spoilt = bytearray(flipped.read_bytes())
@@ -182,6 +190,7 @@ def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, undisturbed):
     assert bytes_of(folder) == undisturbed
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_it_with_a_word_and_room_lets_it_go_on(tmp_path, undisturbed):
     folder = tmp_path / "study.zarr"
     store.begun(Study(folder, "cycle", sw.files.dumps(LEG), GRID, CHUNK))
@@ -197,6 +206,7 @@ def test_a_full_disk_ends_it_with_a_word_and_room_lets_it_go_on(tmp_path, undist
     assert bytes_of(folder) == undisturbed
 
 
+@pytest.mark.slow
 def test_two_clients_at_once_write_the_same(tmp_path, undisturbed):
     folder = tmp_path / "study.zarr"
     both = [client(folder), client(folder)]
@@ -225,6 +235,7 @@ def test_another_study_and_another_version_are_refused(tmp_path):
         opened(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_call_whose_process_always_dies_is_told_and_no_other_is_lost(tmp_path):
     from stepwell.studies import mapped
 
@@ -236,6 +247,7 @@ def test_a_call_whose_process_always_dies_is_told_and_no_other_is_lost(tmp_path)
     assert isinstance(calls["i"], OSError)
 
 
+@pytest.mark.slow
 def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
     folder = tmp_path / "s.zarr"
     study = store.begun(Study(folder, "cycle", sw.files.dumps(LEG), GRID, CHUNK))
@@ -244,17 +256,18 @@ def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
         resumed(study, 1)
 
 
+@pytest.mark.slow
 def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_path):
-    small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (11, 21))
+    small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (5, 11))
     grown, whole = tmp_path / "grown.zarr", tmp_path / "whole.zarr"
     found = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=0)
     before = found.study.column("share")[:]
-    after = resumed(extended(found.study, 21), 1)
+    after = resumed(extended(found.study, 11), 1)
     sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=0)
     assert bytes_of(grown) == bytes_of(whole)
-    assert after.finished and (after.study.column("share")[:11] == before).all()
-    with pytest.raises(StudyError, match="20 would be fewer"):
-        extended(after.study, 20)
+    assert after.finished and (after.study.column("share")[:5] == before).all()
+    with pytest.raises(StudyError, match="10 would be fewer"):
+        extended(after.study, 10)
 
 
 def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp_path):
@@ -331,6 +344,7 @@ def test_a_list_that_cannot_be_read_says_which_line_and_why(tmp_path, text, told
         read_table(tmp_path / "list.csv", LEG)
 
 
+@pytest.mark.slow
 def test_a_study_that_is_cancelled_stops_and_goes_on_later(tmp_path, undisturbed):
     folder = tmp_path / "study.zarr"
     study = store.begun(Study(folder, "cycle", sw.files.dumps(LEG), GRID, CHUNK))
@@ -441,6 +455,7 @@ def test_what_cannot_be_computed_is_refused_before_anything_is_written(tmp_path,
     assert not (tmp_path / "s.zarr").exists()
 
 
+@pytest.mark.slow
 def test_a_name_that_is_no_folder_is_no_column_and_the_number_of_the_cell_is(tmp_path):
     for name in ("a/b", "..", "a\\b", "__init"):
         cells = [replace(cell, name=name + str(k)) for k, cell in enumerate(LEG.cells)]
@@ -471,6 +486,7 @@ def test_a_description_that_was_changed_by_hand_is_refused(tmp_path, change):
         opened(tmp_path / "s")
 
 
+@pytest.mark.slow
 def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
     study = Study(tmp_path / "s.zarr", "cycle", sw.files.dumps(LEG), GRID, CHUNK)
     found = estimate(study, 2)
