@@ -95,7 +95,9 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
     u = np.linspace(0.005, 0.035, 61)
     basis = law.basis(u - onset, length, exponent)
     inside: dict[str, int] = {}
-    for seed in range(DRAWS):
+    # To fit exponents takes ten times as long.
+    draws = examples(20, 1600) if name == "Ogden" else DRAWS
+    for seed in range(draws):
         rng = np.random.default_rng(seed)
         each: dict[str, dict[int, float]] = {}
         for sample in range(3):
@@ -110,7 +112,7 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
         for key, values in each.items():
             found = lab_estimate(values)
             inside[key] = inside.get(key, 0) + (found.low <= true[key] <= found.high)
-    assert min(inside.values()) >= OFTEN * DRAWS, inside
+    assert min(inside.values()) >= OFTEN * draws, inside
 
 
 def lab_estimate(values):

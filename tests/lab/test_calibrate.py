@@ -14,7 +14,7 @@ from stepwell.lab.fit_model import force, law_of, rows
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
-DRAWS = examples(40, 200)
+DRAWS = examples(12, 200)
 OFTEN = 0.90
 D = [(10, 0), (10, 15), (10, -15), (20, 0), (20, 15), (20, -15), (30, 0), (30, 15), (30, -15)]
 TRUE = {
@@ -86,6 +86,7 @@ def test_the_stated_intervals_of_the_cubic_law_hold_the_truth():
     assert min(inside.values()) >= OFTEN * DRAWS, inside
 
 
+@pytest.mark.slow
 def test_the_law_that_predicts_better_is_taken_by_default():
     rng = np.random.default_rng(1)
     assert fitted(samples(CUBIC, rng, scatter=0.0)).law == "cubic"
