@@ -5,6 +5,7 @@ Warp makes its kernels anew for every shape of a model, so that all tests use on
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,13 @@ from stepwell.robot import Arena, Goal, Robot, Wall
 from stepwell.simulation import Outcome, Settings, mazes, screen_mazes, screen_walks, sweep
 from stepwell.simulation.engine import Run
 
-pytest.importorskip("mujoco_warp", reason="worlds are not tested: mujoco-warp is not installed")
-
-import mujoco_warp
-import warp
+# Looked for and not imported: that takes seconds, of every process that collects the tests.
+if find_spec("mujoco_warp") is None:
+    pytest.skip("worlds are not tested: mujoco-warp is not installed", allow_module_level=True)
 
 from stepwell.simulation import worlds
+
+pytestmark = pytest.mark.slow
 
 # Coarse and short: what is compared is that both do the same.
 QUICK = Settings(time_step=2e-3, contact_time=4e-3, settle=0.05)
@@ -33,7 +35,7 @@ BASE = explorer()
 def quickly_made() -> Iterator[None]:
     """Kernels that are made in half the time and take three times as long: here that is less."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(warp.config, "optimization_level", 0)
+        patch.setattr("warp.config.optimization_level", 0)
         yield
 
 
@@ -142,6 +144,8 @@ def test_screened_ways_end_as_ways_do():
 
 
 def test_a_world_without_room_for_its_contacts_tells_nothing(monkeypatch):
+    import mujoco_warp
+
     known: Callable[..., Any] = mujoco_warp.put_data
 
     def cramped(*args: Any, **more: Any) -> Any:
@@ -152,7 +156,7 @@ def test_a_world_without_room_for_its_contacts_tells_nothing(monkeypatch):
 
 
 def test_another_release_than_that_of_mujoco_is_refused(monkeypatch):
-    monkeypatch.setattr(mujoco_warp, "__version__", "3.9.0")
+    monkeypatch.setattr("mujoco_warp.__version__", "3.9.0")
     worlds.opened.cache_clear()
     with pytest.raises(ExtraError, match=r"MuJoCo Warp is of release 3\.9\.0, and MuJoCo of"):
         screen_walks([BASE], cycles=1)
