@@ -150,6 +150,7 @@ def outcome(work):
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_at_the_limit_it_is_done_and_one_less_is_refused_with_the_number_and_a_way_out(
     case, monkeypatch

@@ -89,6 +89,7 @@ def test_every_public_value_has_a_card_of_its_own_or_is_a_part_of_another():
     assert all(issubclass(value, Shown) for value in public().values())
 
 
+@pytest.mark.slow
 def test_no_card_and_no_figure_is_for_a_class_that_there_is_not():
     known = set(public()) | {type(value).__name__ for value in every().values()}
     assert set(_CARDS) | set(_USUAL) <= known
@@ -100,6 +101,7 @@ def test_a_class_has_plot_where_there_is_a_usual_figure_and_nowhere_else():
     assert {name for name, value in public().items() if issubclass(value, Drawn)} <= drawn
 
 
+@pytest.mark.slow
 def test_every_card_and_every_figure_shows_in_a_notebook():
     values = every()
     assert set(values) == set(_CARDS)

@@ -29,6 +29,7 @@ def rests(cycle: sw.Cycle) -> list[np.ndarray]:
     return [np.round(np.array(snap.after) * 1e3, 4) for snap in cycle.snaps]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "lever"),
     [(math.inf, 0.0), (math.inf, 0.4), (300.0, 0.0), (20.0, 0.0), (0.0, 0.4)],

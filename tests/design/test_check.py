@@ -123,6 +123,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     assert tried
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_design_gets_a_verdict(name):
     found = check(sw.load(f"preset:{name}"), samples=20)

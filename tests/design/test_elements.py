@@ -249,6 +249,7 @@ def test_the_margins_of_elements_under_a_stroke_are_searched_on_both_sides():
         assert just_short(change, 1e-4).cycle().sequence == now
 
 
+@pytest.mark.slow
 def test_a_mixed_chain_has_margins_of_anchors_and_of_scales():
     strip = sw.Element.from_points([0.0, 5e-3, 15e-3, 20e-3], [0.0, 0.3, -0.3, 0.5], "strip")
     margin = sw.Chain([LEVERS, strip]).margin()

@@ -112,6 +112,7 @@ def first_snaps(cycle: sw.Cycle) -> list[float]:
     return [found[0] if found else math.nan for found in strokes]
 
 
+@pytest.mark.slow
 def test_concave_cells_do_in_closed_form_what_the_engine_follows():
     rng = np.random.default_rng(6)
     met, left = set(), 0

@@ -104,6 +104,7 @@ def maps(draw) -> tuple[sw.Chain, tuple[str, str]]:
     return chain, tuple(draw(st.lists(st.sampled_from(names), min_size=2, max_size=2, unique=True)))
 
 
+@pytest.mark.slow
 @given(maps())
 def test_every_node_does_what_the_engine_says(case):
     chain, names = case

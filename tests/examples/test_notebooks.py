@@ -54,6 +54,7 @@ def test_a_notebook_runs_and_shows_cards_and_figures(name, tmp_path, monkeypatch
     assert sum("<strong>" in one for one in html) >= 2
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 @pytest.mark.parametrize("magic", ["", "%matplotlib inline\n"])
 def test_a_figure_shows_once_and_at_one_size(magic, tmp_path, monkeypatch):
@@ -64,6 +65,7 @@ def test_a_figure_shows_once_and_at_one_size(magic, tmp_path, monkeypatch):
     assert 'width="482"' in html and "max-width:100%" in html
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 def test_a_bar_says_how_far_it_is_and_leaves_nothing(tmp_path, monkeypatch):
     slow = "from time import sleep\nimport stepwell as sw\nfor k in range(4):\n    sw.bar(k, {})\n"

@@ -46,6 +46,7 @@ CHAINS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHAINS)
 def test_no_word_covers_another_or_leaves_the_page(name):
     cycle = CHAINS[name].cycle()

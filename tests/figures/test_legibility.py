@@ -78,6 +78,7 @@ def test_figures_fit_the_columns_of_a_journal_page():
     )
 
 
+@pytest.mark.slow
 def test_no_word_is_smaller_than_seven_points():
     cycle = files.preset("paper-forward").cycle()
     for figure in figures.standard(cycle).values():

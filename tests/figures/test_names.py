@@ -144,6 +144,7 @@ def test_every_figure_of_a_robot_draws_names_as_text(robots):
     assert sum(check(draw, ALL) > 0 for draw in robots) >= 10
 
 
+@pytest.mark.slow
 def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     tried = {draw.func.__name__ for draw in (*chains, *robots)}
     elsewhere = {

@@ -295,6 +295,7 @@ def test_a_map_read_back_from_a_file_looks_the_same(pair, tmp_path):
         assert figures.svg(figures.transition_map(again, boundaries)) == first
 
 
+@pytest.mark.slow
 def test_a_long_key_stands_beside_the_map_and_below_it():
     """Beside it alone it would leave half of the page empty."""
     cells = [

@@ -69,6 +69,7 @@ def killed_at(step: int, monkeypatch, work) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", [{}, OLD], ids=["a new folder", "an old result"])
 def test_a_kill_at_any_step_leaves_one_result_or_a_folder_called_incomplete(
     tmp_path, monkeypatch, before

@@ -40,6 +40,7 @@ def seen(
     return Observed(str(cycle.sequence), snaps(1), snaps(-1), pulls, scale=scale)
 
 
+@pytest.mark.slow
 def test_numbers_of_a_build_lie_within_their_doubt():
     """The truth is drawn as the builds are, so errors in doubts are about normal."""
     rng = np.random.default_rng(1)
@@ -57,6 +58,7 @@ def test_numbers_of_a_build_lie_within_their_doubt():
     assert max(map(abs, errors)) < 4.5
 
 
+@pytest.mark.slow
 def test_forces_tell_a_stiffness_better_than_strokes_alone():
     truth = parameter(LEG, "outer.stiffness").scaled(LEG, 1.12)
     truth = parameter(truth, "inner.stiffness").scaled(truth, 1.12)
@@ -77,6 +79,7 @@ def test_forces_tell_a_stiffness_better_than_strokes_alone():
             assert abs(after.value - of(after.parameter, truth)) < 3 * after.doubt
 
 
+@pytest.mark.slow
 def test_the_move_that_is_advised_mends_builds_that_were_reversed():
     """By the engine, on the true builds, which the advice never saw."""
     rng = np.random.default_rng(3)
@@ -133,6 +136,7 @@ def by_hand(chain: sw.Chain, wrong: float, n: int = 200_000) -> tuple[float, flo
     )
 
 
+@pytest.mark.slow
 def test_wrong_holes_are_as_likely_as_counting_says():
     near = parameter(CLOSE, "outer.q.x").changed(CLOSE, 0.0115)
     inner, outer, share = by_hand(near, 0.2)
@@ -144,6 +148,7 @@ def test_wrong_holes_are_as_likely_as_counting_says():
     assert np.mean(found.shifts[:, 1, 0] < 0) == pytest.approx(outer, abs=0.16)
 
 
+@pytest.mark.slow
 def test_an_anchor_in_the_wrong_hole_is_found_and_hooked_back():
     truth = parameter(CLOSE, "inner.q").displaced(CLOSE, (0.005, 0.0))
     truth = parameter(truth, "outer.stiffness").scaled(truth, 0.93)
@@ -177,12 +182,14 @@ def test_a_build_that_does_what_it_should_is_left_alone():
     assert found.wider == 1.0
 
 
+@pytest.mark.slow
 def test_the_chain_that_is_told_does_what_was_seen():
     truth = parameter(LEG, "outer.q").displaced(LEG, (-0.003, 0.001))
     observed = seen(truth, np.random.default_rng(5))
     assert math.isfinite(observed.misfit(as_built(LEG, observed, n=100).chain.cycle()))
 
 
+@pytest.mark.slow
 def test_one_seed_gives_one_answer_and_another_seed_another():
     observed = seen(LEG, np.random.default_rng(6))
     first, again, other = (as_built(LEG, observed, n=100, seed=k) for k in (1, 1, 2))
@@ -198,6 +205,7 @@ def test_elements_of_other_measures_have_scales_and_no_anchors():
     assert not found.moves and "no anchor" in found.advice
 
 
+@pytest.mark.slow
 def test_what_no_build_does_is_said_with_what_to_look_at():
     with pytest.raises(LabError, match="which cell is innermost"):
         as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), n=100)

@@ -149,6 +149,7 @@ def test_intervals_hold_what_was_put_in_and_snaps_that_no_fit_has_seen():
     assert of >= 3 * draws and held >= 0.9 * of, (held, of)
 
 
+@pytest.mark.slow
 def test_one_direction_says_what_it_cannot_tell():
     series = lab.sort_series(everything(ways=(False,))).series
     found = lab.calibrate(lab.prepare(series), "linear")

@@ -51,6 +51,7 @@ def test_a_table_without_a_band_gets_one_line(text, problem, tmp_path):
     assert "Traceback" not in found.output and found.stdout == ""
 
 
+@pytest.mark.slow
 def test_swapped_columns_text_in_a_cell_empty_lines_and_nan_give_a_band_or_a_line():
     swapped = "weight (g),length (mm)\n" + "\n".join(ROWS[1:])
     assert banded(swapped)

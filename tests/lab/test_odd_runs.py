@@ -201,6 +201,7 @@ def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloadin
     assert test.right_order
 
 
+@pytest.mark.slow
 def test_two_million_rows_say_what_a_thousand_say():
     *whole, base = runs("MMT", False)
     long = sampled(whole[0], 2_000_000 / whole[0].time[-1])

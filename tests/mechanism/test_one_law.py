@@ -99,6 +99,7 @@ def test_routes_that_ask_the_same_say_the_same_under_another_law(numbers):
         assert np.min(np.abs(fields[:, None] - ends), axis=0) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_no_other_file_writes_the_formulas_of_a_band_again():
     elsewhere = []
     for file in sorted(PACKAGE.rglob("*.py")):

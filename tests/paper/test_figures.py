@@ -18,6 +18,7 @@ def test_no_word_covers_another_or_leaves_the_page(name):
     assert [each for part in figure.subfigs or [figure] for each in untidy(part)] == []
 
 
+@pytest.mark.slow
 def test_every_page_of_the_paper_is_there():
     every = figures.FIGURES | figures.ROBOT_FIGURES | figures.MANY_RUNS
     assert [name for name in every if name.startswith("fig")] == [

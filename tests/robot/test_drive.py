@@ -41,6 +41,7 @@ def test_alike_legs_go_as_far_as_one_leg_behind_half_of_the_spring(seed):
         assert strokes(driven(stiffness, q, **BARE)) == pytest.approx(engine(chain), abs=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_unlike_legs_go_as_far_as_two_elements_side_by_side(seed):
     rng = np.random.default_rng(10 + seed)
@@ -71,6 +72,7 @@ def test_a_spring_holds_the_carriage_where_it_gives_what_the_legs_ask_for():
     assert Spring(0.050, 50.0).stops(back, -1) == pytest.approx(0.040 / 3)
 
 
+@pytest.mark.slow
 def test_a_drive_that_is_too_soft_leaves_the_robot_in_a_state_after_the_first_step():
     # Its own simulation: 0.82 of a step in the first cycle and 0.00 after it, carriage at 20.1 mm.
     one = driven(50.0)
@@ -85,6 +87,7 @@ def test_a_drive_that_is_too_soft_leaves_the_robot_in_a_state_after_the_first_st
     assert said.too_soft in repr(said)
 
 
+@pytest.mark.slow
 def test_the_least_stiffness_parts_drives_that_keep_the_gait_from_those_that_do_not():
     needs = drive_needs(driven(2000.0))
     # The simulated robot walks at 70 N/m and not at 60.
@@ -105,6 +108,7 @@ def test_a_drive_needs_the_forces_of_both_legs():
     assert needs.pull == pytest.approx(-2 * min(inner.force_1, outer.force_1), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_drive_near_its_least_stiffness_is_too_close_to_call():
     least = drive_needs(driven(2000.0)).stiffness
     assert not driven(1.02 * least).predict().confident

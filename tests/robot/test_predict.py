@@ -246,6 +246,7 @@ def test_every_change_along_a_range_is_found_where_it_is(edges):
     assert [value for value, _ in found] == pytest.approx(edges, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_unlike_legs_on_the_floor_lift_together_or_not_at_all():
     # Alone the left leg would step; but the right one lifts, and the body leans onto the left.
     one = Robot(

@@ -125,6 +125,7 @@ def test_equilibrium_and_energy_hold_to_rounding_behind_every_spring(seed, cells
 PRESETS = ("compliant-actuator", "three-stack", "used-before", "four-shuffle")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_presets_reach_from_a_prescribed_force_to_a_prescribed_stroke(name):
     chain = sw.preset(name)

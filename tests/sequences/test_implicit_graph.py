@@ -311,6 +311,7 @@ def test_a_walk_ends_where_it_is_told_to_and_takes_near_states_first():
     assert next(implicit.walk("1" * 6)).label == "1" * 6
 
 
+@pytest.mark.slow
 def test_two_strokes_go_round_the_main_loop():
     for chain in (forced(4, 6), concave_chain(np.random.default_rng(4), 4)):
         implicit, loop = chain.implicit_graph(), chain.graph().reading.main_loop

@@ -23,6 +23,7 @@ def test_a_robot_on_a_soft_drive_gets_stuck_as_predicted():
     assert found.same and "is stuck in state 10" in found.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [70.0, 300.0])
 def test_the_drive_pushes_and_pulls_as_hard_as_predicted(stiffness):
     one = robot(drive=Drive(stiffness=stiffness))

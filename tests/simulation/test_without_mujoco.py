@@ -38,6 +38,7 @@ def test_chains_and_robots_as_values_need_no_simulator():
     assert result.stdout.strip() == "00>10>11>01>00"
 
 
+@pytest.mark.slow
 def test_what_robots_are_can_be_shown_without_a_simulator():
     result = run(
         "import stepwell as sw\nfrom stepwell.accounts import schema_kinds, schema_of\n"

@@ -53,6 +53,7 @@ class Brute:
         return s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 def test_random_chains_of_elements_go_where_small_steps_of_the_flow_lead(stiffness):
     rng = np.random.default_rng(7)

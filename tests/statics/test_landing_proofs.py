@@ -133,6 +133,7 @@ def _proved(kind, seeds, ratio):
                 yield chain, problem, snap, seed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_proved_for_a_ratio_is_where_plain_flows_of_any_such_mobilities_land(kind):
     tried = 0

@@ -223,6 +223,7 @@ def test_other_bounds_are_refused(bound):
         RACE.cycle().path.landings(bound=bound)
 
 
+@pytest.mark.slow
 def test_a_landing_of_five_per_cent_is_within_the_bound_nineteen_times_in_twenty():
     """What a sampled landing claims, against the truth of many more samples, seed by seed."""
     path, ratio = RARE, 4.5

@@ -62,6 +62,7 @@ def cluster(tmp_path) -> Iterator[Cluster]:
     found.end()
 
 
+@pytest.mark.slow
 def test_a_cluster_whose_workers_are_killed_writes_what_this_machine_writes(tmp_path, cluster):
     here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
     sweep(LEG, "cycle", GRID, here, chunk=4, workers=1)
@@ -80,6 +81,7 @@ def test_a_cluster_whose_workers_are_killed_writes_what_this_machine_writes(tmp_
     assert bytes_of(there) == bytes_of(here)
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_killed_is_told_and_another_one_goes_on(tmp_path, cluster):
     folder = tmp_path / "s.zarr"
 

@@ -23,6 +23,7 @@ def ask(panel: str, **keys: Any) -> tuple[dict[str, Any], bytes]:
     return header, blocks["file"].tobytes() if header["ok"] else b""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["overview", "mechanism", "force", "travel"])
 def test_a_figure_opens_as_svg_png_and_pdf(what: str):
     _, svg = ask("export", what=what, kind="svg")

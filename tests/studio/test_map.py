@@ -171,6 +171,7 @@ def test_a_map_that_cannot_be_is_refused_in_the_words_of_python():
         assert words in ask("map", FORWARD, **(MAP | keys)).header["problems"][0]["text"]
 
 
+@pytest.mark.slow
 def test_a_set_of_states_is_granted_as_by_python():
     states = ["00", "10", "11"]
     header, blocks = ask("wish", states=" ".join(states), seed=3, objective="worst")

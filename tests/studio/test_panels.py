@@ -224,6 +224,7 @@ def test_the_chain_of_a_leg_is_the_robots():
     assert problem == {"at": "leg[2]", "text": "leg[2]: there are 2."}
 
 
+@pytest.mark.slow
 def test_the_python_of_a_robot_makes_it():
     told = ask("text", tables("robot-left")).header
     made: dict[str, object] = {}

@@ -33,6 +33,7 @@ def as_told(record: Any) -> Any:
     return json.loads(json.dumps(record))
 
 
+@pytest.mark.slow
 def test_a_walk_is_pythons_number_by_number():
     header, blocks, _ = run("walk", "robot-forward", cycles=2)
     walk = sw.preset("robot-forward").walk(2)
@@ -48,6 +49,7 @@ def test_a_walk_is_pythons_number_by_number():
             assert blocks["state"][sample, k] == code
 
 
+@pytest.mark.slow
 def test_a_maze_is_pythons_and_its_antennas_move_their_anchors():
     header, blocks, _ = run("maze", "robot-explorer", arena=SMALL, limit_s=12)
     robot = sw.preset("robot-explorer")
@@ -141,6 +143,7 @@ def test_a_chain_is_no_robot(kind: str):
     assert "this needs a robot" in problem["text"]
 
 
+@pytest.mark.slow
 def test_the_replay_of_a_run_is_pythons():
     def page(**keys: Any) -> str:
         view = answer("replay", Design(tables("robot-explorer")), Ask(keys))

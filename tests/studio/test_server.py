@@ -135,6 +135,7 @@ def test_the_socket_opens_for_no_other_token(studio: Studio, token: str):
     assert error.value.response.status_code == 403
 
 
+@pytest.mark.slow
 def test_the_page_begins_with_the_design_of_the_command(page: Page):
     header = page.ask("start").header
     assert header["design"] == FORWARD
@@ -197,6 +198,7 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
     assert sequences[0] != sequences[1]
 
 
+@pytest.mark.slow
 def test_long_work_tells_how_far_it_is_and_ends_when_told_while_dragging_goes_on(page: Page):
     slow = tables_in(preset_text("slack"))
     seq = page.send("yield", slow, samples=1_000_000)
@@ -251,6 +253,7 @@ def _children(studio: Studio) -> int:
     return started + sum("spawn_main" in args for args in below.values())
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
 @pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM])
 def test_it_ends_in_one_line_with_a_page_open_and_work_going_on(told: signal.Signals):
@@ -266,6 +269,7 @@ def test_it_ends_in_one_line_with_a_page_open_and_work_going_on(told: signal.Sig
     assert error == (line if told is signal.SIGINT else "")
 
 
+@pytest.mark.slow
 def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
     port = studio.host.partition(":")[2]
     command = [sys.executable, "-m", "stepwell", "studio", "--no-open", "--port", port]
@@ -274,11 +278,13 @@ def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
     assert len(result.stderr.splitlines()) == 1 and "in use" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_robot_is_shown_first_where_it_is_named():
     with running("preset:robot-forward") as studio, opened(studio) as page:
         assert page.ask("start").header["design"] == tables_in(preset_text("robot-forward"))
 
 
+@pytest.mark.slow
 def test_without_its_packages_the_command_says_how_to_get_them():
     code = (
         "import sys; sys.modules['starlette'] = sys.modules['starlette.applications'] = None\n"
@@ -292,6 +298,7 @@ def test_without_its_packages_the_command_says_how_to_get_them():
     ]
 
 
+@pytest.mark.slow
 def test_the_usual_port_is_taken_first_and_another_where_it_is_taken():
     # Whoever has the usual port, a test beside this one or the first of these two: both come up.
     with running() as first, running() as second:

@@ -55,6 +55,7 @@ def robot() -> dict[str, Any]:
     return tables_in(preset_text("robot-forward"))
 
 
+@pytest.mark.slow
 def test_an_open_study_is_what_the_command_says_of_it(ask: Asks, tmp_path: Path):
     study = filled(plane(tmp_path / "home", 60))
     header, blocks = ask("study", name=study.folder.name)
@@ -367,6 +368,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return home
 
 
+@pytest.mark.slow
 def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     header, _ = unpacked(answered(Message("atlas", 1, None, {"name": "two.zarr"}, 0, two)))
     study = studies.opened(two / "two.zarr")
