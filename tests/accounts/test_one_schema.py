@@ -29,7 +29,7 @@ from stepwell.base import (
     write_csv,
 )
 from stepwell.design import MapView, Run
-from stepwell.simulation import TRIAL
+from stepwell.robot import TRIAL
 from stepwell.simulation.sweeps import Sweep, Trial
 from stepwell.simulation.walks import SAMPLES
 

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, Margin, margin, proved_margin
-from stepwell.design.margins.reprogramming import WAY, Reprogramming, Resistance, reprogram
+from stepwell.design.margins.reprogramming import Reprogramming, Resistance, reprogram
 from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robustness
 from stepwell.design.parameters import Parameter, parameter, parameters
 

@@ -11,7 +11,6 @@ from stepwell.robot.prediction import (
     Prediction,
     Push,
     PushEnd,
-    depths,
     known_depths,
     predict,
     predicted_gaits,

@@ -10,7 +10,7 @@ from stepwell.simulation.comparison import (
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import HEIGHT, mjcf, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
-from stepwell.simulation.sweeps import TRIAL, Sweep, Trial, sweep
+from stepwell.simulation.sweeps import Sweep, Trial, sweep
 from stepwell.simulation.videos import VideoError, drawing_system, video
 from stepwell.simulation.walks import LOADED, Walk, walk
 from stepwell.simulation.worlds import device, screen_mazes, screen_walks
