@@ -11,7 +11,8 @@ import pytest
 
 from accounts.schemas import violations
 from stepwell.accounts import account, card, page
-from stepwell.base import EXTRAS, installation, installed
+from stepwell.base import installation, installed
+from stepwell.base.extras import EXTRAS
 from stepwell.cli import doctor
 from stepwell.kernels import store
 

@@ -26,8 +26,6 @@ STOREYS = {
         (
             "files",
             "studies",
-            "results",
-            "cards",
             "accounts",
             "figures",
             "paper",

@@ -28,7 +28,7 @@ PAGES = [
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
-    *("robot", "simulation", "files", "accounts", "results", "cards", "figures", "paper"),
+    *("robot", "simulation", "files", "accounts", "figures", "paper"),
     "reports",
 )
 

@@ -11,7 +11,7 @@ import pytest
 
 import stepwell as sw
 from release.trying import ROOT
-from stepwell.base import EXTRAS
+from stepwell.base.extras import EXTRAS
 
 Built = tuple[Path, Path]
 

@@ -25,7 +25,7 @@ from stepwell.base.errors import (
     nearest_word,
     printable,
 )
-from stepwell.base.extras import EXTRAS, Extra, have, missing, need
+from stepwell.base.extras import have, missing, need
 from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
     Column,

@@ -14,7 +14,7 @@ from stepwell import figures
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, nearest_word
 from stepwell.design import boundaries, transition_map
-from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
+from stepwell.paper import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.reports.write import Content, Contents
 from stepwell.sequences import Cycle, Pathway
 
@@ -65,7 +65,7 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 
 def gaits() -> Figure:
     """Where the paper's four robots go (Figs. 3C to 3E)."""
-    from stepwell.paper.walking import walk_of
+    from stepwell.paper import walk_of
 
     names = {
         "forward: q_out = 20 mm": "forward",
@@ -79,7 +79,7 @@ def gaits() -> Figure:
 def three_walls() -> Figure:
     """A robot with antennas past three walls, from above and over time (Fig. 4D)."""
     from stepwell import files
-    from stepwell.paper.walking import robot
+    from stepwell.paper import robot
     from stepwell.simulation import maze
 
     run = maze(robot("explorer"), files.load_arena("three-walls"))
@@ -88,7 +88,7 @@ def three_walls() -> Figure:
 
 def tornado() -> Figure:
     """The results about the robot against every number that is assumed."""
-    from stepwell.paper.sensitivity import sensitivities
+    from stepwell.paper import sensitivities
 
     return figures.tornado(sensitivities())
 
