@@ -1,5 +1,6 @@
 """What every room stands on: values, checks, errors, limits, units, files written whole."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import check, limits
@@ -77,9 +78,7 @@ if TYPE_CHECKING:
 # With NumPy, or with the versions of packages: they take longer to open than `stepwell --help`.
 def __getattr__(name: str) -> Any:
     if name in ("Installation", "installation"):
-        from stepwell.base import installed
-
-        return getattr(installed, name)
+        return getattr(import_module("stepwell.base.installed"), name)
     if name in ("Bools", "Floats", "Ints"):
         import numpy as np
         from numpy.typing import NDArray
