@@ -16,8 +16,8 @@ import pytest
 import stepwell as sw
 from stepwell.base import Advised
 from stepwell.base.value import ByValue, ReadOnly, same
-from stepwell.design import Impossible, design, reprogram
-from stepwell.files import DesignError, loads
+from stepwell.design import Impossible, MapView, design, reprogram
+from stepwell.files import DesignError, Presets, loads
 from stepwell.kernels.entry import Entry
 from stepwell.lab import LabError
 from stepwell.mechanism import SlipError
@@ -27,7 +27,8 @@ COPIES = [lambda v: pickle.loads(pickle.dumps(v)), copy.copy, copy.deepcopy]
 ROOMS = [
     room.name
     for room in pkgutil.iter_modules(sw.__path__)
-    if room.ispkg and room.name not in ("base", "cli", "concave", "__pycache__")
+    # What an account holds is made for one report of a value, which is compared itself.
+    if room.ispkg and room.name not in ("accounts", "base", "cli", "concave", "__pycache__")
 ]
 
 
@@ -65,7 +66,8 @@ def test_every_public_class_is_a_value_an_error_or_a_name():
         one
         for one in CLASSES
         if not issubclass(one, ByValue | enum.Enum | BaseException | tuple)
-        and one is not Entry  # a function
+        # A function, a view of a dataset, and a dictionary.
+        and one not in (Entry, MapView, Presets)
     ]
     assert others == []
     assert len(VALUES) > 70

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
         transition_map,
         yields,
     )
-    from stepwell.files import load, load_arena, load_element, preset, presets, save
+    from stepwell.files import load_arena, load_element, preset, presets, save
     from stepwell.mechanism import (
         Band,
         Cell,

@@ -25,7 +25,16 @@ PARTS = {
     *("DriveNeeds", "GaitComparison"),
     *("Elsewhere", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
     *("Foot", "ForceLaw", "Forgetting", "Goal", "History", "Hysteresis"),
-    *("InertialLanding", "Known", "Latch", "Leg", "LegPrediction", "Linear", "Load"),
+    *(
+        "InertialLanding",
+        "Known",
+        "Latch",
+        "Leg",
+        "LegPrediction",
+        "LibraryEntry",
+        "Linear",
+        "Load",
+    ),
     *("Loop", "MeasuredCurve", "MeasuredSnap", "Measurement", "Move", "Node"),
     *(
         "Observed",

@@ -13,7 +13,7 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, installation
-from stepwell.design import USUAL, share_of
+from stepwell.design import USUAL, Run, share_of
 from stepwell.studies import Atlas, Axis, Machine, Sampled, Space, Status, sweep
 
 _AXES = (Axis("outer.q.x", 0.0, 0.02),)
@@ -73,6 +73,8 @@ def of_chains() -> dict[str, Any]:
         graph,
         graph.reading,
         chain.implicit_graph(),
+        chain.implicit_graph().walked(most=4),
+        Run.of(chain),
         chain.margin(),
         chain.robustness(),
         chain.yields(n=60),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from stepwell.base import Shown, content_of, nearest_word
+from stepwell.base import ByValue, Shown, content_of, nearest_word
 from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
@@ -29,8 +29,8 @@ PRESET = "preset:"
 _EMPTY = "is empty: a design file starts with a [chain] table."
 
 
-@dataclass(frozen=True)
-class DesignFile:
+@dataclass(frozen=True, eq=False)
+class DesignFile(ByValue):
     """A design file: its text, and the chain or the robot that it describes.
 
     Attributes:

@@ -226,8 +226,8 @@ class ByFields:
 Way = tuple[str, Transition] | None
 
 
-@dataclass(frozen=True)
-class Step:
+@dataclass(frozen=True, eq=False)
+class Step(ByValue):
     """A node of a walk, and where the drive's rise and fall lead from it.
 
     Attributes:
@@ -241,7 +241,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Walked:
+class Walked(ByValue):
     """A walk through a graph that is not listed, see `ImplicitGraph.walk`.
 
     Attributes:
