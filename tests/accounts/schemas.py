@@ -29,7 +29,7 @@ def violations(record: dict[str, Any]) -> list[str]:
 
 
 @cache
-def _validator(kind: str) -> jsonschema.protocols.Validator:
+def _validator(kind: str) -> jsonschema.Draft202012Validator:
     schema = schema_of(kind)
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(_closed(deepcopy(schema)))

@@ -96,8 +96,9 @@ def test_one_band_has_its_own_interval_and_several_have_theirs(samples, gauge):
     assert record["table"] == lab.band_table(fit, "mine")
     assert (record["this_band"] is None) == (samples > 1)
     assert (record["stiffness_N_per_m"]["low"] is None) == (samples == 1)
+    alone = record["this_band"]
     if samples == 1:
-        alone = record["this_band"]
+        assert fit.alone is not None
         assert alone["stiffness_N_per_m"]["low"] == fit.alone.stiffness.low
         assert (alone["rest_length_mm"] is None) == (gauge is None)
     if samples == 1 and gauge is not None:
@@ -173,7 +174,7 @@ def test_a_calibration_on_pairs_keeps_to_the_schema():
         runs.append(unit(f"1unit_{code}_1.txt", cell.with_anchors(q=q)))
     found = lab.calibrate(lab.prepare(lab.sort_series(runs).series), "linear")
     record = account(found).record
-    assert violations(record) == []
+    assert found.weighing is not None and violations(record) == []
     assert record["snaps"][0]["measured_mm"] == found.snaps[0].measured * 1e3
     assert record["weighing"]["weight_N"] == found.weighing.weight
     assert record["intervals_that_hold"] == {"of": found.coverage[1], "hold": found.coverage[0]}

@@ -15,7 +15,7 @@ X, Y = np.linspace(0.0, 0.020, 11), np.linspace(-0.015, 0.015, 11)
 
 def _over_anchor(chain: sw.Chain, cell: int) -> MapView:
     curves = sw.boundaries(chain, cell, x=X, y=Y)
-    own = chain.cells[cell].bands[0].q
+    own = chain.levers[cell].bands[0].q
     return MapView(sw.transition_map(chain, cell, x=X, y=Y), curves, {"this design": own})
 
 

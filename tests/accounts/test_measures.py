@@ -11,6 +11,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import SCALES, folded, forms, mixed, pair, shown
 from stepwell.accounts import account
+from stepwell.accounts.account import Level, Table
 from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.shape import Shape
 from stepwell.accounts.tolerances import tolerance_schema
@@ -199,8 +200,10 @@ def test_the_smallest_changes_are_reported_by_what_they_change():
     for kind, label in (("force_scale", "% in pressure"), ("friction", "% in friction")):
         least = min(one.distance for one in margin.changes if one.parameter == kind)
         assert f"{number(least * 100)} {label}" in words
-    (table,) = margin_section(margin).parts
-    ways = [table.columns[3].cell(row) for row in table.rows()]
+    (table,) = margin_section(margin).within(Level.TERMINAL)
+    assert isinstance(table, Table)
+    columns, rows = [*table.columns], table.rows()
+    ways = [columns[3].cell(row) for row in rows]
     assert any(re.match(r"pressures by [-+][\d.]+ %$", way) for way in ways)
     assert any(re.match(r"by \+[\d.]+ % of the largest pressure$", way) for way in ways)
 

@@ -199,7 +199,7 @@ def test_letters_that_the_output_cannot_hold_are_escaped(tmp_path):
 def test_a_terminal_gets_bold_heads_and_no_color_keeps_them_plain(tmp_path):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "80"}
     shown = in_terminal("presets", cwd=tmp_path, env=env)
-    assert "\x1b[1mDesigns\x1b[0m" in shown
+    assert "\x1b[1mNames and titles\x1b[0m" in shown
     plain = in_terminal("presets", cwd=tmp_path, env=env | {"NO_COLOR": "1"})
     piped = installed("presets", cwd=tmp_path).stdout
     assert plain.replace("\r\n", "\n") == piped

@@ -11,6 +11,7 @@ from lab.machine import recording, there
 from sizes import SIZE
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
+from stepwell.paper import Effect, Sensitivity
 
 WIDTHS = (85.0, 120.0, 180.0)
 
@@ -143,8 +144,8 @@ def test_rows_of_rigid_panels_have_no_other_height(cycle):
 
 
 def test_a_panel_that_needs_a_page_says_so(cycle):
-    effect = figures.Effect("friction", 0.1, 0.2, 0.3, 0.4)
-    tornado = partial(figures.tornado, figures.Sensitivity("share", 0.35, [effect]))
+    effect = Effect("friction", 0.1, 0.2, 0.3, 0.4)
+    tornado = partial(figures.tornado, Sensitivity("share", 0.35, [effect]))
     with pytest.raises(ValueError, match="180 mm wide whatever the page"):
         figures.compose([tornado], width=88.0)
     with pytest.raises(ValueError, match="must be a figure of this room"):

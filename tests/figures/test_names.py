@@ -27,6 +27,7 @@ from stepwell.design import (
 from stepwell.figures.common import words as _names
 from stepwell.figures.common.words import literal
 from stepwell.lab.series import paper_cell
+from stepwell.paper import Effect, Sensitivity
 from stepwell.studies import Axis, Decided, Influence, Space, sweep
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
@@ -74,10 +75,10 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     element = sw.elements.trilinear(name=name)
     yield partial(figures.element_curve, element, source=name)
     yield partial(figures.element_curves, {name: element})
-    effects = [figures.Effect(name, 0.1, 0.2, 0.3, 0.4)]
+    effects = [Effect(name, 0.1, 0.2, 0.3, 0.4)]
     decided = Decided(name, "", 60, 0.01, (Influence(name, 0.5, 0.4),))
     yield partial(figures.influences, [decided])
-    yield partial(figures.tornado, figures.Sensitivity("share", 0.35, effects))
+    yield partial(figures.tornado, Sensitivity("share", 0.35, effects))
 
 
 def of_robots(name: str) -> Iterator[partial[object]]:

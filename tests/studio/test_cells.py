@@ -45,7 +45,7 @@ def test_a_key_at_its_default_says_what_leaving_it_out_says(name: str):
             given = given[step] if isinstance(given, list) else given.get(step, {})
         if given == {} and key["default"] is not None:
             chain = with_value(chain, key["path"], key["default"])
-    mine = loads_tables({**design, "chain": chain}).subject
+    mine = loads_tables({**design, "chain": chain}).chain
     assert str(mine.cycle()) == str(sw.preset(name).cycle())
 
 

@@ -78,7 +78,7 @@ def test_what_is_told_of_a_pair_is_what_the_lab_says(runs: list[Path]):
     assert fit.stiffness == pytest.approx(38, rel=0.1)
     taken = header["fit"]["design"]
     # JSON holds millimetres as floats, so that metres may differ in their last digit.
-    made, meant = loads_tables(taken).subject, replace(fit.chain, title=chain.title)
+    made, meant = loads_tables(taken).chain, replace(fit.chain, title=chain.title)
     assert repr(made) == repr(meant)
     for one, other in zip(made.levers, meant.levers, strict=True):
         (band,), (fitted,) = one.bands, other.bands
@@ -118,7 +118,7 @@ def test_longer_chains_and_the_legs_of_robots_have_their_curves(runs: list[Path]
     robot = tables("robot-forward")
     leg = ask("measured", robot, leg=1, files=files).header
     assert leg["series"][0]["verdict"].startswith("order agrees")
-    fitted = loads_tables(leg["fit"]["design"]).subject.legs[1].chain.levers[0].bands[0]
+    fitted = loads_tables(leg["fit"]["design"]).robot.legs[1].chain.levers[0].bands[0]
     assert fitted.stiffness == leg["fit"]["stiffness_N_per_m"]
 
 

@@ -28,7 +28,7 @@ def test_a_design_stays_beside_the_one_that_comes_after_it(page: Page):
     cycles = [files.preset("paper-forward").cycle()]
     tables = files.tables_in(files.preset_text("paper-forward"))
     tables["chain"]["cell"][1]["q_mm"] = [15, 0]
-    cycles.append(files.loads_tables(tables).subject.cycle())
+    cycles.append(files.loads_tables(tables).chain.cycle())
     change = cycles[1].peak_force - cycles[0].peak_force
     assert difference == float(f"{change:.3g}")
     was, now, _ = cells_of(page, "Margin")

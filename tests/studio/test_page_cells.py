@@ -39,7 +39,7 @@ def tables(name: str) -> dict[str, Any]:
 
 
 def same(page: Page, design: dict[str, Any]) -> None:
-    cycle = files.loads_tables(design).subject.cycle()
+    cycle = files.loads_tables(design).chain.cycle()
     expect(output(page, "sequence")).to_have_attribute("data-value", str(cycle.sequence))
     assert number(page, "peak force") == shown_as(cycle.peak_force)
     assert number(page, "dissipated") == shown_as(cycle.dissipated * 1e3)
@@ -200,7 +200,7 @@ def test_a_leg_is_edited_and_the_other_stays(start: Any):
     assert held["leg"][0]["chain"]["cell"][1]["band"] == {"stiffness_N_per_m": 45}
     assert held["leg"][1] == before["leg"][1]
     assert held["chain"] == before["chain"]
-    design = files.loads_tables(held).subject
+    design = files.loads_tables(held).robot
     assert number(page, "peak force") == shown_as(design.legs[0].chain.cycle().peak_force)
 
 

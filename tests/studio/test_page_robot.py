@@ -75,7 +75,7 @@ def arena_kept(page: Page) -> dict[str, Any]:
 def design_kept(page: Page) -> Robot:
     settled(page)
     kept = page.evaluate("JSON.parse(localStorage.getItem('stepwell.design'))")
-    return files.loads_tables(kept).subject
+    return files.loads_tables(kept).robot
 
 
 def compare(page: Page, walk: Any) -> None:

@@ -194,7 +194,7 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
         page.send("evaluate", moved(20))
         other.send("evaluate", moved(5))
         sequences = [one.hear().header["sequence"] for one in (page, other)]
-    assert sequences == [str(loads_tables(moved(x)).subject.cycle().sequence) for x in (20, 5)]
+    assert sequences == [str(loads_tables(moved(x)).chain.cycle().sequence) for x in (20, 5)]
     assert sequences[0] != sequences[1]
 
 

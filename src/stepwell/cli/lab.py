@@ -202,7 +202,7 @@ def compare(
     designed = {design: files.text_of(design) for design in designs or ()}
     comparison = measured.compare(
         given,
-        [files.loads(text, design).subject for design, text in designed.items()],
+        [files.loads(text, design).chain for design, text in designed.items()],
         baseline=_subtracted(baseline, no_baseline),
         as_designed=as_designed,
         rig=_rig(rig, bar),
