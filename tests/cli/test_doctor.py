@@ -5,7 +5,9 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -101,7 +103,7 @@ def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_a
 def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form(monkeypatch):
     monkeypatch.setattr(installed, "_version", lambda name: None)
     names: tuple[str, ...] = ("cores", "kernels", "OpenGL", "display")
-    probes = dict.fromkeys(names, lambda: None)
+    probes: dict[str, Callable[[], Any]] = dict.fromkeys(names, lambda: None)
     found = account(installation(probes))
     assert violations(found.record) == []
     assert found.record["packages"][0]["version"] is None and found.record["kernels"] is None

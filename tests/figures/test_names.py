@@ -152,7 +152,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # Each draws what `standard` draws.
         "mechanism", "landscape", "force_stroke", "travel_stroke",
         # No figures.
-        "save", "svg", "Effect", "Sensitivity", "length", "JournalWidth", "JOURNAL_WIDTHS",
+        "save", "svg", "standard_draws", "length", "JournalWidth", "JOURNAL_WIDTHS",
         "PRINT_DPI",
         # One of the others.
         "plot",
