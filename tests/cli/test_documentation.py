@@ -49,8 +49,8 @@ def page(name: str) -> str:
     return (DOCS / f"{name}.md").read_text("utf-8")
 
 
-# What these hold goes by the names of laws, parameters, samples or sequences.
-BY_NAME = {"values", "each", "correlations", "shares"}
+# What these hold goes by the names of laws, parameters, samples, sequences or files.
+BY_NAME = {"values", "each", "correlations", "shares", "data_sha256", "designs_sha256"}
 
 
 def keys_of(value) -> set[str]:
