@@ -101,7 +101,9 @@ def test_the_warning_stands_first_on_the_screen_in_json_and_on_the_page(tmp_path
     out = tmp_path / "out"
     arguments = ["lab", "band", str(tmp_path / "bands")]
     shown = CliRunner().invoke(app, [*arguments, "--out", str(out)], env={"COLUMNS": "80"})
-    assert shown.stdout.startswith("Warning: Not one kind of band: 2 of 3 have about 28.5 N/m")
+    text = " ".join(shown.stdout.split())
+    assert "Not one kind of band: 2 of 3 have about 28.5 N/m" in text
+    assert text.index("Not one kind of band") < text.index("Stiffness 28.5 N/m")
     assert max(map(len, shown.stdout.partition("For a design file")[0].splitlines())) <= 80
     record = json.loads((out / "band.json").read_text("utf-8"))
     assert record["warnings"][0].startswith("Not one kind of band")

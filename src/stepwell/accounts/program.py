@@ -135,7 +135,7 @@ def _program(program: Program, about: About) -> Account:
             _turns(program),
             event_section(chain, path.events, landings),
             elsewhere_section(chain, path.events, landings),
-            Section("Method", [Text(program.reason, Level.CARD)]),
+            Section("Method", [Text(f"{program.reason}.", Level.CARD)]),
             assumed(chain),
         ),
     )

@@ -30,12 +30,13 @@ def terminal(account: Account) -> list[Line]:
         Lines as `folded` folds them; what would move, hide or recolour other text is escaped.
     """
     lines = [*paragraph(account.title), _EMPTY] if account.title else []
-    lines += paragraph(account.answer)
-    lines += facts(account.known(Level.TERMINAL))
     for warned in account.warnings:
         if warned.lines:
-            lines += [_EMPTY, *heading(warned.heading)]
+            lines += heading(warned.heading)
             lines += [line for text in warned.lines for line in paragraph(text)]
+            lines += [_EMPTY]
+    lines += paragraph(account.answer)
+    lines += facts(account.known(Level.TERMINAL))
     for section in account.sections:
         parts = [list(_part(part, section.heading)) for part in section.within(Level.TERMINAL)]
         lines += [line for part in parts for line in part]
