@@ -15,7 +15,7 @@ _NUMBER = re.compile(r"(?<![\w.>])[-+]?\d+\.\d+(?![\w.>])")
 def too_wide(screen: str) -> list[str]:
     """Lines that are wider than a terminal; a single word, such as a path, may be longer."""
     # What is there to be copied is printed as it is.
-    lines = screen.partition("For a design file:")[0].split("\n")
+    lines = screen.partition("For a design file")[0].split("\n")
     return [line for line in lines if len(line) > WIDE and " " in line.strip()]
 
 

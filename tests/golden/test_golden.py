@@ -37,8 +37,10 @@ _NOT_FROZEN = {
 }
 # Their screens show numbers of what is no result of theirs: of a story, of a design file.
 _OTHER_NUMBERS = {"files/presets", "help/pages"}
-# The page of a run shows how many of those built do it, and the bands, which its record does not.
-_OTHER_PAGES = {"run", "elements"}
+# The page of a run shows how many of those built do it, and the bands, which its record does not;
+# that of a design the energy lost in its cycle; those of walks the settings of the simulation among
+# the assumptions.
+_OTHER_PAGES = {"run", "elements", "design", "walk", "maze"}
 
 
 @pytest.mark.parametrize(
