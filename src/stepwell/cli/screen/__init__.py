@@ -12,13 +12,10 @@ from stepwell.cli.screen.outcomes import (
 from stepwell.cli.screen.progress import WRITING, Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     at_terminal,
-    finish,
     has_display,
     report,
-    show_facts,
     show_json,
     show_lines,
-    show_records,
     show_table,
     show_text,
     show_title,

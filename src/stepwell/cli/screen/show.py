@@ -4,14 +4,13 @@ import errno
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from stepwell import accounts
 from stepwell.accounts import Line, escaped, folded
-from stepwell.base import Columns
 from stepwell.cli.screen.progress import WRITING, progress
 
 
@@ -98,36 +97,6 @@ def report(
         show_lines("", f"Written into {out}: {', '.join(names)}")
 
 
-def finish(
-    record: dict[str, Any],
-    show: Callable[[dict[str, Any]], None],
-    as_json: bool,
-    out: Path | None = None,
-    force: bool = False,
-    write: Callable[..., Sequence[str]] | None = None,
-) -> None:
-    """Write results into a folder, and print them as JSON or as `show` tells them.
-
-    Args:
-        record: of the results.
-        show: prints it for people.
-        as_json: what --json says.
-        out: what --out says.
-        force: what --force says.
-        write: of `reports`, with all its arguments but the folder, `progress` and `force`.
-    """
-    names: Sequence[str] = ()
-    if out is not None and write is not None:
-        with progress(WRITING) as tell:
-            names = write(out, progress=tell, force=force)
-    if as_json:
-        show_json(record, *((out or Path()) / name for name in names))
-        return
-    show(record)
-    if names:
-        show_lines("", f"Written into {out}: {', '.join(names)}")
-
-
 def show_lines(*lines: str) -> None:
     """Print lines, folded to the width of the terminal."""
     rows = (row for line in lines for row in escaped(line).split("\n"))
@@ -160,23 +129,6 @@ def show_table(
 ) -> None:
     """Print a table, see `accounts.table`."""
     _lines(accounts.table(title, head, rows, left))
-
-
-def show_records(
-    title: str,
-    columns: Columns,
-    records: Sequence[Mapping[str, Any]],
-    *,
-    most: int | None = 40,
-) -> None:
-    """Print records as a table, see `accounts.records`."""
-    _lines(accounts.records(title, columns, records, most=most))
-
-
-def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) -> None:
-    """Print the title of a result and what is known of it, a line for each."""
-    title = [record["title"], ""] if record["title"] else []
-    show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
 def _lines(lines: Iterable[Line]) -> None:
