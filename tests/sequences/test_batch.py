@@ -8,6 +8,7 @@ import pytest
 import stepwell as sw
 from chains import any_chain
 from stepwell import elements
+from stepwell.base import StepwellError
 from stepwell.design.parameters import parameters
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, cycles_of
 from stepwell.sequences.cycles import snapping_steps
@@ -161,3 +162,14 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
 def test_an_empty_batch_is_empty():
     chain = any_chain(np.random.default_rng(0), 2)
     assert len(cycles_of(lambda i: chain, 0, nominal(chain, 0)).number) == 0
+
+
+def test_who_follows_none_is_asked_before_a_design_is_built():
+    def build(number: int) -> sw.Chain:
+        raise AssertionError(f"Design {number} was built.")
+
+    def refuse(done: float, total: float) -> None:
+        raise StepwellError(f"{done} of {total}")
+
+    with pytest.raises(StepwellError, match="0 of 40000"):
+        cycles_of(build, 40_000, progress=refuse)

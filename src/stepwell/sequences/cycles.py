@@ -349,8 +349,10 @@ def cycles_of(
         build: makes the chain of a design, by its number; ValueError where there is none.
         count: how many there are.
         designs: the same designs as numbers, where they are at hand; else all are built.
-        progress: called now and then with (done, count).
+        progress: called with (0, count) before a design is built, and now and then from there on.
     """
+    if progress is not None:
+        progress(0, count)
     number, found = np.full(count, _ASK), np.full((count, FOUND), np.nan)
     sequences: dict[Sequence, int] = {}
     which = np.arange(count)
