@@ -119,6 +119,14 @@ def test_every_public_name_can_be_had_from_the_root():
 REBUILT = {"accounts", "cli", "reports", "studio"}
 
 
+def test_dir_lists_every_name_that_a_room_offers():
+    assert len(dir(stepwell)) <= 64
+    for room in ("design", "files", "sequences", "studies"):
+        door = import_module(f"stepwell.{room}")
+        assert set(dir(door)) == set(door.__all__)
+        assert all(hasattr(door, name) for name in door.__all__)
+
+
 def module_of(file: Path) -> str:
     parts = file.relative_to(SOURCE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

@@ -23,8 +23,11 @@ if TYPE_CHECKING:
     )
     from stepwell.base import InputError, Measure, StepwellError, __version__, bar
     from stepwell.design import (
+        AnchorBox,
         Check,
+        Impossible,
         Margin,
+        Stock,
         Tolerances,
         Yield,
         boundaries,
@@ -47,25 +50,24 @@ if TYPE_CHECKING:
         Element,
         Linear,
         Load,
-        Phase,
         Table,
         elements,
     )
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
-        ImplicitGraph,
         Pathway,
         Program,
         Sequence,
         TransitionGraph,
         Unreachable,
     )
-    from stepwell.statics import Elsewhere, Event, EventKind, Landing, Path, Proof
+    from stepwell.statics import Event, Path
     from stepwell.studies import sweep
 
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
+    "AnchorBox": "design",
     "Arena": "robot",
     "Band": "mechanism",
     "Cell": "mechanism",
@@ -74,24 +76,20 @@ _DOORS = {
     "Cubic": "mechanism",
     "Cycle": "sequences",
     "Element": "mechanism",
-    "Elsewhere": "statics",
     "Event": "statics",
-    "EventKind": "statics",
-    "ImplicitGraph": "sequences",
+    "Impossible": "design",
     "InputError": "base",
-    "Landing": "statics",
     "Linear": "mechanism",
     "Load": "mechanism",
     "Margin": "design",
     "Measure": "base",
     "Path": "statics",
-    "Phase": "mechanism",
     "Pathway": "sequences",
     "Program": "sequences",
-    "Proof": "statics",
     "Robot": "robot",
     "Sequence": "sequences",
     "StepwellError": "base",
+    "Stock": "design",
     "Table": "mechanism",
     "Tolerances": "design",
     "TransitionGraph": "sequences",
@@ -126,6 +124,7 @@ _ROOMS = (
 )
 
 __all__ = [
+    "AnchorBox",
     "Arena",
     "Band",
     "Cell",
@@ -134,24 +133,20 @@ __all__ = [
     "Cubic",
     "Cycle",
     "Element",
-    "Elsewhere",
     "Event",
-    "EventKind",
-    "ImplicitGraph",
+    "Impossible",
     "InputError",
-    "Landing",
     "Linear",
     "Load",
     "Margin",
     "Measure",
     "Path",
-    "Phase",
     "Pathway",
     "Program",
-    "Proof",
     "Robot",
     "Sequence",
     "StepwellError",
+    "Stock",
     "Table",
     "Tolerances",
     "TransitionGraph",
@@ -212,4 +207,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_ROOMS})
+    # What scripts use; the rooms below them can be had too.
+    inner = {"accounts", "base", "concave", "statics", "studio"}
+    return sorted({*__all__, *_ROOMS} - inner)

@@ -19,7 +19,7 @@ from stepwell.sequences.fields import from_switching_fields, preisach
 from stepwell.sequences.nodes import Node, TransitionKind
 from stepwell.sequences.passages import order_kept
 from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
-from stepwell.statics import StaticsError
+from stepwell.statics import EventKind, StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)
 # Stiffnesses between a rigid actuator and none.
@@ -157,7 +157,7 @@ def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells
         beyond = (end.drive + (target.high if direction > 0 else target.low)) / 2
         path = chain.path([within(node, 0.5), beyond], start=middle(found, node))
         assert state_at(chain, path.end) == target.state
-        snaps = [event for event in path.events if event.kind is sw.EventKind.SNAP]
+        snaps = [event for event in path.events if event.kind is EventKind.SNAP]
         assert len(snaps) == (end.kind is TransitionKind.SNAP)
         assert path.released == pytest.approx(end.released, rel=1e-6, abs=1e-12)
 

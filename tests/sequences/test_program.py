@@ -18,7 +18,7 @@ from stepwell.sequences.branches import Branches, reach
 from stepwell.sequences.cycles import sequence_of
 from stepwell.sequences.passages import order_kept
 from stepwell.sequences.planning import _by_fields
-from stepwell.statics import StaticsError
+from stepwell.statics import EventKind, StaticsError
 
 
 def straight(*d_x: float) -> sw.Chain:
@@ -78,7 +78,7 @@ def falls(values: tuple[float, ...]) -> bool:
 def test_turning_back_past_the_snap_is_the_program_from_10_to_01():
     program = LEG.program("01", start="10")
     assert program.strokes == 2 and program.shortest
-    snap = next(e.stroke for e in LEG.path([0, 0.040]).events if e.kind is sw.EventKind.SNAP)
+    snap = next(e.stroke for e in LEG.path([0, 0.040]).events if e.kind is EventKind.SNAP)
     (turn,) = program.turns
     assert (turn.low, turn.high) == pytest.approx((snap, 0.040), abs=1e-12)
     assert turn.drive == pytest.approx((snap + 0.040) / 2, abs=1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.statics import drive_range
+from stepwell.statics import EventKind, drive_range
 
 STIFFNESSES = (math.inf, 300.0, 0.0)
 
@@ -84,7 +84,7 @@ def test_random_chains_of_elements_go_where_small_steps_of_the_flow_lead(stiffne
         for m, chain in enumerate(chains):
             path = chain.path(drives[m, k - 1 : k + 1].tolist(), start=here[m])
             here[m] = path.end_configuration
-            snaps += sum(event.kind is sw.EventKind.SNAP for event in path.events)
+            snaps += sum(event.kind is EventKind.SNAP for event in path.events)
             apart += np.max(np.abs(s[m] - path.end)) > 1e-6
     assert snaps > many
     assert apart == 0
@@ -134,8 +134,8 @@ def test_a_chain_inside_an_element_does_what_it_does_written_out(stiffness, leve
     expected = sw.Chain([outer, *inner], actuator_stiffness=stiffness).cycle()
     chain = sw.Chain([outer, element], actuator_stiffness=stiffness)
     found = chain.path(expected.path.turning_points)
-    assert sum(e.kind is sw.EventKind.SNAP for e in found.events) == len(expected.snaps)
-    snaps = [e.drive for e in found.events if e.kind is sw.EventKind.SNAP]
+    assert sum(e.kind is EventKind.SNAP for e in found.events) == len(expected.snaps)
+    snaps = [e.drive for e in found.events if e.kind is EventKind.SNAP]
     reach = np.ptp(expected.path.turning_points)
     assert snaps == pytest.approx([e.drive for e in expected.snaps], abs=2e-4 * reach)
     assert found.dissipated == pytest.approx(expected.dissipated, rel=1e-4)
@@ -190,7 +190,7 @@ def test_a_path_goes_on_from_the_very_drive_of_a_snap(name):
     path = chain.cycle().path
     low, high = path.turning_points[:2]
     for event in path.events:
-        if event.kind is sw.EventKind.SNAP and event.direction > 0:
+        if event.kind is EventKind.SNAP and event.direction > 0:
             there = chain.path([low, event.drive]).end_configuration
             for to in (low, high):
                 on = chain.path([event.drive, to], start=there)

@@ -11,7 +11,7 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
 from stepwell.mechanism import balloon, mobilities_of, trilinear
-from stepwell.statics import InertialLanding, StaticsError
+from stepwell.statics import EventKind, InertialLanding, StaticsError
 
 STOPPED = sw.Element.from_points(
     (0.0, 0.002, 0.010, 0.012), (0.0, 1.0, -1.0, -0.5), "stopped", stops=True
@@ -24,7 +24,7 @@ def under_force(*cells: sw.Cell | sw.Element) -> sw.Path:
 
 
 def snaps_of(path: sw.Path) -> list[sw.Event]:
-    return [event for event in path.events if event.kind is sw.EventKind.SNAP]
+    return [event for event in path.events if event.kind is EventKind.SNAP]
 
 
 def balanced(landing: InertialLanding) -> bool:

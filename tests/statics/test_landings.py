@@ -10,6 +10,7 @@ from scipy.stats import binom
 import stepwell as sw
 from chains import any_cell, any_chain, contest
 from sizes import examples
+from stepwell.statics import Elsewhere, EventKind, Landing, Proof
 from stepwell.statics.following.snap import COARSE
 from stepwell.statics.landings.proofs import goes_one_way
 from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
@@ -26,7 +27,7 @@ RARE = contest(mobility=0.5).cycle().path
 
 
 def snaps(path):
-    return [event for event in path.events if event.kind is sw.EventKind.SNAP]
+    return [event for event in path.events if event.kind is EventKind.SNAP]
 
 
 def starts(path):
@@ -248,11 +249,11 @@ def test_a_landing_of_five_per_cent_is_within_the_bound_nineteen_times_in_twenty
     assert path.landings(ratio, seed=7)[1].bound == pytest.approx(bounds[7])
 
 
-def claim(elsewhere: int) -> sw.Landing:
+def claim(elsewhere: int) -> Landing:
     """A landing that 59 samples found, of which some lead elsewhere."""
     event = snaps(RACE.cycle().path)[-1]
-    there = sw.Elsewhere((1.0, 1.0, 2.0), (0.0, 0.0, 0.0), (0, 0, 0), "00-", elsewhere / 59)
-    return sw.Landing(event, 4.5, None, 6, 59, (there,) if elsewhere else ())
+    there = Elsewhere((1.0, 1.0, 2.0), (0.0, 0.0, 0.0), (0, 0, 0), "00-", elsewhere / 59)
+    return Landing(event, 4.5, None, 6, 59, (there,) if elsewhere else ())
 
 
 def test_friction_makes_no_other_landing_of_a_place_in_the_same_phases():
@@ -272,21 +273,21 @@ def test_under_a_force_no_landing_hangs_on_mobilities():
     chain = replace(RACE, actuator_stiffness=0.0)
     told = chain.cycle().path.landings(1e3)
     assert told
-    assert all(landing.proof is sw.Proof.FREEDOM and landing.samples == 0 for landing in told)
+    assert all(landing.proof is Proof.FREEDOM and landing.samples == 0 for landing in told)
 
 
 def test_a_pair_at_a_prescribed_stroke_has_one_way_to_go():
     pair = sw.Chain([PAPER, PAPER.with_anchors(q=(0.020, 0.0))])
     told = pair.cycle().path.landings(1e3)
     assert told
-    assert all(landing.proof is sw.Proof.FREEDOM for landing in told)
+    assert all(landing.proof is Proof.FREEDOM for landing in told)
 
 
 def test_a_cell_behind_a_spring_has_one_way_to_go():
     alone = sw.Chain([PAPER], actuator_stiffness=30.0)
     told = alone.cycle().path.landings(1e3)
     assert told
-    assert all(landing.proof is sw.Proof.FREEDOM for landing in told)
+    assert all(landing.proof is Proof.FREEDOM for landing in told)
 
 
 def test_a_pair_that_a_third_cell_may_join_is_not_proved_by_its_freedom():
@@ -322,7 +323,7 @@ def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
     path = sw.Chain([PAPER.with_anchors(q=tuple(q)) for q in anchors]).cycle().path
     told = path.landings(1.05, bound=0.5)
     assert [landing.event for landing in told] == snaps(path)
-    assert any(landing.proof is sw.Proof.FREEDOM for landing in told)
+    assert any(landing.proof is Proof.FREEDOM for landing in told)
 
 
 # --- what it says --------------------------------------------------------------------------------

@@ -1,10 +1,12 @@
-"""Packages that not everybody needs: what each extra brings, and how to get it."""
+"""What opens only when it is needed: late names of a room, and the packages of the extras."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from stepwell.base.errors import ExtraError
 
@@ -77,6 +79,25 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
         ),
     }
 )
+
+
+def late(
+    room: str, files: Mapping[str, str], names: Iterable[str]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The functions `__getattr__` and `__dir__` of a room whose files open with their first use.
+
+    Args:
+        room: the module, such as "stepwell.design".
+        files: the file of each late name, within the room.
+        names: what the room offers to scripts.
+    """
+
+    def attribute(name: str) -> Any:
+        if name in files:
+            return getattr(import_module(f"{room}.{files[name]}"), name)
+        raise AttributeError(f"module {room!r} has no attribute {name!r}")
+
+    return attribute, lambda: sorted(names)
 
 
 def have(*names: str) -> bool:

@@ -6,10 +6,10 @@ The room can be called: `stepwell.design("00>10>11>01>00")` is `stepwell.design.
 from __future__ import annotations
 
 import sys
-from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import late
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, Margin, margin, proved_margin
 from stepwell.design.margins.reprogramming import Reprogramming, Resistance, reprogram
 from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robustness
@@ -144,7 +144,4 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name in _LATE:
-        return getattr(import_module(f"stepwell.design.{_LATE[name]}"), name)
-    raise AttributeError(f"module 'stepwell.design' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

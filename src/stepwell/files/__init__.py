@@ -1,9 +1,8 @@
 """Design files in and out, and results as files: read, check, write."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from stepwell.base import write_atomic
+from stepwell.base import late, write_atomic
 from stepwell.files.curves import load_element
 from stepwell.files.design import (
     DesignFile,
@@ -113,7 +112,4 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name in _LATE:
-        return getattr(import_module(f"stepwell.files.{_LATE[name]}"), name)
-    raise AttributeError(f"module 'stepwell.files' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

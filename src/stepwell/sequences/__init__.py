@@ -1,8 +1,8 @@
 """What the motion of a chain means: states, sequences, pathways, cycles, graphs, programs."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stepwell.base import late
 from stepwell.sequences.branches import Branches, checked_state, element_of
 from stepwell.sequences.cycles import (
     IMPOSSIBLE,
@@ -108,7 +108,4 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name in _LATE:
-        return getattr(import_module(f"stepwell.sequences.{_LATE[name]}"), name)
-    raise AttributeError(f"module 'stepwell.sequences' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

@@ -1,8 +1,8 @@
 """Studies: something computed of many designs, into a store; the atlas of their machines."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stepwell.base import late
 from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import (
     Axis,
@@ -151,7 +151,4 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name in _LATE:
-        return getattr(import_module(f"stepwell.studies.{_LATE[name]}"), name)
-    raise AttributeError(f"module 'stepwell.studies' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, _LATE, __all__)
