@@ -47,11 +47,11 @@ from stepwell.base.quantities import (
     rows_of,
     shown,
     signed,
-    told_in,
     variables,
     write_csv,
 )
 from stepwell.base.shown import Drawn, Shown, brief, of_kind
+from stepwell.base.units import from_unit, to_unit, told_in
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
 from stepwell.base.write import (

@@ -11,35 +11,10 @@ from enum import Enum
 from operator import attrgetter
 from typing import Any
 
+from stepwell.base.units import UNITS, told_in
 from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
-# Units in which people are told what is in SI inside: the SI unit, and how many make one of it.
-# All others are told as they are.
-_UNITS = {
-    "mm": ("m", 1e3),
-    "mm_s": ("m/s", 1e3),
-    "mJ": ("J", 1e3),
-    "mN": ("N", 1e3),
-    "ms": ("s", 1e3),
-    "g": ("kg", 1e3),
-    "deg": ("rad", 180.0 / math.pi),
-    "mL": ("m³", 1e6),
-    "kPa": ("Pa", 1e-3),
-    "mNm": ("N m", 1e3),
-    "kPa_per_mL": ("Pa/m³", 1e-9),
-    "mm/N": ("m/N", 1e3),
-    "percent": ("1", 1e2),
-}
-# In all others of these people are told only where a schema says so.
-_SELDOM = "mm_s", "mN", "ms", "percent"
-_TOLD = {si: unit for unit, (si, _) in _UNITS.items() if unit not in _SELDOM}
-_SIGNS = {
-    "percent": "%",
-    "mm_s": "mm/s",
-    "mNm": "mN m",
-    "kPa_per_mL": "kPa/mL",
-}
 _RATIO = "over_"
 _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 
@@ -97,12 +72,6 @@ class Measure(Enum):
         return told_in(travel)[0], told_in(force)[0], told_in(stiffness)[0]
 
 
-def told_in(unit: str) -> tuple[str, float]:
-    """The unit in which users are told a number in SI, and how many of it make one."""
-    told = _TOLD.get(unit, unit)
-    return told, _UNITS.get(told, (unit, 1.0))[1]
-
-
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """One name in the schema of a result.
@@ -150,17 +119,19 @@ class Quantity:
     @property
     def si(self) -> str:
         """The unit of the value itself."""
-        return _UNITS.get(self.unit, (self.sign or "1", 1.0))[0]
+        return UNITS[self.unit].si if self.unit in UNITS else self.sign or "1"
 
     @property
     def factor(self) -> float:
         """How many of the unit that is told make one in SI."""
-        return _UNITS.get(self.unit, ("", 1.0))[1]
+        return UNITS[self.unit].per_si if self.unit in UNITS else 1.0
 
     @property
     def sign(self) -> str:
         """How the unit is written beside a number; "" for a bare one."""
-        return "" if self.unit.startswith(_RATIO) else _SIGNS.get(self.unit, self.unit)
+        if self.unit.startswith(_RATIO):
+            return ""
+        return UNITS[self.unit].sign if self.unit in UNITS else self.unit
 
     @property
     def heading(self) -> str:

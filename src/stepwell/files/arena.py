@@ -15,7 +15,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, ValidationError
 
-from stepwell.base import limits
+from stepwell.base import from_unit, limits
 from stepwell.files import units
 from stepwell.files.design import text_of
 from stepwell.files.robots import part_of
@@ -199,7 +199,7 @@ def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
         up = 1 if last[1] > first[1] else -1
         start = _point(first[0], first[1] + (up < 0), size)
         end = _point(last[0] + 1, last[1] + (up > 0), size)
-        walls.append(Wall(start, end, float(size) / 1e3 / math.sqrt(2.0)))
+        walls.append(Wall(start, end, from_unit(float(size), "mm") / math.sqrt(2.0)))
     return walls
 
 

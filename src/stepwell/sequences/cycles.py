@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, amount
+from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, amount, to_unit
 from stepwell.mechanism import Cell, Chain, Element, phase_at
 from stepwell.statics import (
     FOUND,
@@ -297,7 +297,7 @@ class Cycle(ByValue, Drawn):
         peak = amount(self.peak_force, self.chain.measure.force_unit)
         return (
             f"Cycle({self.sequence!r}{pathway}: {len(self.snaps)} snaps, dissipates "
-            f"{self.dissipated * 1e3:.4g} mJ, peak {peak}{tie})"
+            f"{to_unit(self.dissipated, 'mJ'):.4g} mJ, peak {peak}{tie})"
         )
 
 
