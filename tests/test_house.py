@@ -260,8 +260,8 @@ def test_no_file_is_there_for_a_dozen_lines():
         and file.relative_to(SOURCE).parts[0] not in REBUILT
         and len(file.read_text("utf-8").splitlines()) < 60
     ]
-    # The version is read by what builds the package; `units` awaits one table of units.
-    assert set(small) <= {"base/version.py", "files/units.py"}
+    # The version is read by what builds the package.
+    assert set(small) <= {"base/version.py"}
 
 
 @pytest.mark.parametrize("value", [stepwell.Chain, stepwell.Robot])

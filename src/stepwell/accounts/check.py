@@ -22,13 +22,12 @@ from stepwell.accounts.words import (
     degenerate,
     tie_notes,
 )
-from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, percent
+from stepwell.base import GRAVITY, Measure, Quantity, Schema, amount, in_measure, number, percent
 
 if TYPE_CHECKING:
     from stepwell.design import Check, Measurement
 
 KIND = "check/2"
-_STANDARD_GRAVITY = 9.80665  # m/s²
 # What a measurement is of, in words, and the unit of its tolerance.
 _MEASURED = {
     "d": ("anchors", "mm"),
@@ -69,7 +68,7 @@ _ACTUATOR: Schema = (Quantity("peak_force", "N"), Quantity("dissipated", "mJ"))
 def _mass(found: Check) -> float | None:
     """The mass [kg] whose weight is the largest force of the actuator."""
     is_force = found.chain.measure is Measure.TRAVEL
-    return abs(found.peak_force) / _STANDARD_GRAVITY if is_force else None
+    return abs(found.peak_force) / GRAVITY if is_force else None
 
 
 def _ties(found: Check) -> list[str]:

@@ -11,7 +11,7 @@ from enum import Enum
 from operator import attrgetter
 from typing import Any
 
-from stepwell.base.units import UNITS, told_in
+from stepwell.base.units import UNITS, in_names, told_in
 from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
@@ -113,8 +113,7 @@ class Quantity:
     @property
     def key(self) -> str:
         """The name with its unit."""
-        unit = self.unit.replace("/", "_per_").replace(" ", "_")
-        return f"{self.name}_{unit}" if unit else self.name
+        return f"{self.name}_{in_names(self.unit)}" if self.unit else self.name
 
     @property
     def si(self) -> str:

@@ -143,6 +143,12 @@ def from_unit(value: Number, unit: str) -> Number:
     return value / UNITS[unit].per_si
 
 
+def in_names(unit: str) -> str:
+    """A unit as names of keys spell it: N m/rad is N_m_per_rad, 1/mm² is per_mm2."""
+    spelled = unit.replace("/", "_per_").replace(" ", "_").replace("²", "2")
+    return spelled.removeprefix("1_")
+
+
 def told_in(unit: str) -> tuple[str, float]:
     """The unit in which users read a number in SI, and how many of it make one."""
     shown = _SHOWN.get(unit, unit)

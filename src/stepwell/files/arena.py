@@ -16,7 +16,6 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, ValidationError
 
 from stepwell.base import from_unit, limits
-from stepwell.files import units
 from stepwell.files.design import text_of
 from stepwell.files.robots import part_of
 from stepwell.files.schema.keys import (
@@ -36,6 +35,7 @@ from stepwell.files.schema.wording import refused
 from stepwell.files.text import (
     DesignError,
     did_you_mean,
+    exact_si,
     in_decimals,
     in_floats,
     parsed,
@@ -263,7 +263,7 @@ def _runs(columns: list[int]) -> Iterator[tuple[int, int]]:
 
 def _wall(rectangle: _Rectangle, size: Decimal) -> Wall:
     left, bottom, columns, rows = rectangle
-    thickness = units.moved(size * min(columns, rows), -3)
+    thickness = exact_si(size * min(columns, rows), "mm")
     if columns >= rows:
         y = bottom + rows * _HALF
         return Wall(_point(left, y, size), _point(left + columns, y, size), thickness)
@@ -276,7 +276,7 @@ def _middle(square: Square, size: Decimal) -> tuple[float, float]:
 
 
 def _point(x: Decimal | int, y: Decimal | int, size: Decimal) -> tuple[float, float]:
-    return units.moved(x * size, -3), units.moved(y * size, -3)
+    return exact_si(x * size, "mm"), exact_si(y * size, "mm")
 
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"

@@ -11,7 +11,7 @@ from typing import Any, get_args
 from stepwell.base import Measure
 from stepwell.files.cells import merged
 from stepwell.files.schema import chain as schema, elements
-from stepwell.files.schema.keys import UNITS, Within, field_of, unit_of, written
+from stepwell.files.schema.keys import ENDS, Within, field_of, unit_of, written
 from stepwell.mechanism import LIBRARY, Band, Cell, Element
 
 Table = Mapping[str, Any]
@@ -132,7 +132,7 @@ def _keys(path: Path, table: type[schema.Keys], defaults: Table) -> Iterator[Kno
         if key not in defaults:
             continue
         pair = key.endswith("_mm_N") or key in _ROWS
-        ends = ("_mm_N", *UNITS)
+        ends = ("_mm_N", *ENDS)
         end = next((end for end in ends if key.endswith(end)), "")
         yield KnownKey(
             (*path, key),

@@ -8,10 +8,9 @@ from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, told_in
-from stepwell.files import units
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.keys import si, written
-from stepwell.files.text import array, quoted, value_text
+from stepwell.files.text import array, quoted, toml, value_text
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
     if math.isinf(chain.actuator_stiffness) and not problems:
         problems += _out_of_reach(points, start, chain)
         if _near_nothing(points, chain) and not keys.unusual:
-            meant = array(units.toml(point * 1000) for point in drives)
+            meant = array(toml(point * 1000) for point in drives)
             fits = max(points) * 1e3 <= (1 + _SAME) * chain.full_stroke
             unit, factor = told_in(chain.measure.travel_unit)
             problems.append(

@@ -1,4 +1,4 @@
-"""The text of design files: TOML in and out, plain values, and what is wrong with a file."""
+"""The text of design files: TOML in and out, exact decimals, and what is wrong with a file."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import json
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from decimal import Decimal, InvalidOperation
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, InvalidOperation
 from typing import Any
 
-from stepwell.base import InputError, limits, nearest_word, printable
+from stepwell.base import UNITS, InputError, limits, nearest_word, printable
 
 MOST_LINES = 40
+# More digits than a float can have (767), so that moving the decimal point never rounds.
+_EXACT = Context(prec=800, Emax=MAX_EMAX, Emin=MIN_EMIN, traps=[])
+_ENOUGH = Context(prec=60, Emax=MAX_EMAX, Emin=MIN_EMIN, traps=[])
+_PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
 
 class DesignError(InputError):
@@ -186,3 +190,40 @@ def quoted(text: str) -> str:
     """Text in quotes."""
     # JSON's escapes are TOML's, but TOML also wants the delete character escaped.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def exact_si(number: Decimal, unit: str) -> float:
+    """The float in SI that is nearest to a decimal in a unit of files.
+
+    The decimal point is moved in the decimal, and the result is rounded once: 10 mm is the float
+    0.01 and not its neighbour, 45 deg is `math.pi / 4`.
+    """
+    if unit == "deg":
+        return float(_ENOUGH.divide(_ENOUGH.multiply(number, _PI), Decimal(180)))
+    return float(_EXACT.scaleb(number, _places(unit)))
+
+
+def shortest(value: float, unit: str) -> Decimal:
+    """The shortest decimal in a unit of files that `exact_si` reads back as `value`."""
+    if unit != "deg":
+        return _EXACT.scaleb(Decimal(repr(float(value))), -_places(unit))
+    exact = _ENOUGH.divide(_ENOUGH.multiply(Decimal(value), Decimal(180)), _PI)
+    # A float has 17 digits; the angle in degrees needs at most one more.
+    candidates = (Context(prec=digits).plus(exact) for digits in range(1, 20))
+    return next(candidate for candidate in candidates if exact_si(candidate, unit) == value)
+
+
+def _places(unit: str) -> int:
+    places = UNITS[unit].places
+    assert places is not None, f"{unit} is not a power of ten of its SI unit"
+    return places
+
+
+def toml(number: Decimal) -> str:
+    """A decimal as TOML writes it: an integer where it is one, plain where that is short."""
+    number = number.normalize(_EXACT)
+    if number.is_zero():
+        return "-0.0" if number.is_signed() else "0"
+    if not -7 < number.adjusted() < 15:
+        return format(number, "e")
+    return format(number, "f")

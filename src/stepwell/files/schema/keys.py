@@ -14,9 +14,8 @@ from typing import Annotated, Any, NoReturn, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainValidator
 from pydantic_core import PydanticCustomError
 
-from stepwell.base import limits
-from stepwell.files import units
-from stepwell.files.text import array, quoted
+from stepwell.base import UNITS, in_names, limits
+from stepwell.files.text import array, exact_si, quoted, shortest, toml
 from stepwell.mechanism import Size, Slip, SlipError
 
 # Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
@@ -149,40 +148,16 @@ def _tables_in(annotation: Any) -> Iterator[type[Keys]]:
         yield annotation
 
 
-# The end of a key and what it is called where it is shown; the longer ones first.
-UNITS = {
-    "_kPa_per_mL": "kPa/mL",
-    "_N_m_per_rad": "N m/rad",
-    "_N_m_s_per_rad": "N m s/rad",
-    "_N_s_per_m": "N s/m",
-    "_N_per_m": "N/m",
-    "_m_per_s2": "m/s²",
-    "_mm_per_N": "mm/N",
-    "_per_mm2": "1/mm²",
-    "_per_mm": "1/mm",
-    "_mm": "mm",
-    "_deg": "deg",
-    "_mL": "mL",
-    "_kPa": "kPa",
-    "_GPa": "GPa",
-    "_mNm": "mN m",
-    "_g": "g",
-    "_N": "N",
-    "_s": "s",
+# The ends of keys and the units that they name; the longer ones first.
+ENDS = {
+    f"_{in_names(unit)}": UNITS[unit].sign
+    for unit in (
+        *("kPa/mL", "N m/rad", "N m s/rad", "N s/m", "N/m", "m/s²", "mm/N", "1/mm²", "1/mm"),
+        *("mm", "deg", "mL", "kPa", "GPa", "mNm", "g", "N", "s"),
+    )
 }
-# Decimal places from a unit of files to SI; angles are turned, and all others are SI.
-_PLACES = {
-    "mm": -3,
-    "mm/N": -3,
-    "g": -3,
-    "1/mm": 3,
-    "1/mm²": 6,
-    "mL": -6,
-    "kPa": 3,
-    "GPa": 9,
-    "mN m": -3,
-    "kPa/mL": 9,
-}
+# The units of files for sizes that are not in SI there.
+_SHOWN = {"m": "mm", "kg": "g", "rad": "deg", "1/m": "1/mm", "1/m²": "1/mm²"}
 # Names that the values give these keys; other keys are called as they are, without the unit.
 _FIELDS = {
     "stroke_mm": "amplitude",
@@ -204,7 +179,7 @@ def unit_of(key: str, column: int = 0) -> str:
     """The unit that a key names; "" where it names none. Tables have one for each column."""
     if key.endswith("_mm_N"):
         return ("mm", "N")[column]
-    return next((shown for end, shown in UNITS.items() if key.endswith(end)), "")
+    return next((shown for end, shown in ENDS.items() if key.endswith(end)), "")
 
 
 @cache
@@ -212,7 +187,7 @@ def field_of(key: str) -> str:
     """What the value calls the key."""
     if key in _FIELDS:
         return _FIELDS[key]
-    return key.removesuffix(next((end for end in UNITS if key.endswith(end)), ""))
+    return key.removesuffix(next((end for end in ENDS if key.endswith(end)), ""))
 
 
 def fields(keys: Keys, left_out: Iterable[str] = ()) -> dict[str, Any]:
@@ -229,8 +204,7 @@ def si(key: str, value: Any, column: int = 0) -> Any:
         return value - 1  # people count from 1
     if not isinstance(value, Decimal):
         return value
-    unit = unit_of(key, column)
-    return units.radians(value) if unit == "deg" else units.moved(value, _PLACES.get(unit, 0))
+    return exact_si(value, unit_of(key, column) or "1")
 
 
 def written(key: str, value: Any, column: int = 0) -> str:
@@ -251,9 +225,7 @@ def written(key: str, value: Any, column: int = 0) -> str:
 # Cells of one chain have many sizes in common. By its digits, for 0 equals -0.
 @lru_cache(4096)
 def _number(digits: str, unit: str) -> str:
-    if unit == "deg":
-        return units.toml(units.degrees(float(digits)))
-    return units.toml(units.shortest(float(digits), -_PLACES.get(unit, 0)))
+    return toml(shortest(float(digits), unit or "1"))
 
 
 def slips_text(error: SlipError) -> str:
@@ -274,35 +246,24 @@ def slip_lines(error: SlipError) -> list[str]:
 def key_of(slip: Slip) -> str:
     """The key of a file that holds the size of a slip."""
     place, dot, name = slip.name.rpartition(".")
-    end = _SHOWN.get(slip.unit, ("", f"_{slip.unit.replace('/', '_per_')}", 0))[1]
-    return slip.name if " " in slip.name else place + dot + _KEYS.get(name, name + end)
+    key = _KEYS.get(name, f"{name}_{in_names(_SHOWN.get(slip.unit, slip.unit))}")
+    return slip.name if " " in slip.name else place + dot + key
 
 
 def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
     """A slip of unit by the key of the file that holds it, in the unit of files."""
-    unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
+    unit = _SHOWN.get(slip.unit, slip.unit)
 
     def shown(size: Size) -> str:
         if isinstance(size, tuple):
             return array(shown(part) for part in size)
-        number = Decimal(written(end, size)) if end else units.shortest(size, places)
-        return units.toml(Decimal(f"{number:.6g}"))
+        return toml(Decimal(f"{shortest(size, unit):.6g}"))
 
     # A row of a table holds two units, and is called by the one that is wrong.
     rows = key.endswith("_mm_N") or key == "shape_mm"
     what = f"{key}, {slip.name.removeprefix('load.')}" if rows else key
     probably = "" if slip.meant is None else f" Did you mean {shown(slip.meant)} {unit}?"
     return f"{what} = {shown(slip.value)}{f' {unit}' * name_unit}: {slip.why}.{probably}"
-
-
-# What files call an SI unit: the unit shown, the end of a key in it, or decimal places to it.
-_SHOWN = {
-    "m": ("mm", "_mm", 3),
-    "kg": ("g", "_g", 3),
-    "rad": ("deg", "_deg", 0),
-    "1/m": ("1/mm", "", -3),
-    "1/m²": ("1/mm²", "", -6),
-}
 
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:

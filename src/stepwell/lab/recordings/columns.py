@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import NamedTuple
 
-from stepwell.base import InputError, Measure
+from stepwell.base import GRAVITY, UNITS, InputError, Measure, spellings
 
-GRAVITY = 9.80665  # [m/s²], the standard one
-WEIGHTS = ("g", "kg", "oz", "lb")  # units of a mass, read as the force of its weight
-_POUND = 0.45359237 * GRAVITY  # [N]
+WEIGHTS = spellings("kg")
 
 # In the order in which they are looked for: "Time" in "Load time" is a time.
 ROLES = {
@@ -22,73 +19,11 @@ ROLES = {
     "angle": ("angle", "rotation", "twist", "winkel"),
     "torque": ("torque", "moment"),
 }
-UNITS = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
-    "stroke": {
-        "mm": 1e-3,
-        "cm": 1e-2,
-        "m": 1.0,
-        "um": 1e-6,
-        "µm": 1e-6,
-        "in": 0.0254,
-        "inch": 0.0254,
-        "inches": 0.0254,
-        '"': 0.0254,
-    },
-    "force": {
-        "N": 1.0,
-        "mN": 1e-3,
-        "kN": 1e3,
-        "lbf": _POUND,
-        "kgf": GRAVITY,
-        "gf": GRAVITY * 1e-3,
-        "ozf": _POUND / 16.0,
-        # The force of a weight.
-        "g": GRAVITY * 1e-3,
-        "kg": GRAVITY,
-        "oz": _POUND / 16.0,
-        "lb": _POUND,
-    },
-    "volume": {
-        "m3": 1.0,
-        "m³": 1.0,
-        "L": 1e-3,
-        "l": 1e-3,
-        "dm3": 1e-3,
-        "mL": 1e-6,
-        "ml": 1e-6,
-        "cm3": 1e-6,
-        "cm³": 1e-6,
-        "uL": 1e-9,
-        "µL": 1e-9,
-        "mm3": 1e-9,
-        "mm³": 1e-9,
-    },
-    "pressure": {
-        "Pa": 1.0,
-        "hPa": 1e2,
-        "mbar": 1e2,
-        "kPa": 1e3,
-        "bar": 1e5,
-        "MPa": 1e6,
-        "psi": 6894.757293168,
-    },
-    "angle": {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0},
-    "torque": {
-        "N m": 1.0,
-        "Nm": 1.0,
-        "N·m": 1.0,
-        "N cm": 1e-2,
-        "Ncm": 1e-2,
-        "N·cm": 1e-2,
-        "N mm": 1e-3,
-        "Nmm": 1e-3,
-        "N·mm": 1e-3,
-        "mN m": 1e-3,
-        "mNm": 1e-3,
-        "mN·m": 1e-3,
-    },
-}
+# Of each of them, the units that a column may have and the factors that make it SI. A mass is read
+# as the force of its weight.
+_SI = dict(zip(ROLES, ("s", "m", "N", "m³", "Pa", "rad", "N m"), strict=True))
+FACTORS = {role: {unit: UNITS[unit].size for unit in spellings(si)} for role, si in _SI.items()}
+FACTORS["force"] |= {unit: UNITS[unit].size * GRAVITY for unit in WEIGHTS}
 # What a table made at home calls them, where no column has a name above: a weight pulls, and the
 # length of the band itself takes the place of a stroke.
 _AT_HOME = {"force": ("weight", "mass", "gewicht", "masse"), "length": ("length", "länge")}
@@ -191,14 +126,14 @@ def pair(
         )
     return (
         _TRAVELS[travel],
-        (x, UNITS[travel][units[x]]),
-        (y, UNITS[force][units[y]]),
+        (x, FACTORS[travel][units[x]]),
+        (y, FACTORS[force][units[y]]),
     )
 
 
 def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tuple[int, str]:
     """The one column that is in a unit of these roles; of several the one that is named so."""
-    every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in UNITS[role]]
+    every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in FACTORS[role]]
     named = [(k, role) for k, role in every if _is_called(names[k], role)]
     found = every if len(every) < 2 else named or every
     if len(found) == 1:
@@ -259,16 +194,16 @@ def _suffix(field: str) -> str:
 
 
 def _is_unit(text: str) -> bool:
-    return any(_spelled(text) in units for units in UNITS.values())
+    return any(_spelled(text) in units for units in FACTORS.values())
 
 
 def _spelled(unit: str) -> str:
-    """A unit as `UNITS` has it, where capitals can mean nothing else."""
+    """A unit as `FACTORS` has it, where capitals can mean nothing else."""
     return unit.lower() if unit.lower() in _ANY_CASE else unit
 
 
 def _factor(role: str, name: str, unit: str) -> float:
-    allowed = UNITS[role]
+    allowed = FACTORS[role]
     if unit in allowed:
         return allowed[unit]
     came = f"is in {unit[:30]!r}" if unit else "has no unit"

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Measure
-from stepwell.lab.recordings.columns import GRAVITY, WEIGHTS, columns, pair, split
+from stepwell.base import GRAVITY, Floats, InputError, Measure, to_unit
+from stepwell.lab.recordings.columns import WEIGHTS, columns, pair, split
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # What programs write where a number is missing is no note.
@@ -61,7 +61,9 @@ def parse(data: bytes) -> Export:
     if "length" in values:
         gauge, way = float(np.min(values["length"])), "length"
         values["stroke"] = values["length"] - gauge
-        remarks += (f"its length is the band's own: stroke counts from {gauge * 1e3:.5g} mm",)
+        remarks += (
+            f"its length is the band's own: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
+        )
     unit = found["force"].unit
     if unit in WEIGHTS:
         remarks += (f"{unit} are weights: each kg pulls with {GRAVITY} N, positive pulls",)
