@@ -1,14 +1,14 @@
 """What every kind of record has, generated from the quantities of its account."""
 
 import json
-from importlib import import_module
 
 import pytest
 
 import stepwell as sw
 from accounts.schemas import violations
 from stepwell.accounts import account
-from stepwell.accounts.json_schema import KINDS, schema_kinds, schema_of
+from stepwell.accounts.json_schema import schema_kinds, schema_of
+from stepwell.accounts.kinds import KINDS, function_at
 from stepwell.accounts.shape import shapes
 from stepwell.base import Quantity
 from stepwell.design import Run
@@ -31,11 +31,11 @@ def test_every_schema_has_an_id_a_version_and_a_title(kind):
     assert "schema" in schema["required"]
 
 
-@pytest.mark.parametrize("kind", schema_kinds())
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_quantity_has_one_key_and_a_unit_or_what_it_holds(kind):
-    module = import_module(f"stepwell.accounts.{KINDS[kind].partition(':')[0]}")
+    schema = function_at(KINDS[kind])
     for shape in shapes():
-        for quantities in _nested(module.schema(shape)):
+        for quantities in _nested(schema(shape)):
             keys = [quantity.key for quantity in quantities]
             assert len(keys) == len(set(keys)), (kind, shape)
 

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 import stepwell as sw
 from cards.values import every, of_chains
 from stepwell import figures
-from stepwell.accounts import ACCOUNTS as _CARDS, card_of
+from stepwell.accounts import card_of
+from stepwell.accounts.kinds import ACCOUNTS as _CARDS
 from stepwell.base import Drawn, InputError, Shown, brief, headed
 from stepwell.figures.common.sheet import PageFigure
 from stepwell.figures.usual import _USUAL

@@ -15,7 +15,6 @@ from stepwell.base import Quantity, Schema, counted, number, record, told_in
 if TYPE_CHECKING:
     from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
-KIND = "atlas/1"
 # Rows of the table on a terminal.
 _ROWS = 15
 
@@ -45,7 +44,7 @@ class _Bordering(NamedTuple):
     factor: float
 
 
-def schema(_shape: Shape) -> Schema:
+def atlas_schema(_shape: Shape) -> Schema:
     """What is reported of an atlas."""
     return (
         Quantity("title", read="chain.title"),
@@ -188,7 +187,7 @@ _CYCLES: Schema = (
 )
 
 
-def account(
+def atlas_account(
     found: Atlas,
     about: About | None = None,
     machines: Sequence[Machine] | None = None,
@@ -213,8 +212,8 @@ def account(
     return Account(
         found,
         found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}",
-        KIND,
-        schema(Shape()),
+        "atlas/1",
+        atlas_schema(Shape()),
         answer=answer,
         about=about or About(found.chain),
         seed=found.seed,

@@ -27,7 +27,6 @@ from stepwell.base import GRAVITY, Measure, Quantity, Schema, amount, in_measure
 if TYPE_CHECKING:
     from stepwell.design import Check, Measurement
 
-KIND = "check/2"
 # What a measurement is of, in words, and the unit of its tolerance.
 _MEASURED = {
     "d": ("anchors", "mm"),
@@ -40,7 +39,7 @@ _MEASURED = {
 }
 
 
-def schema(shape: Shape) -> Schema:
+def check_schema(shape: Shape) -> Schema:
     """What is reported of a verdict."""
     return (
         Quantity("title", read="chain.title"),
@@ -94,14 +93,14 @@ def _tolerance(when: str, unit: str) -> Quantity:
     return Quantity(when, unit, read=read)
 
 
-def account(found: Check, about: About | None = None) -> Account:
+def check_account(found: Check, about: About | None = None) -> Account:
     """What is reported of a verdict."""
     chain, about = found.chain, about or About(found.chain)
     return Account(
         found,
         chain.title or "A design",
-        KIND,
-        schema(Shape.of(chain)),
+        "check/2",
+        check_schema(Shape.of(chain)),
         origin=f"{cells_of(chain)}.",
         answer=f"{found.verdict}: {found.reason}",
         about=about,

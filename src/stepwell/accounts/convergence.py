@@ -12,7 +12,6 @@ from stepwell.base import Column, Quantity, Schema, number
 if TYPE_CHECKING:
     from stepwell.simulation import Convergence
 
-KIND = "convergence/1"
 
 _STEP: Schema = (
     Quantity("time_step", "ms", "time step"),
@@ -24,7 +23,7 @@ _STEP: Schema = (
 _DEVIATION = Column("force deviation [% of weight]", _STEP[3].cell, True)
 
 
-def schema(_shape: Shape | None = None) -> Schema:
+def convergence_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of a walk at several time steps."""
     return (
         Quantity("title", read="robot.title"),
@@ -32,15 +31,15 @@ def schema(_shape: Shape | None = None) -> Schema:
     )
 
 
-def account(found: Convergence, about: About | None = None) -> Account:
+def convergence_account(found: Convergence, about: About | None = None) -> Account:
     """What is reported of a walk at several time steps."""
     rows = found.rows
     steps = ", ".join(number(row.time_step * 1e3) for row in rows)
     advance = [row.advance for row in rows]
     made = Account(
         found,
-        kind=KIND,
-        schema=schema(),
+        kind="convergence/1",
+        schema=convergence_schema(),
         title=f"{found.robot.title or 'A robot'}, by time step",
         answer=f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; "
         f"ground reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of "

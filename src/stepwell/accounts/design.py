@@ -20,19 +20,18 @@ from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.shape import Shape
 from stepwell.accounts.tolerances import FORCE_PLANE, counted_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
-from stepwell.accounts.yields import advised, critical_fact, other_outcomes, yield_schema
+from stepwell.accounts.yields import advised, critical_fact, inner_yield_schema, other_outcomes
 from stepwell.base import Quantity, Schema, in_measure, record
-from stepwell.design import Impossible, Robustness
+from stepwell.design import Impossible
 
 if TYPE_CHECKING:
-    from stepwell.design import Design
+    from stepwell.design import Design, Robustness
 
-KIND = "design/2"
 # More states than these are not read in a line.
 _MOST_STATES = 16
 
 
-def schema(shape: Shape) -> Schema:
+def design_schema(shape: Shape) -> Schema:
     """What is reported of a design; where there is none, what is known of it has null."""
     found = (
         Quantity("sequence"),
@@ -47,7 +46,7 @@ def schema(shape: Shape) -> Schema:
         Quantity("holes", "mm"),
         Quantity("candidates", holds=int),
         Quantity("robustness", holds=_ROBUSTNESS),
-        Quantity("yield", read="yield_", holds=yield_schema(shape)),
+        Quantity("yield", read="yield_", holds=inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
     return (
@@ -112,32 +111,34 @@ def _of_band(quantity: Quantity) -> Quantity:
     return replace(quantity, read=lambda one: quantity.of(one.cell.bands[0]))
 
 
-def account(value: Design | Impossible | Robustness, about: About | None = None) -> Account:
-    """What is reported of a design, of the reason why there is none, or of a robustness."""
-    if isinstance(value, Impossible):
-        proved = "This is proved." if value.proved else "A search found none; that is no proof."
-        return Account(
-            value=value,
-            title="No such design",
-            kind=KIND,
-            schema=schema(Shape(value.measure)),
-            answer=str(value),
-            origin=proved,
-            about=about or About(),
-        )
-    if isinstance(value, Robustness):
-        return Account(value=value, title="Robustness", answer=str(value))
-    return _design(value, about or About(value.chain))
+def impossible_account(value: Impossible, about: About | None = None) -> Account:
+    """What is reported where there is no such design."""
+    return Account(
+        value=value,
+        title="No such design",
+        kind="design/2",
+        schema=design_schema(Shape(value.measure)),
+        answer=str(value),
+        origin="This is proved." if value.proved else "A search found none; that is no proof.",
+        about=about or About(),
+    )
 
 
-def _design(found: Design, about: About) -> Account:
+def robustness_account(value: Robustness, about: About | None = None) -> Account:
+    """What a notebook shows of a robustness."""
+    return Account(value=value, title="Robustness", answer=str(value))
+
+
+def design_account(found: Design, about: About | None = None) -> Account:
+    """What is reported of a design."""
     chain = found.chain
+    about = about or About(chain)
     spelled = len(chain) <= LONGEST_IN_A_LINE
     return Account(
         value=found,
         title=chain.title or "A design",
-        kind=KIND,
-        schema=schema(Shape.of(chain)),
+        kind="design/2",
+        schema=design_schema(Shape.of(chain)),
         origin=f"Found by search. {cells_of(chain)}.",
         answer=found.sequence if spelled else f"{len(chain)} cells in the target order",
         about=about,

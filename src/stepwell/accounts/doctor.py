@@ -6,18 +6,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account, Fact, Section, Table, Verbatim
-from stepwell.accounts.head import BARE, About
+from stepwell.accounts.head import About
 from stepwell.base import Column, Columns, Quantity, Schema, __version__, record
 
 if TYPE_CHECKING:
     from stepwell.accounts.shape import Shape
     from stepwell.base import Installation
 
-KIND = "doctor/1"
-FIRST: Schema = BARE
 
-
-def schema(_shape: Shape | None = None) -> Schema:
+def doctor_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of an installation."""
     return (
         Quantity("ok", holds=bool),
@@ -59,15 +56,15 @@ _TOOL: Schema = (
 _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reason"))
 
 
-def account(found: Installation, about: About | None = None) -> Account:
+def installation_account(found: Installation, about: About | None = None) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
     lacking = [one.install for one in found.extras if not one.present]
     return Account(
         found,
         "Installation",
-        KIND,
-        schema(),
+        "doctor/1",
+        doctor_schema(),
         answer=_answer(found),
         computed=False,
         facts=(
@@ -90,9 +87,9 @@ def account(found: Installation, about: About | None = None) -> Account:
     )
 
 
-def _table(schema_: Schema, rows: Sequence[Any], columns: Columns = ()) -> Table:
-    found = [record(schema_, one) for one in rows]
-    return Table(columns or schema_, lambda: found, most=None)
+def _table(of: Schema, rows: Sequence[Any], columns: Columns = ()) -> Table:
+    found = [record(of, one) for one in rows]
+    return Table(columns or of, lambda: found, most=None)
 
 
 def _answer(found: Installation) -> str:

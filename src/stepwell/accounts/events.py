@@ -19,10 +19,10 @@ from stepwell.base import (
     record,
 )
 from stepwell.mechanism import Chain
-from stepwell.statics import Cause, Event
+from stepwell.statics import Cause
 
 if TYPE_CHECKING:
-    from stepwell.statics import Landing
+    from stepwell.statics import Event, Landing
 
 NOT_CHECKED = "not checked for other mobilities"
 
@@ -237,10 +237,13 @@ def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
     return f"as fast as {', '.join(factors)}"
 
 
-def account(value: Event | Landing, about: About | None = None) -> Account:
-    """What a notebook shows of an event or a landing."""
-    if isinstance(value, Event):
-        kind, _, rest = repr(value).partition(" ")
-        return Account(value, kind.capitalize(), origin=rest)
+def event_account(value: Event, about: About | None = None) -> Account:
+    """What a notebook shows of an event."""
+    kind, _, rest = repr(value).partition(" ")
+    return Account(value, kind.capitalize(), origin=rest)
+
+
+def landing_account(value: Landing, about: About | None = None) -> Account:
+    """What a notebook shows of a landing."""
     title = f"Landing of a {value.event.kind.name.lower()}"
     return Account(value, title, origin=" ".join(str(value).splitlines()))

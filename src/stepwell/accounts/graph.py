@@ -13,12 +13,11 @@ from stepwell.base import Quantity, Schema
 if TYPE_CHECKING:
     from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph
 
-KIND = "graph/2"
 # Letters of the longest sequence that a card spells out.
 _MOST_LETTERS = 1000
 
 
-def schema(shape: Shape) -> Schema:
+def graph_schema(shape: Shape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
     loop = (
@@ -105,30 +104,38 @@ def shape_of(graph: TransitionGraph | ImplicitGraph) -> Shape:
     return shape._replace(force_driven=graph.unit == shape.measure.force_unit)
 
 
-def account(
-    value: TransitionGraph | ImplicitGraph | MemoryReading | Sequence, about: About | None = None
-) -> Account:
-    """What is reported of a graph; of the others, what a notebook shows."""
-    from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence
+def sequence_account(value: Sequence, about: About | None = None) -> Account:
+    """What a notebook shows of a sequence."""
+    spelled = len(value.first) * len(value) <= _MOST_LETTERS
+    text = str(value) if spelled else repr(value)
+    return Account(value, f"Sequence of {len(value)} states", answer=text)
 
-    if isinstance(value, Sequence):
-        spelled = len(value.first) * len(value) <= _MOST_LETTERS
-        text = str(value) if spelled else repr(value)
-        return Account(value, f"Sequence of {len(value)} states", answer=text)
-    if isinstance(value, MemoryReading):
-        value = value.graph
-    chain = value.chain
-    title = f"Transition graph of {chain.title}" if chain and chain.title else "Transition graph"
-    if isinstance(value, ImplicitGraph):
-        facts = [Fact(name, text) for name, text in value.facts.items()]
-        return Account(value, title, answer=value.summary, facts=facts)
-    reading = value.reading
+
+def implicit_graph_account(value: ImplicitGraph, about: About | None = None) -> Account:
+    """What a notebook shows of a graph whose states are not listed."""
+    facts = [Fact(name, text) for name, text in value.facts.items()]
+    return Account(value, _title(value), answer=value.summary, facts=facts)
+
+
+def reading_account(value: MemoryReading, about: About | None = None) -> Account:
+    """What is reported of a graph, given what is read off it."""
+    return graph_account(value.graph, about)
+
+
+def _title(graph: TransitionGraph | ImplicitGraph) -> str:
+    chain = graph.chain
+    return f"Transition graph of {chain.title}" if chain and chain.title else "Transition graph"
+
+
+def graph_account(value: TransitionGraph, about: About | None = None) -> Account:
+    """What is reported of a graph."""
+    chain, reading = value.chain, value.reading
     counts = f"{len(value)} nodes, {value.transition_count} transitions."
     return Account(
         value,
-        title,
-        KIND,
-        schema(shape_of(value)),
+        _title(value),
+        "graph/2",
+        graph_schema(shape_of(value)),
         answer=reading.summary,
         about=about or About(chain),
         facts=[Fact(name, text) for name, text in reading.facts.items()],

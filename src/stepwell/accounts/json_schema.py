@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import Enum
 from functools import reduce
-from importlib import import_module
 from types import UnionType
 from typing import Any
 
-from stepwell.accounts.head import HEAD
+from stepwell.accounts.head import BARE, HEAD
+from stepwell.accounts.kinds import KINDS, function_at
 from stepwell.accounts.shape import shapes
 from stepwell.base import InputError, Quantity, Schema, nearest_word
 
@@ -17,40 +17,18 @@ JsonSchema = dict[str, Any]
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
-# The kinds of records, and the file that has each.
-KINDS = {
-    "atlas": "atlas",
-    "check": "check",
-    "convergence": "convergence",
-    "design": "design",
-    "folder": "folder",
-    "doctor": "doctor",
-    "graph": "graph",
-    "implicit_graph": "walked",
-    "lab.as_built": "lab.as_built",
-    "lab.band": "lab.band",
-    "lab.calibrate": "lab.calibrate",
-    "lab.compare": "lab.compare",
-    "lab.read": "lab.read",
-    "map": "map",
-    "maze": "maze",
-    "paper": "paper",
-    "presets": "presets",
-    "program": "program",
-    "reprogram": "reprogram",
-    "robot": "robot",
-    "run": "run",
-    "study": "study",
-    "survival": "survival",
-    "sweep": "sweep",
-    "walk": "walk",
-    "yield": "yields",
+# The first names of records with less provenance than all others: nothing was computed for two, and
+# a folder has no packages of its own, its result has.
+_FIRST = {
+    "doctor": BARE,
+    "folder": tuple(one for one in HEAD if one.name != "versions"),
+    "presets": BARE,
 }
 
 
 def schema_kinds() -> list[str]:
     """The kinds of records that have a schema, such as "run" or "lab.read"."""
-    return sorted(KINDS)
+    return [name.partition("/")[0] for name in sorted(KINDS)]
 
 
 def schema_of(kind: str) -> JsonSchema:
@@ -59,15 +37,13 @@ def schema_of(kind: str) -> JsonSchema:
     Raises:
         ValueError: there is no such kind; the text lists them all.
     """
-    if kind not in KINDS:
-        near = nearest_word(kind, list(KINDS))
+    name = next((one for one in KINDS if one.partition("/")[0] == kind), None)
+    if name is None:
+        near = nearest_word(kind, schema_kinds())
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
-    module = import_module(f"stepwell.accounts.{KINDS[kind]}")
-    name, of = module.KIND, module.schema
-    # Records of what was not computed of a design have less provenance.
-    first = getattr(module, "FIRST", HEAD)
-    body = reduce(_merged, (_object((*first, *of(shape))) for shape in shapes()))
+    schema, first = function_at(KINDS[name]), _FIRST.get(kind, HEAD)
+    body = reduce(_merged, (_object((*first, *schema(shape))) for shape in shapes()))
     properties = {
         "schema": {"const": f"stepwell.{name}"},
         **body["properties"],

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from stepwell.design import MapView
 
-KIND = "map/3"
-
 
 class _Axis(NamedTuple):
     """An axis of a map, and the design's own place on it, in SI."""
@@ -50,7 +48,7 @@ _BOUNDARY: Schema = (
 )
 
 
-def schema(_: Shape) -> Schema:
+def map_schema(_: Shape) -> Schema:
     """What is reported of a map."""
     return (
         Quantity("title", read=lambda view: str(view.dataset.attrs["title"])),
@@ -97,7 +95,7 @@ def shares(field: xarray.DataArray) -> dict[str, float]:
     return {meaning: float(np.mean(codes == value)) for value, meaning in flags}
 
 
-def account(view: MapView, about: About | None = None) -> Account:
+def map_account(view: MapView, about: About | None = None) -> Account:
     """What is reported of a map."""
     data = view.dataset
     rows = [
@@ -124,8 +122,8 @@ def account(view: MapView, about: About | None = None) -> Account:
     found = Account(
         view,
         str(data.attrs["title"]) or "Map",
-        KIND,
-        schema(Shape()),
+        "map/3",
+        map_schema(Shape()),
         answer=answer,
         about=about or About(),
         facts=[

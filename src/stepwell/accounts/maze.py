@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
     from stepwell.simulation import Maze
 
-KIND = "maze/1"
 
 _ANTENNA: Schema = (
     Quantity("name"),
@@ -54,7 +53,7 @@ _CHANGE: Schema = (
 )
 
 
-def schema(_shape: Shape | None = None) -> Schema:
+def maze_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of a way through an arena."""
     return (
         Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
@@ -81,7 +80,7 @@ def _hash(arena: Arena) -> str | None:
         return None
 
 
-def account(maze: Maze, about: About | None = None) -> Account:
+def maze_account(maze: Maze, about: About | None = None) -> Account:
     """What is reported of a way through an arena."""
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
     about = about or About(robot)
@@ -96,8 +95,8 @@ def account(maze: Maze, about: About | None = None) -> Account:
 
     made = Account(
         maze,
-        kind=KIND,
-        schema=schema(),
+        kind="maze/1",
+        schema=maze_schema(),
         title=title,
         origin=simulated_in(arena),
         answer=f"{maze.outcome} after {amount(maze.duration, 's')}",

@@ -12,10 +12,8 @@ if TYPE_CHECKING:
     from stepwell.accounts.shape import Shape
     from stepwell.paper import Verdicts
 
-KIND = "paper/1"
 
-
-def schema(_shape: Shape | None = None) -> Schema:
+def paper_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of verdicts."""
     return (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
 
@@ -32,7 +30,7 @@ _COMPARED: Schema = (
 _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _TOLERANCE, *_COMPARED[2:], _REASON)
 
 
-def account(found: Verdicts, about: About | None = None) -> Account:
+def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
     """What is reported of verdicts."""
     rows = [record(_CLAIM, one) for one in found]
     reasons = [row for row in rows if row["reason"]]
@@ -40,8 +38,8 @@ def account(found: Verdicts, about: About | None = None) -> Account:
     return Account(
         found,
         "Validation against published claims",
-        KIND,
-        schema(),
+        "paper/1",
+        paper_schema(),
         answer=f"{found.agreed} of {len(found)} claims agree",
         about=about or About(),
         sections=(

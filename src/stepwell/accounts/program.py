@@ -28,10 +28,8 @@ from stepwell.accounts.words import (
 from stepwell.base import Quantity, Schema, amount, counted, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
-KIND = "program/2"
 
-
-def schema(shape: Shape) -> Schema:
+def program_schema(shape: Shape) -> Schema:
     """What is reported of a program; where there is none, what is known of it has null."""
     found = (
         Quantity("arrives"),
@@ -88,25 +86,24 @@ def does_it(value: Program | Unreachable) -> bool:
     return value.arrives == value.to and value.hangs is None
 
 
-def account(value: Program | Unreachable, about: About | None = None) -> Account:
-    """What is reported of a program, or of the proof that there is none."""
-    if isinstance(value, Unreachable):
-        proved = "This is proved." if value.proved else "A search found no way; that is no proof."
-        if value.chain is None:
-            return Account(value, "Unreachable", answer=str(value), origin=proved)
-        return Account(
-            value,
-            value.chain.title or "Unreachable",
-            KIND,
-            schema(Shape.of(value.chain)),
-            answer=str(value),
-            origin=proved,
-            about=about or About(value.chain),
-        )
-    return _program(value, about or About(value.chain))
+def unreachable_account(value: Unreachable, about: About | None = None) -> Account:
+    """What is reported where there is no program."""
+    proved = "This is proved." if value.proved else "A search found no way; that is no proof."
+    if value.chain is None:
+        return Account(value, "Unreachable", answer=str(value), origin=proved)
+    return Account(
+        value,
+        value.chain.title or "Unreachable",
+        "program/2",
+        program_schema(Shape.of(value.chain)),
+        answer=str(value),
+        origin=proved,
+        about=about or About(value.chain),
+    )
 
 
-def _program(program: Program, about: About) -> Account:
+def program_account(program: Program, about: About | None = None) -> Account:
+    """What is reported of a program."""
     chain, path = program.chain, program.path
     shape, works = Shape.of(chain), does_it(program)
     strokes = counted(program.strokes, "stroke")
@@ -116,11 +113,11 @@ def _program(program: Program, about: About) -> Account:
     return Account(
         program,
         chain.title or "A stroke program",
-        KIND,
-        schema(shape),
+        "program/2",
+        program_schema(shape),
         origin=f"A program from {program.start} to {program.to} for {cells_of(chain)}.",
         answer=f"{program.start} to {program.to}: {ends}",
-        about=about,
+        about=about or About(chain),
         facts=(
             Fact("Turning points", turning_points(program.turning_points, chain)),
             Fact("Slack", _slack(program) if works else ""),

@@ -16,12 +16,11 @@ from stepwell.base import Column, Quantity, Schema, amount, number, record, sign
 if TYPE_CHECKING:
     from stepwell.design import Reprogramming
 
-KIND = "reprogram/2"
 # Of the places on the way tables have every k-th.
 _EVERY = 5
 
 
-def schema(shape: Shape) -> Schema:
+def reprogram_schema(shape: Shape) -> Schema:
     """What is reported of a reprogramming; what is in another unit than the change has null."""
     force = shape.measure.force_unit
     return (
@@ -81,14 +80,14 @@ def _already(found: Reprogramming) -> bool:
     return found.distance == 0 and found.after == found.before
 
 
-def account(found: Reprogramming, about: About | None = None) -> Account:
+def reprogramming_account(found: Reprogramming, about: About | None = None) -> Account:
     """What is reported of a reprogramming."""
     chain, method = found.chain, str(found.method)
     changes = _possible(found) and not _already(found)
     return Account(
         value=found,
-        kind=KIND,
-        schema=schema(Shape.of(chain)),
+        kind="reprogram/2",
+        schema=reprogram_schema(Shape.of(chain)),
         title=chain.title or "Reprogramming",
         origin=f"{cells_of(chain)}.",
         answer=_answer(found),

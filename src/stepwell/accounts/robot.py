@@ -22,12 +22,11 @@ from stepwell.accounts.head import About
 from stepwell.accounts.shape import Shape
 from stepwell.base import Column, Quantity, Schema, amount, counted, number, read_off, record
 from stepwell.files import provenance
-from stepwell.robot import Arena, Motion, Prediction, Robot
+from stepwell.robot import Motion
 
 if TYPE_CHECKING:
-    from stepwell.robot import DriveNeeds, LegPrediction
+    from stepwell.robot import Arena, DriveNeeds, LegPrediction, Prediction, Robot
 
-KIND = "robot/1"
 # Where the sources of a robot's numbers are, for results of its simulation.
 SOURCES = "`stepwell robot show` lists every number of a robot with its source."
 
@@ -106,7 +105,7 @@ def _legs(found: Prediction) -> list[_Leg]:
     return [_Leg(*one) for one in zip(found.legs, found.known_depths, strict=True)]
 
 
-def schema(_shape: Shape | None = None) -> Schema:
+def robot_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of a robot and its prediction."""
     return (
         *read_off(_ROBOT, "robot"),
@@ -114,33 +113,41 @@ def schema(_shape: Shape | None = None) -> Schema:
     )
 
 
-def account(value: Robot | Arena | Prediction, about: About | None = None) -> Account:
-    """What is reported of a robot, an arena or a prediction."""
-    if isinstance(value, Prediction):
-        return _prediction(value, about or About(value.robot))
-    facts = _robot_facts(value) if isinstance(value, Robot) else ()
+def arena_account(arena: Arena, about: About | None = None) -> Account:
+    """What a notebook shows of an arena."""
     answer = (
-        "One actuator drives every leg; what it does follows from its springs."
-        if isinstance(value, Robot)
-        else f"{counted(len(value.walls), 'wall')} and {counted(len(value.cylinders), 'cylinder')}"
-        f"{', and a goal' * (value.goal is not None)}."
+        f"{counted(len(arena.walls), 'wall')} and {counted(len(arena.cylinders), 'cylinder')}"
+        f"{', and a goal' * (arena.goal is not None)}."
     )
-    return Account(value, value.title or type(value).__name__, answer=answer, facts=facts)
+    return Account(arena, arena.title or "Arena", answer=answer)
 
 
-def _robot_facts(robot: Robot) -> list[Fact]:
+def robot_account(robot: Robot, about: About | None = None) -> Account:
+    """What a notebook shows of a robot."""
     drive = robot.drive
+    return Account(
+        robot,
+        robot.title or "Robot",
+        answer="One actuator drives every leg; what it does follows from its springs.",
+        facts=[
+            *_robot_facts(robot),
+            Fact("Legs", ", ".join(leg.name for leg in robot.legs)),
+            Fact("Drive", f"{amount(drive.amplitude, 'm')} in {amount(drive.period, 's')}"),
+            Fact("Antennas", ", ".join(one.name for one in robot.antennas)),
+        ],
+    )
+
+
+def _robot_facts(robot: Robot, level: Level = Level.CARD) -> list[Fact]:
     return [
-        Fact("Mass", amount(robot.mass, "kg")),
-        Fact("Weight", amount(robot.weight, "N")),
-        Fact("u_max", amount(robot.u_max, "m")),
-        Fact("Legs", ", ".join(leg.name for leg in robot.legs)),
-        Fact("Drive", f"{amount(drive.amplitude, 'm')} in {amount(drive.period, 's')}"),
-        Fact("Antennas", ", ".join(one.name for one in robot.antennas)),
+        Fact("Mass", amount(robot.mass, "kg"), level),
+        Fact("Weight", amount(robot.weight, "N"), level),
+        Fact("u_max", amount(robot.u_max, "m"), level),
     ]
 
 
-def _prediction(found: Prediction, about: About) -> Account:
+def prediction_account(found: Prediction, about: About | None = None) -> Account:
+    """What is reported of a prediction."""
     robot = found.robot
     doubts = [
         f"{leg.name} may go {' or '.join(leg.alternatives or [leg.nearest])} as well."
@@ -154,17 +161,15 @@ def _prediction(found: Prediction, about: About) -> Account:
 
     made = Account(
         found,
-        kind=KIND,
-        schema=schema(),
+        kind="robot/1",
+        schema=robot_schema(),
         title=robot.title or "A robot",
         origin="Predicted by statics, without simulation.",
         answer=f"{found.motion.value}: d/u_max {found.advance:z.2f} and "
         f"{turn_words(found.turn)} per cycle",
-        about=about,
+        about=about or About(robot),
         facts=(
-            Fact("Mass", amount(robot.mass, "kg"), Level.TERMINAL),
-            Fact("Weight", amount(robot.weight, "N"), Level.TERMINAL),
-            Fact("u_max", amount(robot.u_max, "m"), Level.TERMINAL),
+            *_robot_facts(robot, Level.TERMINAL),
             Fact("Drive requirements", lambda: _needs(found.drive_needs), Level.TERMINAL),
             Fact("Foot depth", lambda: depth_words(robot, found.known_depths), Level.TERMINAL),
             assumed(robot),

@@ -31,18 +31,19 @@ from stepwell.accounts.words import (
 )
 from stepwell.base import Quantity, Schema, in_measure, number, record
 from stepwell.mechanism import Chain
-from stepwell.sequences import Cycle, Pathway
-from stepwell.statics import EventKind, Path
+from stepwell.sequences import Pathway
+from stepwell.statics import EventKind
 
 if TYPE_CHECKING:
     from stepwell.design import Run
+    from stepwell.sequences import Cycle
+    from stepwell.statics import Path
 
-KIND = "run/2"
 # A longer sequence is not read in a line.
 _MOST_LETTERS = 100
 
 
-def schema(shape: Shape) -> Schema:
+def run_schema(shape: Shape) -> Schema:
     """What is reported of a run."""
     return (
         Quantity("title", read="chain.title"),
@@ -91,34 +92,31 @@ def _points(shape: Shape, of: str) -> Quantity:
     )
 
 
-def account(value: Run | Cycle | Path, about: About | None = None) -> Account:
-    """What is reported of a run; of a cycle or a path alone, what a notebook shows."""
-    if isinstance(value, Path):
-        return _path(value)
-    if isinstance(value, Cycle):
-        cycle = value
-        title = f"Cycle of {value.chain.title}" if value.chain.title else "Cycle"
-        return Account(
-            value,
-            title,
-            answer=_answer(cycle),
-            facts=cycle_facts(cycle),
-            warnings=[degenerate(cycle.degenerate, cycle.chain)],
-            sections=[event_section(cycle.chain, cycle.events, None)],
-        )
-    return _run(value, about or About(value.chain))
+def cycle_account(cycle: Cycle, about: About | None = None) -> Account:
+    """What a notebook shows of a cycle."""
+    chain = cycle.chain
+    return Account(
+        cycle,
+        f"Cycle of {chain.title}" if chain.title else "Cycle",
+        answer=_answer(cycle),
+        facts=cycle_facts(cycle),
+        warnings=[degenerate(cycle.degenerate, chain)],
+        sections=[event_section(chain, cycle.events, None)],
+    )
 
 
-def _run(run: Run, about: About) -> Account:
+def run_account(run: Run, about: About | None = None) -> Account:
+    """What is reported of a run."""
     cycle, margin, chain = run.cycle, run.margin, run.chain
+    about = about or About(chain)
     origin = f"Design file {about.source}" if about.source else "A design made in Python"
     landings = landing_words(run.landings)
     tied = bool(cycle.degenerate)
     return Account(
         run,
         chain.title or about.source or "Untitled chain",
-        KIND,
-        schema(Shape.of(chain)),
+        "run/2",
+        run_schema(Shape.of(chain)),
         origin=f"{origin}. {cells_of(chain)}.",
         answer=_answer(cycle),
         about=about,
@@ -214,7 +212,8 @@ def _pictures(chain: Chain) -> list[Part]:
     return [Picture(name, caption) for name, caption in captions.items()]
 
 
-def _path(path: Path) -> Account:
+def path_account(path: Path, about: About | None = None) -> Account:
+    """What a notebook shows of a path."""
     chain = path.chain
     points = _points(Shape.of(chain), "")
     turns = [number(point * points.factor) for point in path.turning_points]

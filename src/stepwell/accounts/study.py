@@ -23,12 +23,11 @@ if TYPE_CHECKING:
     from stepwell.design import Share
     from stepwell.studies import Extent, Status, Varied
 
-KIND = "study/1"
 # Of what decides a column so many are shown.
 _FOREMOST = 5
 
 
-def schema(_shape: Shape) -> Schema:
+def study_schema(_shape: Shape) -> Schema:
     """What is reported of a study."""
     return (
         Quantity("title", read="study.subject.title"),
@@ -146,7 +145,7 @@ _AMONG = {
 }
 
 
-def account(found: Status, about: About | None = None) -> Account:
+def study_account(found: Status, about: About | None = None) -> Account:
     """What is reported of a study."""
     from stepwell.studies import gaps_text
 
@@ -156,8 +155,8 @@ def account(found: Status, about: About | None = None) -> Account:
     return Account(
         found,
         study.subject.title or "A study",
-        KIND,
-        schema(Shape()),
+        "study/1",
+        study_schema(Shape()),
         answer=_answer(found, deciding),
         about=about or About(study.text),
         seed=study.designs.seed,

@@ -14,10 +14,8 @@ from stepwell.base import Quantity, Schema, percent
 if TYPE_CHECKING:
     from stepwell.design import Survival
 
-KIND = "survival/1"
 
-
-def schema(shape: Shape) -> Schema:
+def survival_schema(shape: Shape) -> Schema:
     """What is reported of a survival."""
     return (
         Quantity("title", read="chain.title"),
@@ -32,13 +30,13 @@ def schema(shape: Shape) -> Schema:
     )
 
 
-def account(found: Survival, about: About | None = None) -> Account:
+def survival_account(found: Survival, about: About | None = None) -> Account:
     """What is reported of a survival."""
     chain, about = found.chain, about or About(found.chain)
     return Account(
         value=found,
-        kind=KIND,
-        schema=schema(Shape.of(chain)),
+        kind="survival/1",
+        schema=survival_schema(Shape.of(chain)),
         title=chain.title or "A program with tolerances",
         origin=f"{cells_of(chain)}.",
         answer=f"The program ends in {found.ends} in {percent(found.share)} of the samples",

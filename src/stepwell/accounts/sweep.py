@@ -13,10 +13,8 @@ from stepwell.robot import TRIAL
 if TYPE_CHECKING:
     from stepwell.simulation import Sweep, Trial
 
-KIND = "sweep/1"
 
-
-def schema(_shape: Shape | None = None) -> Schema:
+def sweep_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of a sweep over robots."""
     trial = (Quantity("values", holds=[float], read="values"), *read_off(TRIAL, "trial"))
     return (
@@ -36,7 +34,7 @@ def _trials(sweep: Sweep) -> list[_Trial]:
     return [_Trial(tuple(row), one) for row, one in zip(values, sweep.trials, strict=True)]
 
 
-def account(sweep: Sweep, about: About | None = None) -> Account:
+def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
     """What is reported of a sweep over robots."""
     about = about or About()
     failed = [one for one in _trials(sweep) if one.trial.stopped]
@@ -49,8 +47,8 @@ def account(sweep: Sweep, about: About | None = None) -> Account:
     first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
     made = Account(
         sweep,
-        kind=KIND,
-        schema=schema(),
+        kind="sweep/1",
+        schema=sweep_schema(),
         title=count,
         origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
         answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",

@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from stepwell.robot import Arena
     from stepwell.simulation import Trial, Walk
 
-KIND = "walk/1"
 
 _SETTINGS: Schema = (
     Quantity("time_step", "ms"),
@@ -104,7 +103,7 @@ def _mean(walk: Walk) -> Trial:
     return Trial.of(walk)
 
 
-def schema(_shape: Shape | None = None) -> Schema:
+def walk_schema(_shape: Shape | None = None) -> Schema:
     """What is reported of a walk."""
     return (
         *WALKED,
@@ -120,7 +119,7 @@ def schema(_shape: Shape | None = None) -> Schema:
     )
 
 
-def account(walk: Walk, about: About | None = None) -> Account:
+def walk_account(walk: Walk, about: About | None = None) -> Account:
     """What is reported of a walk."""
     robot, mean = walk.robot, _mean(walk)
     title = robot.title or "A walk"
@@ -128,8 +127,8 @@ def account(walk: Walk, about: About | None = None) -> Account:
     after = " after the first" if walk.cycles > 1 else ""
     made = Account(
         walk,
-        kind=KIND,
-        schema=schema(),
+        kind="walk/1",
+        schema=walk_schema(),
         title=title,
         origin="Simulated on a flat floor." if walk.arena is None else simulated_in(walk.arena),
         answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",

@@ -17,13 +17,12 @@ from stepwell.base import Column, Columns, Quantity, Schema
 if TYPE_CHECKING:
     from stepwell.sequences import Walked
 
-KIND = "implicit_graph/2"
 _FEW = 4  # cells of a row
 # What is shown of a cell that has moved; where it has two phases, its name tells that it did.
 _PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
 
-def schema(shape: Shape) -> Schema:
+def implicit_graph_schema(shape: Shape) -> Schema:
     """What is reported of a walk."""
     way = (
         Quantity("to", read=lambda way: way[0]),
@@ -68,7 +67,7 @@ def _count(attribute: str, walked: Walked) -> int | None:
     return None if count is None or count.bit_length() > 14_000 else count
 
 
-def account(walked: Walked, about: About | None = None) -> Account:
+def walked_account(walked: Walked, about: About | None = None) -> Account:
     """What is reported of a walk."""
     graph, count = walked.graph, "all" if walked.whole else "the first"
     readable = len(graph.names) <= LONGEST_IN_A_LINE
@@ -78,8 +77,8 @@ def account(walked: Walked, about: About | None = None) -> Account:
     found = Account(
         walked,
         graph.chain.title or "Transition graph",
-        KIND,
-        schema(shape_of(graph)),
+        "implicit_graph/2",
+        implicit_graph_schema(shape_of(graph)),
         answer=graph.summary,
         about=about or About(graph.chain),
         facts=[Fact(name, text) for name, text in graph.facts.items()],

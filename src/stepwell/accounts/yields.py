@@ -31,21 +31,20 @@ from stepwell.base import Column, Quantity, Schema, in_measure, percent, record
 if TYPE_CHECKING:
     from stepwell.design import Yield
 
-KIND = "yield/1"
 _MOST_ROWS = 12
 
 
-def schema(shape: Shape) -> Schema:
+def yield_schema(shape: Shape) -> Schema:
     """What is reported of a yield."""
     return (
         Quantity("title", read="chain.title"),
         Quantity("cells", read="chain.names", holds=[str]),
-        *yield_schema(shape),
+        *inner_yield_schema(shape),
         Quantity("calibrated", holds=CALIBRATED, missing=True),
     )
 
 
-def yield_schema(shape: Shape) -> Schema:
+def inner_yield_schema(shape: Shape) -> Schema:
     """A yield within another record."""
     return (
         Quantity("wanted"),
@@ -105,14 +104,14 @@ def _parts(found: Yield) -> list[tuple[str, float, float]] | None:
     return [*zip(table.parameters, table.first_order, table.total, strict=True)]
 
 
-def account(found: Yield, about: About | None = None) -> Account:
+def yield_account(found: Yield, about: About | None = None) -> Account:
     """What is reported of a yield."""
     chain, about = found.chain, about or About(found.chain)
     target = "target sequence" if found.states is None else "target states and no others"
     return Account(
         value=found,
-        kind=KIND,
-        schema=schema(Shape.of(chain)),
+        kind="yield/1",
+        schema=yield_schema(Shape.of(chain)),
         title=chain.title or "A yield",
         origin=f"{cells_of(chain)}.",
         answer=f"{percent(found.share)} of the samples reproduce the {target}",

@@ -12,8 +12,6 @@ from stepwell.accounts.words import cells_of
 from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, percent, told_in
 from stepwell.lab import AsBuilt, Known
 
-KIND = "lab.as_built/2"
-
 
 def _in_unit(name: str) -> Callable[[Known], float]:
     """A number of a parameter, in the unit of this parameter."""
@@ -68,7 +66,7 @@ def _seen(shape: Shape) -> Schema:
     )
 
 
-def schema(shape: Shape) -> Schema:
+def as_built_schema(shape: Shape) -> Schema:
     """What is reported of a build."""
     return (
         Quantity("title", read="drawing.title"),
@@ -89,14 +87,14 @@ def schema(shape: Shape) -> Schema:
     )
 
 
-def account(found: AsBuilt, about: About | None = None) -> Account:
+def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
     """What is reported of a build."""
     drawing, about = found.drawing, about or About(found.drawing)
     made = Account(
         found,
         title=drawing.title or "A first build",
-        kind=KIND,
-        schema=schema(Shape.of(drawing)),
+        kind="lab.as_built/2",
+        schema=as_built_schema(Shape.of(drawing)),
         origin=f"{cells_of(drawing)}.",
         answer=f"{found.advice}.",
         about=about,

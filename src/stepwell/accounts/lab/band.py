@@ -23,7 +23,6 @@ from stepwell.accounts.shape import Shape
 from stepwell.base import Column, Quantity, Schema, number, percent
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
-KIND = "lab.band/1"
 _MM, _MN = Quantity("stroke", "mm").factor, Quantity("force", "mN").factor
 
 _NUMBERS = "value", "low", "high", "next_low", "next_high", "spread"
@@ -58,7 +57,7 @@ _LAW: Schema = (
 )
 
 
-def schema(_: Shape) -> Schema:
+def band_schema(_: Shape) -> Schema:
     """What is reported of bands."""
     return (
         Quantity("data_sha256", holds={str: str}),
@@ -89,18 +88,16 @@ def _losses(found: BandFit) -> list[Any]:
     return sorted(known, key=lambda loop: (loop.sample, loop.cycle))
 
 
-def account(found: BandFit | BandTest, about: About | None = None) -> Account:
-    """What is reported of bands, or of their tension tests without a force law."""
-    if isinstance(found, BandTest):
-        return _tests(found)
+def band_account(found: BandFit, about: About | None = None) -> Account:
+    """What is reported of bands."""
     about = about or About()
     choice, alone = found.choice, found.alone
     table = band_table(found, about.source or "")
     made = Account(
         found,
         title="Stiffness of bands",
-        kind=KIND,
-        schema=schema(Shape()),
+        kind="lab.band/1",
+        schema=band_schema(Shape()),
         answer=f"Stiffness {number(found.stiffness.value)} N/m",
         about=about,
         given={"data_sha256": about.data_sha256, "table": table},
@@ -143,7 +140,8 @@ def account(found: BandFit | BandTest, about: About | None = None) -> Account:
     return made
 
 
-def _tests(found: BandTest) -> Account:
+def band_test_account(found: BandTest, about: About | None = None) -> Account:
+    """What a notebook shows of tension tests, without a force law."""
     estimate = stiffness(found)
     return Account(
         found,

@@ -21,7 +21,6 @@ from stepwell.accounts.shape import Shape
 from stepwell.base import Quantity, Schema, counted, number
 from stepwell.lab import Calibration, Sample, calibrated_table
 
-KIND = "lab.calibrate/2"
 _MM = Quantity("stroke", "mm").factor
 
 _PARAMETER: Schema = (
@@ -88,7 +87,7 @@ _CORRELATED: Schema = (
 )
 
 
-def schema(_: Shape) -> Schema:
+def calibrate_schema(_: Shape) -> Schema:
     """What is reported of a calibration."""
     return (
         Quantity("data_sha256", holds={str: str}),
@@ -153,7 +152,7 @@ def _correlations(found: Calibration) -> dict[str, dict[str, float]]:
     return {name: dict(zip(names, row, strict=True)) for name, row in rows}
 
 
-def account(found: Calibration, about: About | None = None) -> Account:
+def calibration_account(found: Calibration, about: About | None = None) -> Account:
     """What is reported of a calibration."""
     about = about or About()
     answer, *rest = summary(found)
@@ -161,8 +160,8 @@ def account(found: Calibration, about: About | None = None) -> Account:
     made = Account(
         found,
         title="Bands calibrated on cells",
-        kind=KIND,
-        schema=schema(Shape()),
+        kind="lab.calibrate/2",
+        schema=calibrate_schema(Shape()),
         answer=answer,
         about=about,
         given={"data_sha256": about.data_sha256, "table": table},

@@ -21,7 +21,6 @@ from stepwell.accounts.shape import Shape
 from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
-KIND = "lab.compare/2"
 _MM = Quantity("stroke", "mm").factor
 
 _RIG: Schema = (
@@ -126,7 +125,7 @@ _PAIR_COLUMNS: Columns = tuple(
 )
 
 
-def schema(_: Shape) -> Schema:
+def compare_schema(_: Shape) -> Schema:
     """What is reported of a comparison."""
     return (
         Quantity("data_sha256", holds={str: str}),
@@ -153,10 +152,13 @@ def _means(found: Comparison) -> list[_Mean]:
     return [_Mean(count, found.mean_rmse(count)) for count in counts]
 
 
-def account(found: Comparison | CellTest | PairTest, about: About | None = None) -> Account:
-    """What is reported of a comparison, or of a single series."""
-    if not isinstance(found, Comparison):
-        return Account(found, found.series.name, answer=f"{found.verdict}.")
+def series_account(found: CellTest | PairTest, about: About | None = None) -> Account:
+    """What a notebook shows of a single series."""
+    return Account(found, found.series.name, answer=f"{found.verdict}.")
+
+
+def comparison_account(found: Comparison, about: About | None = None) -> Account:
+    """What is reported of a comparison."""
     about = about or About()
     cells, pairs, tests = found.cells, found.pairs, found.tests
 
@@ -166,8 +168,8 @@ def account(found: Comparison | CellTest | PairTest, about: About | None = None)
     made = Account(
         found,
         title="Measured against model",
-        kind=KIND,
-        schema=schema(Shape()),
+        kind="lab.compare/2",
+        schema=compare_schema(Shape()),
         answer=_answer(found),
         about=about,
         given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},

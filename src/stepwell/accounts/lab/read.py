@@ -14,7 +14,6 @@ from stepwell.accounts.shape import Shape
 from stepwell.base import Column, Columns, Quantity, Schema, counted, headed, number, record
 from stepwell.lab import Batch, Recording, hashes
 
-KIND = "lab.read/1"
 # More turning points of a stroke than this are not listed.
 _MOST_POINTS = 6
 
@@ -52,7 +51,7 @@ _READ: Schema = (
 )
 
 
-def schema(_: Shape) -> Schema:
+def read_schema(_: Shape) -> Schema:
     """What is reported of recordings."""
     return (
         Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
@@ -66,23 +65,19 @@ def _rows(batch: Batch) -> list[_Read]:
     return [_Read(*one) for one in zip(batch.recordings, batch.odd, strict=True)]
 
 
-def account(found: Batch | Recording, about: About | None = None) -> Account:
-    """What is reported of recordings, or of a single one."""
-    return _recording(found) if isinstance(found, Recording) else _batch(found, about or About())
-
-
-def _batch(found: Batch, about: About) -> Account:
+def batch_account(found: Batch, about: About | None = None) -> Account:
+    """What is reported of recordings."""
     odd = [f"{one.recording.source}: {line}" for one in _rows(found) for line in one.odd]
     read, refused = len(found.recordings), len(found.refused)
     not_read = f"; {counted(refused, 'file')} could not be read" * (refused > 0)
     made = Account(
         found,
         title="Recordings",
-        kind=KIND,
-        schema=schema(Shape()),
+        kind="lab.read/1",
+        schema=read_schema(Shape()),
         origin=f"{counted(read + refused, 'file')} tried.",
         answer=f"{counted(read, 'recording')} read{not_read}",
-        about=about,
+        about=about or About(),
         facts=(
             Fact("Samples", f"{sum(map(len, found.recordings))}"),
             Fact("Oddities", f"{len(odd)}"),
@@ -109,7 +104,8 @@ def _batch(found: Batch, about: About) -> Account:
     return made
 
 
-def _recording(found: Recording) -> Account:
+def recording_account(found: Recording, about: About | None = None) -> Account:
+    """What a notebook shows of a recording."""
     known = record(_RECORDING, found)
     texts = {
         q.head or q.name.replace("_", " "): f"{q.text(known[q.key])} {q.sign}".strip()

@@ -9,8 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from stepwell import accounts
-from stepwell.accounts import Line, escaped, folded
+from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph, table, terminal
 from stepwell.cli.screen.progress import WRITING, progress
 
 
@@ -68,7 +67,7 @@ def show_json(record: dict[str, Any], *files: Path) -> None:
 
 
 def report(
-    account: accounts.Account,
+    account: Account,
     as_json: bool,
     out: Path | None = None,
     force: bool = False,
@@ -92,7 +91,7 @@ def report(
     if as_json:
         show_json(account.record, *((out or Path()) / name for name in names))
         return
-    _lines(accounts.terminal(account))
+    _lines(terminal(account))
     if names:
         show_lines("", f"Written into {out}: {', '.join(names)}")
 
@@ -116,19 +115,19 @@ def show_text(*paragraphs: str) -> None:
 
 def show_title(text: str) -> None:
     """Print a line that others stand under, after an empty one."""
-    _lines([Line(""), *accounts.heading(text)])
+    _lines([Line(""), *heading(text)])
 
 
 def wrapped(text: str) -> list[str]:
     """A long sentence in lines, as a sentence begins."""
-    return [line.text for line in accounts.paragraph(text)]
+    return [line.text for line in paragraph(text)]
 
 
 def show_table(
     title: str, head: Sequence[str], rows: Iterable[Sequence[str]], *, left: Sequence[int] = (0,)
 ) -> None:
-    """Print a table, see `accounts.table`."""
-    _lines(accounts.table(title, head, rows, left))
+    """Print a table, as `accounts` folds it."""
+    _lines(table(title, head, rows, left))
 
 
 def _lines(lines: Iterable[Line]) -> None:

@@ -1,0 +1,128 @@
+"""Which function has the account of a class, and which the schema of a kind of record."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from stepwell.accounts.account import Account
+from stepwell.accounts.card import card
+from stepwell.accounts.head import About
+from stepwell.base import InputError, of_kind
+
+# The account of a class: the file in this folder, and the function in it.
+ACCOUNTS: dict[str, str] = {
+    "Arena": "robot:arena_account",
+    "AsBuilt": "lab.as_built:as_built_account",
+    "Atlas": "atlas:atlas_account",
+    "BandFit": "lab.band:band_account",
+    "BandTest": "lab.band:band_test_account",
+    "Batch": "lab.read:batch_account",
+    "Calibration": "lab.calibrate:calibration_account",
+    "Cell": "chain:cell_account",
+    "CellTest": "lab.compare:series_account",
+    "Chain": "chain:chain_account",
+    "Check": "check:check_account",
+    "Comparison": "lab.compare:comparison_account",
+    "Convergence": "convergence:convergence_account",
+    "Cycle": "run:cycle_account",
+    "Design": "design:design_account",
+    "Element": "chain:cell_account",
+    "Event": "events:event_account",
+    "ImplicitGraph": "graph:implicit_graph_account",
+    "Impossible": "design:impossible_account",
+    "Installation": "doctor:installation_account",
+    "Landing": "events:landing_account",
+    "MapView": "map:map_account",
+    "Margin": "changes:margin_account",
+    "Maze": "maze:maze_account",
+    "MemoryReading": "graph:reading_account",
+    "PairTest": "lab.compare:series_account",
+    "Path": "run:path_account",
+    "Prediction": "robot:prediction_account",
+    "Presets": "presets:presets_account",
+    "Program": "program:program_account",
+    "Recording": "lab.read:recording_account",
+    "Reprogramming": "reprogram:reprogramming_account",
+    "Robot": "robot:robot_account",
+    "Robustness": "design:robustness_account",
+    "Run": "run:run_account",
+    "Sequence": "graph:sequence_account",
+    "Status": "study:study_account",
+    "Survival": "survival:survival_account",
+    "Sweep": "sweep:sweep_account",
+    "TransitionGraph": "graph:graph_account",
+    "Unreachable": "program:unreachable_account",
+    "Verdicts": "paper:verdicts_account",
+    "Walk": "walk:walk_account",
+    "Walked": "walked:walked_account",
+    "Yield": "yields:yield_account",
+}
+# The schema of a kind of record, with the version of its names: a function of a `Shape`.
+KINDS: dict[str, str] = {
+    "atlas/1": "atlas:atlas_schema",
+    "check/2": "check:check_schema",
+    "convergence/1": "convergence:convergence_schema",
+    "design/2": "design:design_schema",
+    "doctor/1": "doctor:doctor_schema",
+    "folder/1": "folder:folder_schema",
+    "graph/2": "graph:graph_schema",
+    "implicit_graph/2": "walked:implicit_graph_schema",
+    "lab.as_built/2": "lab.as_built:as_built_schema",
+    "lab.band/1": "lab.band:band_schema",
+    "lab.calibrate/2": "lab.calibrate:calibrate_schema",
+    "lab.compare/2": "lab.compare:compare_schema",
+    "lab.read/1": "lab.read:read_schema",
+    "map/3": "map:map_schema",
+    "maze/1": "maze:maze_schema",
+    "paper/1": "paper:paper_schema",
+    "presets/1": "presets:presets_schema",
+    "program/2": "program:program_schema",
+    "reprogram/2": "reprogram:reprogram_schema",
+    "robot/1": "robot:robot_schema",
+    "run/2": "run:run_schema",
+    "study/1": "study:study_schema",
+    "survival/1": "survival:survival_schema",
+    "sweep/1": "sweep:sweep_schema",
+    "walk/1": "walk:walk_schema",
+    "yield/1": "yields:yield_schema",
+}
+
+
+def function_at(place: str) -> Any:
+    """The function at a place of one of these tables; its file is imported first."""
+    file, _, name = place.partition(":")
+    return getattr(import_module(f"stepwell.accounts.{file}"), name)
+
+
+def account(value: Any, about: About | None = None, **options: Any) -> Account:
+    """What is reported of a result.
+
+    Args:
+        value: a result, such as a `Check`.
+        about: the design file and the recordings that it was computed from.
+        options: of the kind of result, such as `borders` of an atlas.
+
+    Raises:
+        ValueError: there is no account of such a value.
+    """
+    place = of_kind(ACCOUNTS, value)
+    if place is None:
+        raise InputError(f"{type(value).__name__}: must be one of {', '.join(ACCOUNTS)}.")
+    return function_at(place)(value, about, **options)
+
+
+def card_of(value: Any) -> str:
+    """What a notebook shows of a value: the card of its account, or what it prints.
+
+    Args:
+        value: any of the package.
+
+    Returns:
+        HTML with inline styles, for light and dark notebooks alike.
+    """
+    if of_kind(ACCOUNTS, value) is not None:
+        return card(account(value))
+    name, text = type(value).__name__, repr(value)
+    inside = text.removeprefix(f"{name}(")
+    return card(Account(value, name, answer=inside.removesuffix(")") if inside != text else text))
