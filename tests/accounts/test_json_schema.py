@@ -7,9 +7,9 @@ import pytest
 import stepwell as sw
 from accounts.schemas import violations
 from stepwell.accounts import account
-from stepwell.accounts.json_schema import schema_kinds, schema_of
+from stepwell.accounts.head import shapes
 from stepwell.accounts.kinds import KINDS, function_at
-from stepwell.accounts.shape import shapes
+from stepwell.accounts.rendering.json_schema import schema_kinds, schema_of
 from stepwell.base import Quantity
 from stepwell.design import Run
 

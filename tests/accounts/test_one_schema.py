@@ -15,7 +15,7 @@ from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
 from stepwell.accounts.account import Level, Table
 from stepwell.accounts.chain import cell_schema
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import Shape
 from stepwell.base import (
     Column,
     Measure,

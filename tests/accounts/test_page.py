@@ -12,8 +12,8 @@ from accounts.forms import plain
 from stepwell import reports
 from stepwell.accounts import Account, Drawn, account, card, page
 from stepwell.accounts.account import Level, Picture, Section, Table, Warned
-from stepwell.accounts.assumptions import assumptions
-from stepwell.accounts.page import MOST_ROWS, Image
+from stepwell.accounts.rendering.page import MOST_ROWS, Image
+from stepwell.accounts.words import assumptions
 from stepwell.base import Quantity
 from stepwell.design import Run
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load

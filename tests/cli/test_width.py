@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from stepwell.accounts import fold
+from stepwell.accounts.rendering import terminal as fold
 from stepwell.cli.screen import show
 
 # Narrower and wider terminals, and what the pages and a pipe have; that no screen of a golden case

@@ -6,16 +6,23 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account
-from stepwell.accounts.assumptions import assumptions, simulation_assumptions
-from stepwell.accounts.card import card
 from stepwell.accounts.head import About, Calibrated, head
 from stepwell.accounts.kinds import account, card_of
-from stepwell.accounts.page import Drawn, Image, page
-from stepwell.accounts.terminal import Line, escaped, folded, heading, paragraph, table, terminal
+from stepwell.accounts.rendering.card import card
+from stepwell.accounts.rendering.page import Drawn, Image, page
+from stepwell.accounts.rendering.terminal import (
+    Line,
+    escaped,
+    folded,
+    heading,
+    paragraph,
+    table,
+    terminal,
+)
 
 if TYPE_CHECKING:
-    from stepwell.accounts.json_schema import schema_kinds, schema_of
-    from stepwell.accounts.words import tie_notes
+    from stepwell.accounts.rendering.json_schema import schema_kinds, schema_of
+    from stepwell.accounts.words import assumptions, simulation_assumptions, tie_notes
 
 __all__ = [
     "About",
@@ -23,17 +30,20 @@ __all__ = [
     "account",
     "card",
     "card_of",
+    "head",
     "page",
     "schema_kinds",
     "schema_of",
     "terminal",
+    "tie_notes",
 ]
 
 # These open NumPy and the rooms below, without which `stepwell doctor` reports what is missing.
-# A name here must differ from that of its file, which becomes an attribute once it is imported.
 _LATE = {
-    "schema_kinds": "json_schema",
-    "schema_of": "json_schema",
+    "assumptions": "words",
+    "schema_kinds": "rendering.json_schema",
+    "schema_of": "rendering.json_schema",
+    "simulation_assumptions": "words",
     "tie_notes": "words",
 }
 

@@ -7,8 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, counted, number, record, told_in
 

@@ -8,10 +8,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Section, Table
-from stepwell.accounts.assumptions import actuator_words
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
-from stepwell.accounts.words import cells_of
+from stepwell.accounts.head import About, Shape
+from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, record
 from stepwell.mechanism import Cell, Chain, Element
 

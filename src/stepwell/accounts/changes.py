@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account, Level, Part, Section, Table
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Columns, Measure, Quantity, Schema, number, record, signed
 from stepwell.design import LONGEST_FOLLOWED
 from stepwell.mechanism import Chain

@@ -6,21 +6,20 @@ from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import Account, Fact, Motion, Picture, Section, Warned
 from stepwell.accounts.changes import change_schema, critical_words
-from stepwell.accounts.head import CALIBRATED, About
-from stepwell.accounts.shape import Shape
-from stepwell.accounts.tolerances import (
-    FORCE_PLANE,
-    OUTCOMES,
-    counted_schema,
-    sample_words,
-    yield_words,
-)
+from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.words import (
     assumed,
     calibration,
     cells_of,
     degenerate,
     tie_notes,
+)
+from stepwell.accounts.yields import (
+    FORCE_PLANE,
+    OUTCOMES,
+    counted_schema,
+    sample_words,
+    yield_words,
 )
 from stepwell.base import GRAVITY, Measure, Quantity, Schema, amount, in_measure, number, percent
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stepwell.accounts.account import Account, Level, Section, Table, Text
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import (
     Column,
     Columns,

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
 

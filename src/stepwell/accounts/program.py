@@ -15,8 +15,7 @@ from stepwell.accounts.events import (
     landing_schema,
     landing_words,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import (
     LONGEST_IN_A_LINE,
     LONGEST_SPELLED_OUT,

@@ -18,8 +18,7 @@ from stepwell.accounts.account import (
     Table,
     Warned,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Quantity, Schema, amount, counted, number, read_off, record
 from stepwell.files import provenance
 from stepwell.robot import Motion

@@ -17,9 +17,7 @@ from stepwell.accounts.events import (
     landing_schema,
     landing_words,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
-from stepwell.accounts.tolerances import OUTCOMES, sample_words, yield_words
+from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import (
     LONGEST_IN_A_LINE,
     LONGEST_SPELLED_OUT,
@@ -29,6 +27,7 @@ from stepwell.accounts.words import (
     listed,
     tie_notes,
 )
+from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
 from stepwell.base import Quantity, Schema, in_measure, number, record
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway

@@ -1,9 +1,9 @@
-"""A study: how far it is, what its designs do, and which number decides it."""
+"""Many designs: studies, sweeps over robots, one walk at several time steps."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stepwell.accounts.account import (
     Account,
@@ -13,15 +13,28 @@ from stepwell.accounts.account import (
     Picture,
     Section,
     Table,
+    Text,
     Warned,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
-from stepwell.base import Columns, Quantity, Schema, counted, percent, record
+from stepwell.accounts.head import About, Shape
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    counted,
+    number,
+    percent,
+    read_off,
+    record,
+)
+from stepwell.robot import TRIAL
 
 if TYPE_CHECKING:
     from stepwell.design import Share
+    from stepwell.simulation import Convergence, Sweep, Trial
     from stepwell.studies import Extent, Status, Varied
+
 
 # Of what decides a column so many are shown.
 _FOREMOST = 5
@@ -293,3 +306,132 @@ def _assumed(found: Status) -> list[str]:
             "of all designs that were computed."
         )
     return assumed
+
+
+def sweep_schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of a sweep over robots."""
+    trial = (Quantity("values", holds=[float], read="values"), *read_off(TRIAL, "trial"))
+    return (
+        Quantity("keys", read=lambda sweep: list(sweep.values), holds=[str]),
+        Quantity("trials", holds=[trial], read=_trials),
+    )
+
+
+class _Trial(NamedTuple):
+    values: tuple[float, ...]
+    trial: Trial
+
+
+def _trials(sweep: Sweep) -> list[_Trial]:
+    count = len(sweep.trials)
+    values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * count
+    return [_Trial(tuple(row), one) for row, one in zip(values, sweep.trials, strict=True)]
+
+
+def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
+    """What is reported of a sweep over robots."""
+    about = about or About()
+    failed = [one for one in _trials(sweep) if one.trial.stopped]
+    count = counted(len(sweep.trials), "robot")
+    varied = [
+        Column(key, lambda row, k=k: number(row["values"][k], 6), True)
+        for k, key in enumerate(sweep.values)
+    ]
+    why = Column("why it stopped", lambda row: row["stopped"])
+    first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
+    made = Account(
+        sweep,
+        kind="sweep/1",
+        schema=sweep_schema(),
+        title=count,
+        origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
+        answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",
+        about=about,
+        seed=about.seeds.get("values"),
+        packages=("mujoco",),
+        warnings=(
+            Warned(
+                "Stopped early",
+                "The simulation of some robots ended before its time.",
+                [f"{first}{failed[0].trial.stopped}"] if failed else [],
+            ),
+        ),
+        sections=(
+            Section("Results", [Picture("sweep", "What each robot does in a cycle")]),
+            Section(
+                "Robots",
+                [
+                    Table(
+                        (*varied, *TRIAL),
+                        lambda: made.record["trials"],
+                        "One row for each robot.",
+                        wide=[why] if failed else (),
+                        more="robots",
+                        level=Level.CARD,
+                    )
+                ],
+            ),
+        ),
+    )
+    return made
+
+
+_TIME_STEP: Schema = (
+    Quantity("time_step", "ms", "time step"),
+    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("forces_off", "percent", read="off", form=".2f"),
+    Quantity("jumps", "percent", "jumps", form=".1f"),
+)
+_DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
+
+
+def convergence_schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of a walk at several time steps."""
+    return (
+        Quantity("title", read="robot.title"),
+        Quantity("time_steps", read="rows", holds=[_TIME_STEP]),
+    )
+
+
+def convergence_account(found: Convergence, about: About | None = None) -> Account:
+    """What is reported of a walk at several time steps."""
+    rows = found.rows
+    steps = ", ".join(number(row.time_step * 1e3) for row in rows)
+    advance = [row.advance for row in rows]
+    made = Account(
+        found,
+        kind="convergence/1",
+        schema=convergence_schema(),
+        title=f"{found.robot.title or 'A robot'}, by time step",
+        answer=f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; "
+        f"ground reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of "
+        "the weight",
+        about=about or About(found.robot),
+        packages=("mujoco",),
+        sections=(
+            Section(
+                "Time steps",
+                [
+                    Table(
+                        (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4]),
+                        lambda: made.record["time_steps"],
+                        most=None,
+                        more="time steps",
+                        level=Level.CARD,
+                    )
+                ],
+            ),
+            Section(
+                "Definitions",
+                [
+                    Text(
+                        "Force deviation: root mean square over samples of the ground reaction "
+                        "forces against those at the smallest time step. Jumps: fraction of the "
+                        "steps in which a ground reaction force changes by more than a fifth."
+                    )
+                ],
+            ),
+        ),
+    )
+    return made

@@ -1,10 +1,11 @@
-"""A yield: how many samples within tolerances reproduce the target, and what the others do."""
+"""Samples within tolerances: how many reproduce the target, or end where a program leads."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from operator import itemgetter
-from typing import TYPE_CHECKING
+from operator import attrgetter, itemgetter
+from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import (
     Account,
@@ -17,19 +18,90 @@ from stepwell.accounts.account import (
     Text,
     Warned,
 )
-from stepwell.accounts.head import CALIBRATED, About
-from stepwell.accounts.shape import Shape
-from stepwell.accounts.tolerances import (
-    FORCE_PLANE,
-    OUTCOMES,
-    counted_facts,
-    counted_schema,
-)
-from stepwell.accounts.words import assumed, calibration, cells_of
-from stepwell.base import Column, Quantity, Schema, in_measure, percent, record
+from stepwell.accounts.head import CALIBRATED, About, Shape
+from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
+from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
+from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
-    from stepwell.design import Yield
+    from stepwell.design import Survival, Tolerances, Yield
+
+
+# Captions of the figures of samples.
+OUTCOMES = "Outcomes of the samples"
+FORCE_PLANE = "Switching forces of each cell, nominal and in samples"
+
+
+def counted_schema(shape: Shape, yield_: str = "") -> Schema:
+    """What is counted of samples, and within which tolerances.
+
+    Args:
+        shape: of the chain.
+        yield_: the attribute that has the yield; the value itself by default.
+    """
+
+    def read(name: str, k: int | None = None) -> Callable[[Any], Any]:
+        get = attrgetter(f"{yield_}.{name}" if yield_ else name)
+        return get if k is None else lambda found: get(found)[k]
+
+    return (
+        Quantity("share", holds=float, read=read("share")),
+        Quantity("share_low", holds=float, read=read("interval", 0)),
+        Quantity("share_high", holds=float, read=read("interval", 1)),
+        Quantity("samples", holds=int, read=read("n")),
+        Quantity("successes", holds=int, read=read("successes")),
+        Quantity("tolerances", holds=tolerance_schema(shape), read=read("tolerances")),
+    )
+
+
+def tolerance_schema(shape: Shape) -> Schema:
+    """The tolerances of a chain; each kind of cell has its own."""
+    of_levers = (
+        Quantity("anchor", "mm", "anchors ±"),
+        Quantity("stiffness", "percent", "stiffness ±"),
+        Quantity("rest_length", "percent", "rest length ±"),
+        Quantity("lever", "mm", "levers ±"),
+    )
+    schema = (
+        *(of_levers if shape.levers else [Quantity("stiffness", "percent", "force ±")]),
+        Quantity("friction", "N", "friction up to "),
+        *([Quantity("travel", "percent", "travel ±")] if shape.elements else ()),
+        Quantity("mobility", head="mobility ratio up to ", read=_ratio, holds=float),
+    )
+    return in_measure(schema, shape.measure)
+
+
+def _ratio(tolerances: Tolerances) -> float | None:
+    return tolerances.mobility if tolerances.mobility > 1 else None
+
+
+def tolerance_words(given: Tolerances, chain: Chain) -> str:
+    """The tolerances of a chain in words."""
+    schema = tolerance_schema(Shape.of(chain))
+    found = record(schema, given)
+    words = [f"{q.head}{number(found[q.key])} {q.sign}".strip() for q in schema if found[q.key]]
+    return ", ".join(words) or "no tolerance"
+
+
+def yield_words(found: Yield | Survival) -> str:
+    """The share of samples that reproduce the target, with its confidence interval."""
+    low, high = map(percent, found.interval)
+    return f"{percent(found.share)}, with 95 % confidence {low} to {high}"
+
+
+def sample_words(found: Yield | Survival) -> str:
+    """How many samples were made, and within which tolerances."""
+    return f"{found.n} samples with {tolerance_words(found.tolerances, found.chain)}"
+
+
+def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
+    """The facts that yields and survivals share."""
+    return (
+        Fact("Yield", yield_words(found)),
+        Fact("Successes", f"{found.successes} of {found.n}", Level.PAGE),
+        Fact("Samples", sample_words(found)),
+    )
+
 
 _MOST_ROWS = 12
 
@@ -184,3 +256,40 @@ def _sensitivities(found: Yield) -> list[Part]:
             f"in {percent(agreed)} of the samples"
         ),
     ]
+
+
+def survival_schema(shape: Shape) -> Schema:
+    """What is reported of a survival."""
+    return (
+        Quantity("title", read="chain.title"),
+        Quantity("cells", read="chain.names", holds=[str]),
+        Quantity("from", read="start"),
+        Quantity("to", read="ends"),
+        Quantity("turning_points", shape.drive, holds=[float]),
+        *counted_schema(shape),
+        Quantity("seed", holds=int),
+        Quantity("assumptions"),
+        Quantity("calibrated", holds=CALIBRATED, missing=True),
+    )
+
+
+def survival_account(found: Survival, about: About | None = None) -> Account:
+    """What is reported of a survival."""
+    chain, about = found.chain, about or About(found.chain)
+    return Account(
+        value=found,
+        kind="survival/1",
+        schema=survival_schema(Shape.of(chain)),
+        title=chain.title or "A program with tolerances",
+        origin=f"{cells_of(chain)}.",
+        answer=f"The program ends in {found.ends} in {percent(found.share)} of the samples",
+        about=about,
+        seed=found.seed,
+        given={"calibrated": about.calibrated},
+        facts=(
+            Fact("Target", f"{found.start} to {found.ends} by the program"),
+            Fact("Turning points", turning_points(found.turning_points, chain)),
+            *counted_facts(found),
+        ),
+        sections=(calibration(about), assumed(chain, found.assumptions)),
+    )

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table, Text
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
-from stepwell.accounts.tolerances import tolerance_words
+from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import cells_of
+from stepwell.accounts.yields import tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, percent, told_in
 from stepwell.lab import AsBuilt, Known
 

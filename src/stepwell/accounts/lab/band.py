@@ -18,8 +18,7 @@ from stepwell.accounts.account import (
     Verbatim,
     Warned,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Quantity, Schema, number, percent
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 

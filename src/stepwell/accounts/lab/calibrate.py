@@ -16,8 +16,7 @@ from stepwell.accounts.account import (
     Text,
     Verbatim,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Quantity, Schema, counted, number
 from stepwell.lab import Calibration, Sample, calibrated_table
 

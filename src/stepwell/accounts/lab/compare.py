@@ -16,8 +16,7 @@ from stepwell.accounts.account import (
     Table,
     Text,
 )
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 

@@ -9,8 +9,7 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table
-from stepwell.accounts.head import About
-from stepwell.accounts.shape import Shape
+from stepwell.accounts.head import About, Shape
 from stepwell.base import Column, Columns, Quantity, Schema, counted, headed, number, record
 from stepwell.lab import Batch, Recording, hashes
 

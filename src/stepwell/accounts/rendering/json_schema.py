@@ -8,9 +8,8 @@ from functools import reduce
 from types import UnionType
 from typing import Any
 
-from stepwell.accounts.head import BARE, HEAD
+from stepwell.accounts.head import BARE, HEAD, shapes
 from stepwell.accounts.kinds import KINDS, function_at
-from stepwell.accounts.shape import shapes
 from stepwell.base import InputError, Quantity, Schema, nearest_word
 
 JsonSchema = dict[str, Any]

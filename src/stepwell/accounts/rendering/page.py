@@ -64,7 +64,7 @@ def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: 
         HTML text. It loads nothing, and runs nothing but the replay.
     """
     drawn = pictures or {}
-    template = Template((files("stepwell.accounts") / "page.html").read_text("utf-8"))
+    template = Template((files("stepwell.accounts.rendering") / "page.html").read_text("utf-8"))
     return template.substitute(
         version=escape(__version__),
         title=escape(account.title),

@@ -1,17 +1,18 @@
-"""An installation: what is installed, what is kept and what is missing."""
+"""The package itself: its installation, its designs, its claims, its folders."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Fact, Section, Table, Verbatim
-from stepwell.accounts.head import About
-from stepwell.base import Column, Columns, Quantity, Schema, __version__, record
+from stepwell.accounts.account import Account, Fact, Level, Section, Table, Verbatim
+from stepwell.accounts.head import About, Shape
+from stepwell.base import Column, Columns, Quantity, Schema, __version__, counted, record
 
 if TYPE_CHECKING:
-    from stepwell.accounts.shape import Shape
     from stepwell.base import Installation
+    from stepwell.files import Presets
+    from stepwell.paper import Verdicts
 
 
 def doctor_schema(_shape: Shape | None = None) -> Schema:
@@ -109,3 +110,76 @@ def _writable(writable: bool) -> str:
 def _versions(row: Mapping[str, Any]) -> str:
     versions = (f"{name} {version}" for name, version in row["versions"].items())
     return ", ".join(versions) if row["present"] else "no"
+
+
+_PRESET: Schema = (
+    Quantity("name", head="name", read=lambda one: one[0]),
+    Quantity("title", head="title", read=lambda one: one[1]),
+)
+
+
+def presets_schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of the designs that come with Stepwell."""
+    return (Quantity("presets", read=lambda found: found.items(), holds=[_PRESET]),)
+
+
+def presets_account(found: Presets, about: About | None = None) -> Account:
+    """What is reported of the designs that come with Stepwell."""
+    rows = [record(_PRESET, one) for one in found.items()]
+    table = Table(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
+    return Account(
+        found,
+        "Designs that come with Stepwell",
+        "presets/1",
+        presets_schema(),
+        answer=counted(len(found), "design"),
+        computed=False,
+        sections=(Section("Names and titles", [table]),),
+    )
+
+
+def paper_schema(_shape: Shape | None = None) -> Schema:
+    """What is reported of verdicts."""
+    return (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
+
+
+_ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
+_STATEMENT = Quantity("claim", head="statement", read="claim.claim")
+_WITHIN = Quantity("tolerance", head="within", read="claim.tolerance")
+_COMPARED: Schema = (
+    Quantity("where", head="where", read="claim.where"),
+    Quantity("paper", head="published", read="claim.paper_value"),
+    Quantity("ours", head="Stepwell"),
+    Quantity("verdict", head="verdict", read=lambda one: str(one.verdict)),
+)
+_CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
+
+
+def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
+    """What is reported of verdicts."""
+    rows = [record(_CLAIM, one) for one in found]
+    reasons = [row for row in rows if row["reason"]]
+    compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
+    return Account(
+        found,
+        "Validation against published claims",
+        "paper/1",
+        paper_schema(),
+        answer=f"{found.agreed} of {len(found)} claims agree",
+        about=about or About(),
+        sections=(
+            Section("Claims", [Table(compared, lambda: rows, "", wide, None, "claims")]),
+            Section(
+                "Reasons and limits",
+                [Table((_ID, _REASON), lambda: reasons, most=None, more="reasons")],
+            ),
+        ),
+    )
+
+
+def folder_schema(_: Shape) -> Schema:
+    """What is reported of a folder; `files.staged_folder` writes it."""
+    return (
+        Quantity("command"),
+        Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
+    )

@@ -1,0 +1,1 @@
+"""The forms of an account: JSON Schema, terminal, card, page."""
