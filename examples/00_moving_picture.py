@@ -41,7 +41,7 @@ from stepwell.figures.common.style import (
     styled,
 )
 from stepwell.figures.common.write import write_gif
-from stepwell.figures.motion.plan import instants
+from stepwell.figures.motion.stroke_program import instants
 from stepwell.figures.robots.parts import (
     antenna_line,
     bracket,

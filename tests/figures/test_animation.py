@@ -7,7 +7,7 @@ from PIL.GifImagePlugin import GifImageFile
 from figures.drawn import lines, points
 from stepwell import figures, files
 from stepwell.figures.motion.animation import _Scene
-from stepwell.figures.motion.plan import instants
+from stepwell.figures.motion.stroke_program import instants
 
 
 def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):

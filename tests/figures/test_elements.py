@@ -236,7 +236,7 @@ def test_a_landscape_frames_the_states_and_numbers_the_phases():
 
 
 def test_energy_where_a_curve_folds_back_is_the_least():
-    from stepwell.figures.motion.landscape import _energy
+    from stepwell.figures.motion.overview import _energy
 
     element = folded()
     travel = np.linspace(element.low, element.high, 101)

@@ -7,7 +7,7 @@ import pytest
 
 from figures.drawn import untidy_on_a_phone
 from stepwell import figures, files
-from stepwell.figures.robots.sweeps import axis_words
+from stepwell.figures.robots.gaits import axis_words
 from stepwell.simulation import Sweep, Trial
 
 GAITS = ("00>10>11>01>00", "00>01>11>10>00", "00>01>11>01>00")

@@ -12,7 +12,7 @@ from figures.drawn import legend_of, lines, points, says, untidy, untidy_on_a_ph
 from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from stepwell import figures
-from stepwell.figures.robots.walk_reading import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
+from stepwell.figures.robots.walks import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
 from stepwell.simulation import walk
 
 DRAWINGS = (figures.gait, figures.trajectory, figures.contacts)

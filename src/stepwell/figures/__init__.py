@@ -16,31 +16,29 @@ from stepwell.figures.cells.labelled import labelled_cell, labelled_chain
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.common.write import PRINT_DPI, save, svg
 from stepwell.figures.composing import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
-from stepwell.figures.graphs import transition_graph
-from stepwell.figures.influences import influences
-from stepwell.figures.machines import machines
+from stepwell.figures.graphs import machines, transition_graph
 from stepwell.figures.maps import transition_map
-from stepwell.figures.margins import margins
-from stepwell.figures.measured import measured_energies, measured_forces, measured_pairs
-from stepwell.figures.measured_bands import band_laws, calibration, recording
+from stepwell.figures.measured import (
+    band_laws,
+    calibration,
+    measured_energies,
+    measured_forces,
+    measured_pairs,
+    recording,
+)
 from stepwell.figures.motion.animation import animation
-from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.moving import moving
-from stepwell.figures.motion.overview import overview, standard, standard_draws
-from stepwell.figures.motion.snap_motion import snap_motion
+from stepwell.figures.motion.overview import landscape, overview, standard, standard_draws
 from stepwell.figures.motion.stroke_program import stroke_program
-from stepwell.figures.motion.strokes import force_stroke, travel_stroke
-from stepwell.figures.outcomes import outcomes
-from stepwell.figures.robots.contacts import contacts
-from stepwell.figures.robots.gait import gait
+from stepwell.figures.motion.strokes import force_stroke, snap_motion, travel_stroke
+from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze, maze_timeline
-from stepwell.figures.robots.predictions import prediction
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
-from stepwell.figures.robots.sweeps import sweep
 from stepwell.figures.robots.trajectory import trajectories, trajectory
-from stepwell.figures.tornado import tornado
+from stepwell.figures.robots.walks import contacts, gait
+from stepwell.figures.robustness import margins, tornado, yield_bars
+from stepwell.figures.studies import influences, outcomes
 from stepwell.figures.usual import plot
-from stepwell.figures.yield_bars import yield_bars
 
 __all__ = [
     "JOURNAL_WIDTHS",

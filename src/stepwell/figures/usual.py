@@ -13,21 +13,23 @@ from stepwell.design import Boundary, Design
 from stepwell.figures.cells.cell_curves import element_curve, unit_cell_force
 from stepwell.figures.cells.force_plane import force_plane
 from stepwell.figures.cells.mechanism import mechanism
-from stepwell.figures.graphs import transition_graph
-from stepwell.figures.machines import machines
+from stepwell.figures.graphs import machines, transition_graph
 from stepwell.figures.maps import transition_map
-from stepwell.figures.margins import margins
-from stepwell.figures.measured import measured_forces, measured_pairs
-from stepwell.figures.measured_bands import band_laws, calibration, recording
+from stepwell.figures.measured import (
+    band_laws,
+    calibration,
+    measured_forces,
+    measured_pairs,
+    recording,
+)
 from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
+from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze
-from stepwell.figures.robots.predictions import prediction
 from stepwell.figures.robots.robot import robot_drawing
-from stepwell.figures.robots.sweeps import sweep
 from stepwell.figures.robots.trajectory import trajectory
-from stepwell.figures.yield_bars import yield_bars
+from stepwell.figures.robustness import margins, yield_bars
 from stepwell.lab import BandFit, BandTest, Comparison, choose_law
 from stepwell.mechanism import Chain
 

@@ -25,8 +25,8 @@ from stepwell.figures.common.reading import path_of, phases
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.common.write import write_gif
-from stepwell.figures.motion.landscape import landscape
-from stepwell.figures.motion.plan import (
+from stepwell.figures.motion.overview import landscape
+from stepwell.figures.motion.stroke_program import (
     Instant,
     Window,
     draw_plan,

@@ -15,7 +15,7 @@ from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.cells.mechanism import MOST_CELLS
 from stepwell.figures.common import style
 from stepwell.figures.common.reading import path_of
-from stepwell.figures.motion.plan import instants
+from stepwell.figures.motion.stroke_program import instants
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program

@@ -1,23 +1,208 @@
-"""A cycle on one page, and the figures that answer what a mechanism will do."""
+"""A cycle on one page: its usual figures, and the energy landscape with the path."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from stepwell.base import Floats
 from stepwell.figures.cells.cell_curves import element_curves
 from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, arrange, draw, mechanism
-from stepwell.figures.common import style
-from stepwell.figures.common.sheet import Draw, blank, keep_inside, place, text_at
+from stepwell.figures.common import marks, style, words
+from stepwell.figures.common.reading import path_of, require_two_cells, snaps_of, span
+from stepwell.figures.common.sheet import (
+    Draw,
+    blank,
+    canvas,
+    keep_inside,
+    page_width,
+    place,
+    root,
+    text_at,
+)
+from stepwell.figures.common.words import literal
 from stepwell.figures.composing import compose
-from stepwell.figures.motion.landscape import colour_bar, draw_energy, draw_path, landscape
 from stepwell.figures.motion.strokes import MOST_LANES, force_stroke, travel_stroke
-from stepwell.mechanism import Element
+from stepwell.mechanism import Cell, Chain, Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
+    from stepwell.statics import Path
+
+
+# Loading lies under unloading, so it is drawn wider where both take the same way.
+_WIDTHS = (3.0, 1.3)
+_SAMPLES = 121
+_LEVELS = 16
+# Round the landscape at least [mm].
+_ROOM = 4.4
+# Of a panel, at most [mm].
+_WIDEST = 90.0
+# Longer than this, a side is drawn shorter than it is.
+_SLIMMEST = 3.0
+_FRAME: dict[str, Any] = {
+    "color": style.BLACK,
+    "linewidth": 0.6,
+    "linestyle": (0, (4, 2)),
+    "zorder": 2.5,
+}
+# Grey, because every hue has a meaning of its own; light, because the path lies on it.
+_ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F7F4"])
+
+
+@style.styled
+def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
+    """Total energy of a two-cell chain over both travels, with the path on it.
+
+    Args:
+        result: a cycle or a path of a chain of two cells.
+        ax: axes to draw into, without a colour bar; a new figure of one column by default.
+
+    Returns:
+        The figure: energy [mJ] over the travels of the inner and the outer cell [mm], or what
+        they are in the chain's measure; thin diagonals join points of equal stroke, along which
+        snaps run. States are dots; with elements frames, with the phases of the inner cell
+        numbered above and those of the outer one beside. Where the curve of an element folds back,
+        its energy is the least that it can have at that travel.
+
+    Raises:
+        ValueError: a chain that has not exactly two cells.
+
+    Source: Kamp et al. 2024, Fig. 2B.
+    """
+    path = path_of(result)
+    require_two_cells(path.chain, "an energy landscape")
+    own = ax is None
+    width = page_width(style.COLUMN)
+    side = min(width - 31.0, _WIDEST)
+    size, margins = (width, side + 18.0), (11.0, 11.0, width - side - 11.0, 7.0)
+    figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
+    filled = draw_energy(ax, path)
+    if own:
+        ax.apply_aspect()
+        keep_inside(ax, 0.0)
+    draw_path(ax, path)
+    if own:
+        colour_bar(filled, place(figure, side + 14.0, 15.0, 2.5, side - 8.0))
+    return figure
+
+
+def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
+    """The landscape itself with its stops or phases, states and lines of equal stroke."""
+    chain, of = path.chain, words.travel(path.chain.measure)
+    spans = [span(path, i) for i in range(2)]
+    along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
+    inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
+    x, y = (travel * of.factor for travel in along)
+    energy = (inner + outer[:, None]) * style.MJ
+    filled = ax.contourf(x, y, energy, _LEVELS, cmap=_ENERGY)
+    ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
+
+    (left, right), (low, high) = (x[0], x[-1]), (y[0], y[-1])
+    width, height = right - left, high - low
+    dots = {"color": style.FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
+    for u in np.linspace(left + low, right + high, 9)[1:-1]:
+        ends = np.array([max(left, u - high), min(right, u - low)])
+        ax.plot(ends, u - ends, **dots)
+    frame = [left, right, right, left, left], [low, low, high, high, low]
+    ax.plot(*frame, color=style.FAINT, linewidth=0.6)
+
+    # Room for the names of the states, which small axes have not.
+    page, dpi = ax.get_window_extent(), root(ax).dpi / 25.4
+    room = max(0.085, _ROOM * dpi / min(page.width, page.height))
+    pad = room * max(width, height)
+    pads = pad, pad
+    if max(width, height) < _SLIMMEST * min(width, height):
+        ax.set_aspect("equal")
+    else:
+        pads = room * width, room * height
+    ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.spines.bottom.set_bounds(left, right)
+    ax.spines.left.set_bounds(low, high)
+    ax.tick_params(length=2.0)
+    xlabel, ylabel = (f"{of.word} of {literal(name)} [{of.sign}]" for name in chain.names)
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+    if chain.elements:
+        _frame_states(ax, chain, ((left, right), (low, high)))
+    else:
+        _name_states(ax, width, height)
+    return filled
+
+
+def _energy(cell: Cell | Element, travel: Floats) -> Floats:
+    """The least energy that a cell can have at travels [J]; more than one sheet may have them."""
+    sheets = cell.laws if isinstance(cell, Element) else ()
+    if len(sheets) < 2:
+        return cell.energy_at(travel)
+    found = np.full(travel.shape, np.inf)
+    for number, sheet in enumerate(sheets):
+        low = sheet.begin if sheet.begin > cell.low else -np.inf
+        high = sheet.end if sheet.end < cell.high else np.inf
+        here = (travel >= low) & (travel <= high)
+        found[here] = np.minimum(found[here], cell.energy_at(travel[here], number))
+    return found
+
+
+def _name_states(ax: Axes, width: float, height: float) -> None:
+    """A dot and a name for each state of two lever cells."""
+    for name in ("00", "10", "11", "01"):
+        one, other = int(name[0]), int(name[1])
+        at = (one * width, other * height)
+        ax.plot(*at, "o", markersize=3.4, color=style.BLACK, zorder=7, gid="states")
+        off = (13.0 * one - 6.5, 13.0 * other - 6.5)
+        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
+        text.set_fontweight("bold")
+
+
+def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
+    """A frame round each state, with the digits of the inner cell above, of the outer beside."""
+    factor = words.travel(chain.measure).factor
+    both = [
+        [np.clip([phase.low * factor, phase.high * factor], *within) for phase in phases]
+        for phases, within in zip(chain.phases, ends, strict=True)
+    ]
+    for (left, right), (low, high) in product(*both):
+        corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
+    (_, right), (_, top) = ends
+    look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
+    for cell, (stretches, colour) in enumerate(zip(both, style.cell_colours(2), strict=True)):
+        for digit, stretch in enumerate(stretches):
+            middle = float(np.mean(stretch))
+            at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
+            text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
+            text.set_fontweight("bold")
+    # How many ticks fit is known once the axes have their shape.
+    ax.apply_aspect()
+    for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
+        slip = 1e-9 * (high - low)
+        axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
+
+
+def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
+    """What the shades mean."""
+    root(ax).colorbar(filled, cax=ax, ticks=MaxNLocator(6))
+    ax.tick_params(length=2.0)
+    ax.set_ylabel("Energy [mJ]")
+
+
+def draw_path(ax: Axes, path: Path) -> None:
+    """Loading, unloading and snaps of the path, with their legend."""
+    x, y = path.travel.T * words.travel(path.chain.measure).factor
+    marks.trace(ax, path, x, y, _WIDTHS)
+    marks.snaps(ax, snaps_of(path), x, y)
+    marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
+    marks.legend(ax, path, _WIDTHS)
 
 
 # Height of a page, and of the lanes of many cells on it [mm].

@@ -27,7 +27,7 @@ from stepwell.figures.robots.parts import (
     in_world,
     outlines,
 )
-from stepwell.figures.robots.walk_reading import (
+from stepwell.figures.robots.walks import (
     DASHED,
     MOTION,
     PRESSED,

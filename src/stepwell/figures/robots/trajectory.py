@@ -18,7 +18,7 @@ from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.marks import limits, round_length
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.parts import frame, in_world
-from stepwell.figures.robots.walk_reading import cycle_samples, number_cycles, refuse_empty
+from stepwell.figures.robots.walks import cycle_samples, number_cycles, refuse_empty
 
 if TYPE_CHECKING:
     from stepwell.simulation import Walk

@@ -1,0 +1,419 @@
+"""Gaits of robots: as statics predicts them, and over a sweep of numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from textwrap import wrap
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from stepwell.base import Floats, InputError, Quantity
+from stepwell.figures.common import legends, marks, sheet, style
+from stepwell.figures.common.words import literal, minus
+from stepwell.figures.robots.walks import gait_words, leg_colours
+
+if TYPE_CHECKING:
+    from stepwell.robot import Prediction
+    from stepwell.simulation import Sweep
+
+
+_MN = 1e3  # millinewtons in a newton
+_ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
+# Where names stand over the bars.
+_HIGH_ROW, _HIGH_HEAD, _OVER, _NARROW = 9.0, 9.0, 0.33, 130.0
+_BOLD = 2.0  # width of a letter of the title [mm]
+_SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
+
+
+@style.styled
+def prediction(prediction: Prediction) -> Figure:
+    """How far each leg is from another gait, what drag its foot overcomes, what flips it.
+
+    Args:
+        prediction: of any robot.
+
+    Returns:
+        A figure of two columns' width: for each leg the margin [mN] beside what the prediction
+        does not know, and the depths of the feet [mm] at which its gait stays; for each push
+        the largest drag [N] beside the floor's; for each antenna that flips a leg the
+        displacement of its anchor [mm], with the range it may lie in.
+    """
+    pushes = [(leg, push) for leg in prediction.legs for push in leg.pushes]
+    panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
+    panels += [(_drags, len(pushes))] if pushes else []
+    panels += [(_flips, len(prediction.flips))] if prediction.flips else []
+    page, narrow = sheet.page_width(style.PAGE), _is_narrow()
+    title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
+    # Names and remarks stand beside bars, or over them where that is too narrow.
+    row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
+    top = _TOP + 4.0 * len(title) + 8.0 * narrow
+    rows_of = [rows + 0.8 * narrow for _, rows in panels]
+    height = top + sum(head + row * rows + _FOOT for rows in rows_of)
+    figure = sheet.blank(page, height)
+    # Nothing is ever minus zero.
+    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
+    says = (
+        f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
+        f"turn {turn:.1f}° per cycle"
+    )
+    says = says.replace(", $d", ",\n$d") if narrow else says
+    words = "\n".join([*title, minus(says)])
+    sheet.text_at(
+        figure, 2.0 + sheet.indent(), height - 1.5, words, va="top", fontsize=8, weight="bold"
+    )
+    doubtful = {"color": style.VERMILLION, "ha": "right", "va": "top"}
+    doubt = sheet.text_at(
+        figure, page - 2.0, height - 1.5 - 8.0 * narrow, "in this colour: in doubt", **doubtful
+    )
+    bottom = height - top
+    for (draw, _), rows in zip(panels, rows_of, strict=True):
+        bottom -= head + row * rows
+        ax = sheet.place(figure, 4.0 if narrow else 2.0, bottom, page - beside, row * rows)
+        draw(ax, prediction)
+        bottom -= _FOOT
+    shown = [text for ax in figure.axes for text in ax.texts]
+    doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
+    if narrow:
+        return figure
+    # One width of names for all, so that the panels stand in line.
+    dpi = figure.dpi / 25.4
+    boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
+    names = max(box.width / dpi for box in boxes if box is not None)
+    for ax in figure.axes:
+        at = ax.get_position()
+        left = (2.0 + names) / page
+        ax.set_position((left, at.y0, at.x1 - left, at.height))
+    return figure
+
+
+def _margins(ax: Axes, found: Prediction) -> None:
+    legs = found.legs
+    ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
+    most = _limit(ends)
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(legs):
+        colour = colours[leg.name]
+        look = {"color": style.pale(style.FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
+        tall = 0.4 if _is_narrow() else 0.8
+        ax.barh(i, leg.uncertainty * _MN, height=tall, zorder=1, **look)
+        reach = leg.margin * _MN if math.isfinite(leg.margin) else most
+        ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
+        if math.isfinite(leg.margin):
+            (dot,) = ax.plot(reach, i, "o", color=colour, markersize=5.0, zorder=3)
+            dot.set_gid(f"margin {leg.name}")
+        other = leg.nearest or "none within 2 N"
+        doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
+        _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
+    title = "Margin to another gait; shaded: what the prediction does not know"
+    names = [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs]
+    _rows(ax, names, most, title, "Force on one cell [mN]")
+
+
+def _depths(ax: Axes, found: Prediction) -> None:
+    below, ends = found.robot.foot.below * style.MM, np.array(found.depths) * style.MM
+    # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
+    most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(found.legs):
+        low, high = ends[i]
+        look = {"color": colours[leg.name], "zorder": 2, "gid": f"depths {leg.name}"}
+        ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
+        _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
+    ax.axvline(below, color=style.INK, linewidth=1.0, zorder=3, gid="below")
+    title = "Depths of the feet at which the gait surely stays; line: this robot's"
+    names = [f"{leg.name}: {leg.gait}" for leg in found.legs]
+    _rows(ax, names, most, title, "Feet below the supports [mm]")
+
+
+def _drags(ax: Axes, found: Prediction) -> None:
+    drag = found.robot.floor.drag
+    colours = leg_colours(found.robot)
+    pushes = [(leg.name, push) for leg in found.legs for push in leg.pushes]
+    most = _limit([drag, *(push.largest_drag for _, push in pushes)])
+    for i, (name, push) in enumerate(pushes):
+        reach = min(push.largest_drag, most)
+        ax.barh(i, reach, height=0.5, color=colours[name], zorder=2, gid=f"drag {name}")
+        _remark(ax, i, push.limit.value.split(":")[0], doubtful=push.safety < 1)
+    ax.axvline(drag, color=style.INK, linewidth=1.0, zorder=3, gid="floor")
+    names = [
+        f"{name}, {'out' if push.loading else 'back'}: {push.step * style.MM:.1f} mm step"
+        for name, push in pushes
+    ]
+    title = "Largest drag that each push overcomes; line: the floor's drag"
+    _rows(ax, [*map(minus, names)], most, title, "Drag of the floor [N]")
+
+
+def _flips(ax: Axes, found: Prediction) -> None:
+    colours = leg_colours(found.robot)
+    swings = {one.name: math.hypot(*one.moves) * style.MM for one in found.robot.antennas}
+    full = [swings[flip.antenna] for flip in found.flips]
+    most = _limit(full)
+    for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
+        late = min(flip.latest * style.MM, most)
+        ends, colour = [flip.earliest * style.MM, late], colours[flip.leg]
+        look = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2}
+        ax.plot(ends, [i, i], color=style.pale(colour, 0.4), **look, gid=f"range {flip.antenna}")
+        look = {"color": colour, "markersize": 5.0, "zorder": 3}
+        ax.plot(flip.displacement * style.MM, i, "o", **look, gid=f"flip {flip.antenna}")
+        ax.plot([end, end], [i - 0.4, i + 0.4], color=style.INK, linewidth=1.0, zorder=3)
+        _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
+    title = "Displacement that flips a leg, with its range; bar: full swing"
+    names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips]
+    _rows(ax, names, most, title, "Displacement of the anchor $p$ [mm]")
+
+
+def _is_narrow() -> bool:
+    """Whether names and remarks have no room beside the bars."""
+    return sheet.page_width(style.PAGE) < _NARROW
+
+
+def _limit(values: Sequence[float]) -> float:
+    """The right end of an axis that shows all finite values."""
+    finite = np.array([value for value in values if math.isfinite(value)])
+    return 1.12 * float(finite.max(initial=0.0)) or 1.0
+
+
+def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
+    narrow = _is_narrow()
+    ax.annotate(
+        text.replace("\n", " ") if narrow else text,
+        (1.0, row - _OVER * narrow),
+        (0.0 if narrow else 2.0 / 25.4 * 72.0, 0.0),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        va="bottom" if narrow else "center",
+        ha="right" if narrow else "left",
+        linespacing=0.95,
+        color=style.VERMILLION if doubtful else style.INK,
+        bbox=style.on_white() if narrow else None,
+        zorder=5,
+    )
+
+
+def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
+    narrow = _is_narrow()
+    style.name_rows(ax, [*map(literal, names)], 0.9 if narrow else 0.5)
+    if narrow:
+        ax.set_yticks([])
+        look = {"transform": ax.get_yaxis_transform(), "va": "bottom"}
+        for row, name in enumerate(names):
+            ax.text(0.0, row - _OVER, literal(name), **look)
+        title = title.replace("; ", ";\n")
+    ax.set(xlim=(0.0, most), xlabel=xlabel)
+    ax.set_title(title, loc="left")
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+Colour = str | tuple[float, float, float]
+
+MOST_KEYS = 8
+_COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE, "#7A6A00", style.INK)
+_REST, _STOPPED = "any other", "did not walk to the end"
+_LEFT, _RIGHT, _BOTTOM, _SWEEP_TOP = 16.0, 4.0, 12.0, 4.0
+# A unit at the end of a key, and tables of a path that have names or need none.
+_UNIT = re.compile(
+    r"_((?:mm|mN|mNm|mL|ms|kPa|deg|percent|g|N|s|m)(?:_(?:per|s|m|s2|m2|mm|mL|rad|deg|kPa))*)$"
+)
+_NAMED, _UNNAMED = {"leg", "cell", "antenna"}, {"chain", "band"}
+_SYMBOLS = {"p", "q"}
+# Keys that by themselves say little.
+_WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
+_LINE = 4.2  # a line of the key [mm]
+
+
+@style.styled
+def sweep(found: Sweep) -> Figure:
+    """Advance and turn of every robot of a sweep, coloured by the gaits of its legs.
+
+    Args:
+        found: a sweep over one key or more; past eight keys the first eight are shown.
+
+    Returns:
+        A figure of two columns' width. One key: advance and turn over it. Two: every robot at
+        its values, advance and turn as numbers beside it where there is room. More: advance
+        over each.
+
+    Raises:
+        ValueError: no robots, or nothing that is varied.
+    """
+    keys = list(found.values)[:MOST_KEYS]
+    if not found.trials or not keys:
+        raise InputError("the sweep is empty: give one robot or more, and one key or more.")
+    shown = _read(found, keys)
+    foot = _LINE * len(shown.colours) + 4.0
+    layout = _over_one if len(keys) == 1 else _over_two if len(keys) == 2 else _over_many
+    figure = layout(shown, foot)
+    handles = [legends.mark(literal(gait), color=one) for gait, one in shown.colours.items()]
+    legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
+    return figure
+
+
+class _Shown(NamedTuple):
+    """Robots by number: what was varied, what came of it (n,), and the gaits with their colours."""
+
+    values: dict[str, Floats]
+    advance: Floats
+    turn: Floats
+    gaits: NDArray[np.str_]
+    colours: dict[str, Colour]
+
+
+def _over_one(shown: _Shown, foot: float) -> Figure:
+    tall = 42.0
+    ((key, values),) = shown.values.items()
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + 2 * tall + 5.0 + _SWEEP_TOP)
+    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
+    lower = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
+    upper = sheet.place(figure, _LEFT, foot + _BOTTOM + tall + 5.0, wide, tall)
+    _points(upper, values, shown.advance, shown, 0.5)
+    _points(lower, values, shown.turn, shown, 2.0)
+    upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
+    upper.tick_params(labelbottom=False)
+    lower.set(xlabel=axis_words(key), ylabel="Turn to the left [°]")
+    return figure
+
+
+# Width and height of the numbers beside a disc [mm].
+_NUMBERS = 9.0, 6.2
+
+
+def _over_two(shown: _Shown, foot: float) -> Figure:
+    tall = 92.0
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + tall + _SWEEP_TOP)
+    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
+    ax = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
+    x, y = shown.values.values()
+    columns, rows = (max(2, len(np.unique(one))) for one in (x, y))
+    # Discs that nearly touch on a grid; draws are spread like a grid of as many.
+    if columns * rows > 4 * len(x):
+        columns = rows = max(2, int(np.sqrt(len(x))) * 2)
+    size = float(np.clip(min(wide / (columns + 1), tall / (rows + 1)) * 0.55, 1.0, 7.0))
+    # Two lines of numbers beside every disc, if they have room.
+    roomy = wide / (columns + 1) > size + _NUMBERS[0] and tall / (rows + 1) > _NUMBERS[1]
+    points = size * 72 / 25.4
+    _discs(ax, x, y, shown, points)
+    if roomy:
+        look = {"textcoords": "offset points", "va": "center", "linespacing": 1.0}
+        for at, d, w in zip(zip(x, y, strict=True), shown.advance, shown.turn, strict=True):
+            if np.isfinite(d):
+                text = minus(f"{_whole(d, 0.005):.2f}\n{_whole(w, 0.05):.1f}°")
+                ax.annotate(text, at, (points / 2 + 2, 0), **look)
+        title = r"beside each robot: $d/u_\mathrm{max}$ and turn to the left per cycle"
+        ax.set_title(title, fontsize=7.0, loc="right", pad=2.0)
+    ax.margins(x=0.5 / columns, y=0.5 / rows)
+    if roomy:
+        # The numbers beside the last disc stay inside.
+        low = ax.get_xlim()[0]
+        share = max(0.5 / (columns + 1), (size / 2 + _NUMBERS[0] + 1.0) / wide)
+        ax.set_xlim(low, low + (float(np.max(x)) - low) / (1.0 - share))
+    xlabel, ylabel = map(axis_words, shown.values)
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+    return figure
+
+
+def _over_many(shown: _Shown, foot: float) -> Figure:
+    columns = 2 if sheet.page_width(style.PAGE) >= sheet.BESIDE else 1
+    rows = -(-len(shown.values) // columns)
+    tall = 40.0
+    step = tall + _BOTTOM + 3.0
+    figure = sheet.blank(sheet.page_width(style.PAGE), foot + rows * step + _SWEEP_TOP)
+    wide = (sheet.page_width(style.PAGE) - columns * _LEFT - _RIGHT) / columns
+    for i, (key, values) in enumerate(shown.values.items()):
+        row, column = divmod(i, columns)
+        bottom = foot + _BOTTOM + (rows - 1 - row) * step
+        ax = sheet.place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
+        _points(ax, values, shown.advance, shown, 0.5)
+        ax.set_xlabel(axis_words(key), fontsize=7.0)
+        ax.set_ylabel(r"$d/u_\mathrm{max}$")
+    return figure
+
+
+def axis_words(key: str) -> str:
+    """What an axis says of a key path, as in "$q_x$ of outer, left leg [mm]".
+
+    Args:
+        key: of a design file, such as "leg.left.chain.cell.outer.q_mm[0]".
+    """
+    *path, last = key.split(".")
+    name, *numbers = last.replace("]", "").split("[")
+    unit = _UNIT.search(name)
+    word = name[: unit.start()] if unit else name
+    if numbers:
+        # The last number is a component, one before it counts.
+        count = [str(int(n) + 1) for n in numbers[:-1]]
+        axis = "xyz"[int(numbers[-1])]
+        words = f"${word}_{axis}$" if word in _SYMBOLS else " ".join([word, *count, f"${axis}$"])
+    else:
+        words = f"${word}$" if word in _SYMBOLS else _WORDS.get(word, word)
+    owners: list[str] = []
+    tables = iter(path)
+    for table in tables:
+        one = next(tables, "") if table in _NAMED else ""
+        kind = "" if table == "cell" and one != "*" else table
+        if table not in _UNNAMED:
+            owners.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
+    said = words if "$" in words else literal(words.replace("_", " "))
+    said += (" of " if owners else "") + ", ".join(reversed(owners))
+    sign = Quantity("", unit[1].replace("_per_", "/").replace("_", " ")).sign if unit else ""
+    told = said if said.startswith("$") else said[0].upper() + said[1:]
+    return told + (f" [{sign.replace('s2', 's²')}]" if sign else "")
+
+
+def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None:
+    marks.zero_line(ax)
+    _discs(ax, x, y, shown, 4.5 if len(x) <= 100 else 2.5)
+    low, high = float(x.min()), float(x.max())
+    gap = 0.03 * (high - low or 1.0)
+    ax.set_xlim(low - gap, high + gap)
+    # Zero in sight, and no rounding errors blown up to the height of the axes.
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -least), max(high, least))
+
+
+def _discs(ax: Axes, x: Floats, y: Floats, shown: _Shown, size: float) -> None:
+    look = {"markersize": size, "markeredgewidth": 0, "zorder": 3, "gid": "robots"}
+    for gait, colour in shown.colours.items():
+        some = shown.gaits == gait
+        ax.plot(x[some], y[some], "o", color=colour, **look)
+
+
+def _whole(value: float, least: float) -> float:
+    # Nothing is ever minus zero.
+    return 0.0 if abs(value) < least else value
+
+
+def _read(found: Sweep, keys: list[str]) -> _Shown:
+    """What is shown of a sweep over these keys.
+
+    Gaits are those of a robot's legs in a line, or one where all are alike. The most frequent have
+    a colour of their own; the rest share one and a name.
+    """
+    gaits: list[str] = []
+    for trial in found.trials:
+        alike = dict.fromkeys(gait or "none" for gait in trial.gaits)
+        words = ", ".join(alike if len(alike) == 1 else trial.gaits)
+        gaits.append(_STOPPED if trial.stopped else words)
+    often = sorted(set(gaits), key=lambda gait: (-gaits.count(gait), gait))
+    known = style.PATHWAY | {_STOPPED: style.FAINT}
+    spare = iter(_COLOURS)
+    colours: dict[str, Colour] = {
+        gait: colour
+        for gait in often
+        if (colour := known[gait] if gait in known else next(spare, "")) != ""
+    }
+    if len(often) > len(colours):
+        gaits = [gait if gait in colours else _REST for gait in gaits]
+        colours[_REST] = style.pale(style.FAINT, 0.5)
+    return _Shown(
+        {key: np.asarray(found.values[key], float) for key in keys},
+        np.array([trial.advance for trial in found.trials]),
+        np.degrees([trial.turn for trial in found.trials]),
+        np.array(gaits),
+        colours,
+    )

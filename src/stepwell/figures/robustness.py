@@ -1,0 +1,431 @@
+"""Robustness: margins, the yield under tolerances, and sensitivities as bars."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.base import InputError, number, percent, signed
+from stepwell.figures.common import legends, sheet, style
+from stepwell.figures.common.words import literal, minus, sequence_words, shortened
+
+if TYPE_CHECKING:
+    from stepwell.design import Change, Margin, Sensitivities, Tolerances, Yield
+    from stepwell.paper import Sensitivity
+
+
+# Of each unit so many are shown; of longer chains no sequence is looked for.
+_MOST, _SPELLED = 8, 12
+# A bar, a line of text, and what a row has around them [mm].
+_BAR, _LINE, _GAP = 2.6, 3.1, 2.0
+_FOOT, _BETWEEN, _LEFT, _RIGHT = 9.0, 5.0, 4.0, 5.0
+# Characters that a line above a bar has room for, and how many such lines there may be.
+_ROOM, _MOST_LINES = 48, 2
+_CHANGED = {
+    "anchor": "anchor q",
+    "stiffness": "stiffness",
+    "force_scale": "all its {force}s",
+    "travel_scale": "all its {travel}s",
+    "friction": "friction",
+}
+# The tolerance that says how far each is off.
+_OFF_BY = {
+    "anchor": "anchor",
+    "stiffness": "stiffness",
+    "force_scale": "stiffness",
+    "travel_scale": "travel",
+    "friction": "friction",
+}
+_OFF = style.pale(style.SKY, 0.55)
+
+
+class _Panel(NamedTuple):
+    """Changes in one unit: nearest first, its factor, and the label of the axis."""
+
+    changes: list[Change]
+    factor: float
+    label: str
+
+
+class _Row(NamedTuple):
+    """A change: what is written above its bar, how long that is, and how far parts are off."""
+
+    lines: list[str]
+    far: float = math.inf
+    off: float = 0.0
+
+    @property
+    def near(self) -> bool:
+        """Whether parts as they usually are go past it."""
+        return self.far < self.off
+
+
+@style.styled
+def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
+    """How far each thing may be changed before the chain does something else, nearest on top.
+
+    Args:
+        margin: what `design.margin` returns.
+        tolerances: how far parts are off when it is built, shaded; by default the usual ones.
+
+    Returns:
+        A figure of one column's width: a bar for every anchor [mm], and one for every other number
+        [%], with what the chain does past its end; of long chains those of the nearest.
+    """
+    from stepwell.design import USUAL
+
+    given = USUAL if tolerances is None else tolerances
+    drawn = [(panel, _rows(margin, panel, given)) for panel in _panels(margin)]
+    handles = [legends.shade("another sequence past its end", _pale(style.GREEN))]
+    if any(row.off for _, rows in drawn for row in rows):
+        handles.append(legends.shade("parts are off by", _OFF))
+    if any(row.near for _, rows in drawn for row in rows):
+        handles.insert(
+            1, legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
+        )
+    keys = 1 if len(handles) <= 2 else len(handles)
+    head = 2.0 + 4.0 * keys
+    tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
+    height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
+    figure = sheet.blank(style.COLUMN, height)
+    top = height - head
+    for (panel, rows), high in zip(drawn, tall, strict=True):
+        ax = sheet.place(figure, _LEFT, top - high, style.COLUMN - _LEFT - _RIGHT, high)
+        _draw(ax, panel, rows)
+        top -= high + _FOOT + _BETWEEN
+    legends.on_top(figure, handles, _LEFT, columns=2 if len(handles) == 2 else 1)
+    return figure
+
+
+def _panels(margin: Margin) -> list[_Panel]:
+    """The anchors, then all that is told as a share."""
+    near = sorted(margin.changes, key=lambda change: change.distance)
+    anchors = [change for change in near if change.parameter == "anchor"]
+    others = [change for change in near if change.parameter != "anchor"]
+    found = [
+        _Panel(anchors, style.MM, "The anchor moved by [mm]"),
+        _Panel(others, 100.0, "The number changed by [%]"),
+    ]
+    return [panel for panel in found if panel.changes]
+
+
+def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
+    chain, shown = margin.chain, panel.changes[:_MOST]
+    words = {"force": chain.measure.force, "travel": chain.measure.travel}
+    found: list[_Row] = []
+    for change in shown:
+        what = f"{chain.names[change.cell]}: {_CHANGED[change.parameter].format(**words)}"
+        off = getattr(tolerances, _OFF_BY[change.parameter]) * panel.factor
+        if math.isinf(change.distance):
+            reach = (
+                f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
+            )
+            found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
+            continue
+        lines = _lines(f"{what} {_by(change)}")
+        becomes = change.becomes if len(chain) <= _SPELLED else ""
+        if becomes:
+            lines += _lines(f"then {sequence_words(becomes, _ROOM - 5)}", _MOST_LINES)
+        found.append(_Row(lines, change.distance * panel.factor, off))
+    left = len(panel.changes) - len(shown)
+    return found + [_Row([f"and {left} more, no nearer"])] * bool(left)
+
+
+def _by(change: Change) -> str:
+    """How far; of a number which way too."""
+    if change.distance * style.MM < 1e-6:
+        return "by next to nothing"
+    if isinstance(change.move, tuple):
+        return f"{number(change.distance * style.MM)} mm"
+    return minus(f"{signed(change.move * 100)} %")
+
+
+def _lines(text: str, most: int = 1) -> list[str]:
+    return shortened(text, _ROOM, most).split("\n")
+
+
+def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
+    ends = [row.far for row in rows if math.isfinite(row.far)] + [2.0 * row.off for row in rows]
+    ax.set_xlim(0.0, 1.06 * max(ends) or 1.0)
+    ax.set_ylim(sheet.size_of(sheet.root(ax))[1] * ax.get_position().height, 0.0)
+    y = 0.0
+    for row in rows:
+        known = math.isfinite(row.far)
+        for k, line in enumerate(row.lines):
+            look: dict[str, Any] = {"fontweight": "bold" if k == 0 and known else "normal"}
+            at = 0.012 * ax.get_xlim()[1], y + _LINE / 2
+            ax.text(*at, literal(line), va="center_baseline", zorder=3, **look)
+            y += _LINE
+        if known:
+            colour = _pale(style.VERMILLION if row.near else style.GREEN)
+            look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
+            ax.barh(y + _BAR / 2, row.far, _BAR, **look)
+        # In the bar, so that whichever is longer is seen to be.
+        inner = {"color": _OFF, "edgecolor": style.INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
+        ax.barh(y + _BAR / 2, row.off, 0.5 * _BAR, **inner)
+        y += _BAR + _GAP
+    ax.set_yticks([])
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.spines.bottom.set_color(style.FAINT)
+    ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
+    ax.set_xlabel(panel.label)
+
+
+def _pale(colour: str) -> tuple[float, float, float]:
+    return style.pale(colour, 0.3)
+
+
+LOW, HIGH = style.SKY, style.ORANGE
+_MISSING: dict[str, Any] = {"markersize": 5.5, "markeredgecolor": style.INK, "markeredgewidth": 0.5}
+_ROW, _HEAD, _TORNADO_FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
+
+
+@style.styled
+def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
+    """For each result a bar from its value at the low to that at the high value of a parameter.
+
+    Args:
+        results: one, or several to be shown two a row.
+
+    Returns:
+        A figure of two columns' width; bars start at the nominal result, the parameter with the
+        widest span is on top, the target is shaded.
+
+    Raises:
+        ValueError: nothing to show.
+    """
+    shown = list(results) if isinstance(results, Sequence) else [results]
+    if not shown or not all(one.effects for one in shown):
+        raise InputError("results is empty: give one Sensitivity or more, each with effects.")
+    columns = min(len(shown), 2)
+    rows = [shown[i : i + columns] for i in range(0, len(shown), columns)]
+    tall = [_ROW * max(len(one.effects) for one in row) for row in rows]
+    height = sum(tall) + len(rows) * (_HEAD + _TORNADO_FOOT) + _KEY
+    figure = sheet.blank(style.PAGE, height)
+    bottom = height - _KEY
+    for row, high in zip(rows, tall, strict=True):
+        bottom -= _HEAD + high
+        for k, one in enumerate(row):
+            own = _ROW * len(one.effects)
+            left = k * style.PAGE / columns
+            ax = sheet.place(
+                figure, left + 2.0, bottom + high - own, style.PAGE / columns - 7.0, own
+            )
+            _bars(ax, one, left)
+        bottom -= _TORNADO_FOOT
+    handles: list[Artist] = [
+        legends.shade("at the low value", LOW),
+        legends.shade("at the high value", HIGH),
+    ]
+    if any(one.target for one in shown):
+        handles.append(legends.shade("target", style.pale(style.GREEN, 0.7)))
+    if any(math.isinf(effect.span) for one in shown for effect in one.effects):
+        handles.append(legends.mark("no result", "X", **_MISSING, color="white"))
+    legends.on_top(figure, handles, 2.0, columns=4)
+    return figure
+
+
+def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
+    effects = sorted(one.effects, key=lambda effect: -effect.span)
+    for i, effect in enumerate(effects):
+        # Two bars to one side of the nominal value lie on halves of the lane.
+        same_side = (effect.at_low - one.nominal) * (effect.at_high - one.nominal) > 0
+        tall = 0.38 if same_side else 0.76
+        for value, colour, name, off in (
+            (effect.at_low, LOW, "low", -0.2),
+            (effect.at_high, HIGH, "high", 0.2),
+        ):
+            if math.isfinite(value):
+                look = {"color": colour, "zorder": 2, "gid": f"{name} {effect.parameter}"}
+                row, wide = i + off * same_side, value - one.nominal
+                ax.barh(row, wide, left=one.nominal, height=tall, **look)
+            else:
+                look = _MISSING | {"color": colour, "zorder": 4, "gid": "missing"}
+                ax.plot(one.nominal, i + off, "X", **look)
+    ax.axvline(one.nominal, color=style.INK, linewidth=0.8, zorder=3, gid="nominal")
+    results = [v for e in effects for v in (e.at_low, e.at_high, one.nominal) if math.isfinite(v)]
+    results += one.target or ()
+    low, high = min(results), max(results)
+    room = 0.06 * (high - low) or 0.1 * abs(one.nominal) or 1.0
+    ax.set_xlim(low - room, high + room)
+    if one.target:
+        ax.axvspan(
+            *one.target, color=style.pale(style.GREEN, 0.7), linewidth=0, zorder=0, gid="target"
+        )
+    ends = [minus(f"{effect.low:.4g} to {effect.high:.4g}") for effect in effects]
+    names = [f"{literal(e.parameter)}  {each}" for e, each in zip(effects, ends, strict=True)]
+    style.name_rows(ax, names)
+    ax.locator_params(axis="x", nbins=4)
+    ax.set_xlabel(one.result, loc="right")
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.grid(axis="x", color=style.FAINT, linewidth=0.3, alpha=0.5, zorder=0)
+    ax.set_axisbelow(True)
+    _make_room(ax, left)
+
+
+def _make_room(ax: Axes, left: float) -> None:
+    """Narrow the axes by as much as their names need from `left` mm on."""
+    box, place = ax.yaxis.get_tightbbox(), ax.get_position()
+    if box is not None:
+        missing = (left + 1.0) / style.PAGE - box.x0 / sheet.root(ax).bbox.width
+        ax.set_position((place.x0 + missing, place.y0, place.width - missing, place.height))
+
+
+_OUTCOMES, _PARTS = 6, 16
+# Shares below this are within the error of the estimate.
+_LEAST = 0.01
+# A bar, a line of text, and what a row has around them [mm].
+_YIELD_BAR, _YIELD_LINE, _YIELD_GAP = 3.0, 3.1, 2.2
+_YIELD_FOOT, _YIELD_HEAD = 10.0, 6.0
+# Characters that the line above a bar has room for, and how many such lines there may be.
+_YIELD_ROOM, _YIELD_MOST_LINES = 48, 3
+
+
+class _Outcome(NamedTuple):
+    lines: list[str]
+    share: float
+    colour: str
+
+
+@style.styled
+def yield_bars(result: Yield) -> Figure:
+    """The share of mechanisms that work, with its confidence interval, and what the others do.
+
+    Args:
+        result: what `design.yields` returns. With sensitivities, a second panel shows the share
+            of the smallest gap's variance that each part's tolerance causes: dark by itself,
+            pale together with others.
+
+    Returns:
+        The figure, one column wide, or two with sensitivities.
+    """
+    table = result.sensitivities
+    outcomes = _outcomes(result)
+    tall = sum(_YIELD_BAR + _YIELD_GAP + _YIELD_LINE * len(one.lines) for one in outcomes)
+    parts = [] if table is None or table.deviation == 0 else _parts(table)
+    rows = (_YIELD_BAR + _YIELD_GAP) * len(parts)
+    page = sheet.page_width(style.PAGE if parts else style.COLUMN)
+    # Beside each other, or under each other where that is too narrow.
+    beside = bool(parts) and page >= 2 * style.COLUMN
+    side, start = (style.COLUMN, 0.0) if beside else (page, tall + _YIELD_FOOT + _YIELD_HEAD)
+    body = max(tall, rows) if beside or not parts else start + rows
+    height = _YIELD_FOOT + body + _YIELD_HEAD
+    figure = sheet.blank(page, height)
+    _draw_outcomes(
+        sheet.place(figure, 4.0, height - _YIELD_HEAD - tall, side - 9.0, tall), result, outcomes
+    )
+    if parts and table is not None:
+        names = [table.parameters[i] for i in parts]
+        first, top = (
+            (style.COLUMN, height - _YIELD_HEAD) if beside else (-2.0, height - _YIELD_HEAD - start)
+        )
+        left = first + 8.0 + 1.6 * max(len(name) for name in names)
+        ax = sheet.place(figure, left, top - rows, page - left - 5.0, rows)
+        _draw_parts(ax, result, parts)
+        look = {"fontweight": "bold"}
+        sheet.text_at(figure, first + 6.0, top + 1.5, "Whose tolerance counts", **look)
+    return figure
+
+
+def _outcomes(result: Yield) -> list[_Outcome]:
+    """What was wanted, then the most frequent other outcomes."""
+    others = list(result.outcomes.items())
+    shown = others[:_OUTCOMES]
+    low, high = map(percent, result.interval)
+    # On a line of its own: beside or on the bar, the interval would strike it through.
+    words = f"{percent(result.share)} ({low} to {high}) as wanted"
+    found = [_Outcome([*_outcome_lines(result.wanted), words], result.share, style.GREEN)]
+    found += [
+        _Outcome(_outcome_lines(text), count / result.n, style.VERMILLION) for text, count in shown
+    ]
+    rest = sum(count for _, count in others[_OUTCOMES:])
+    if rest:
+        text = f"{len(others) - _OUTCOMES} other outcomes"
+        found.append(_Outcome([text], rest / result.n, style.VERMILLION))
+    return found
+
+
+def _outcome_lines(text: str) -> list[str]:
+    return shortened(sequence_words(text, _YIELD_ROOM), _YIELD_ROOM, _YIELD_MOST_LINES).split("\n")
+
+
+def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
+    """A bar under the name of each outcome; the interval of the wanted one."""
+    ax.set_xlim(0.0, 100.0)
+    ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
+    y = 0.0
+    for k, (lines, share, colour) in enumerate(outcomes):
+        for line in lines:
+            weight = "bold" if k == 0 and line is lines[-1] else "normal"
+            ax.text(
+                0.0, y + _YIELD_LINE / 2, literal(line), va="center_baseline", fontweight=weight
+            )
+            y += _YIELD_LINE
+        middle = y + _YIELD_BAR / 2
+        ax.barh(
+            middle,
+            100.0 * share,
+            _YIELD_BAR,
+            color=style.pale(colour, 0.3),
+            linewidth=0,
+            gid="outcomes",
+        )
+        if k == 0:
+            ends = [100.0 * bound for bound in result.interval]
+            ax.plot(ends, [middle] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
+        else:
+            x = 2.0 if share > 0.5 else 100.0 * share + 2.0
+            ax.text(x, middle, percent(share), va="center_baseline")
+        y += _YIELD_BAR + _YIELD_GAP
+    ax.set_yticks([])
+    _bare(ax)
+    ax.set_xlabel(f"Share of {result.n:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}"))
+    sheet.name_panel(ax, "What they do")
+
+
+def _parts(table: Sensitivities) -> list[int]:
+    """The parts by falling share, without those that hardly have one."""
+    order = np.argsort(-np.asarray(table.total), kind="stable")[:_PARTS].tolist()
+    return [i for i in order if table.total[i] >= _LEAST]
+
+
+def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
+    """What each part's tolerance contributes, by itself and together with others."""
+    table = result.sensitivities
+    assert table is not None
+    names = result.chain.names
+    tall = len(parts) * (_YIELD_BAR + _YIELD_GAP)
+    colours = dict(zip(names, style.cell_colours(len(names)), strict=True))
+    middles = [
+        k * (_YIELD_BAR + _YIELD_GAP) + (_YIELD_BAR + _YIELD_GAP) / 2 for k in range(len(parts))
+    ]
+    for middle, i in zip(middles, parts, strict=True):
+        colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
+        for share, shade, gid in (
+            (table.total[i], style.pale(colour), "total"),
+            (table.first_order[i], colour, "first order"),
+        ):
+            # An index near zero may come out below it.
+            ax.barh(middle, max(0.0, float(share)), _YIELD_BAR, color=shade, linewidth=0, gid=gid)
+    ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
+    ax.set_ylim(tall, 0.0)
+    ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))
+    _bare(ax)
+    ax.set_xlabel("Share of the variance of the smallest gap")
+    handles = [
+        legends.shade("by itself", style.INK),
+        legends.shade("with others", style.pale(style.INK)),
+    ]
+    ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
+
+
+def _bare(ax: Axes) -> None:
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.spines.bottom.set_color(style.FAINT)
+    ax.tick_params(axis="y", length=0.0)
