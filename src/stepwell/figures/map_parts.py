@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
@@ -167,7 +166,7 @@ def name_regions(
     inside: NDArray[np.bool_],
     forms: Sequence[str],
     shade: ColorType,
-) -> list[Bbox]:
+) -> None:
     """Write a name in every connected region that has room for it.
 
     Args:
@@ -176,14 +175,10 @@ def name_regions(
         inside: (ny, nx) which nodes belong to the regions of that name.
         forms: ways to write the name, the best first.
         shade: of the regions, behind the name.
-
-    Returns:
-        The boxes of what was written [display units].
     """
     from scipy import ndimage
 
     number, count = cast("tuple[NDArray[np.intp], int]", ndimage.label(inside))
-    written: list[Bbox] = []
     frame = ax.get_window_extent()
     per_x, per_y = frame.width / len(x), frame.height / len(y)
     for region in range(1, count + 1):
@@ -202,7 +197,5 @@ def name_regions(
             if float(depth[row, column]) >= 0.55:
                 text.set_position((float(x[column - 1]), float(y[row - 1])))
                 text.set_bbox(on_white(0.15) | {"facecolor": shade})
-                written.append(text.get_window_extent())
                 break
             text.remove()
-    return written

@@ -137,25 +137,9 @@ def transition_map(
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
-    rows = _rows(dataset, regions, curves)
-    aspect = _aspect(dataset, x, y)
-    # A long key stands beside the map; a short one, which would leave the page empty, below it.
-    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
-    page = sheet.page_width(PAGE if long else COLUMN)
-    aside = page >= sheet.BESIDE
-    side = _SIDE if aside else min(page - 18.0, _WIDEST)
-    tall = side * aspect
-    below = []
-    key = Key(rows, page - side - 24.0 if aside else page - 6.0)
-    if aside and key.height > _LONG + tall:
-        # Curves under the map: beside it their rows would leave half of the page empty.
-        below = [row for row in rows if row.line is not None]
-        key = Key([row for row in rows if row.line is None], key.width)
-    under = Key(below, side + 16.0)
-    left = 15.0 + tall + (under.height if below else 0.0)
-    height = max(left, key.height + 6.0) if aside else 15.0 + tall + key.height
-    figure = sheet.blank(page, height)
-    ax = sheet.place(figure, 16.0, height - 3.0 - tall, side, tall)
+    page = _lay_out(_rows(dataset, regions, curves), _aspect(dataset, x, y))
+    figure = sheet.blank(page.width, page.height)
+    ax = sheet.place(figure, 16.0, page.height - 3.0 - page.tall, page.side, page.tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
     places = _places(x), _places(y)
     shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
@@ -168,31 +152,79 @@ def transition_map(
     sheet.keep_inside(ax)
 
     taken = _draw_curves(ax, curves, (x.scale, y.scale))
-    marks: list[Label] = []
-    for name, (a, b) in (designs or {}).items():
-        marks.append(mark := Label(a * x.scale, b * y.scale, literal(name)))
-        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
-        spot = ax.transData.transform((mark.x, mark.y))
-        taken.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
     # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
-    for text in beside(ax, marks, keep_clear=taken):
-        text.set_bbox(on_white(0.12, 0.8))
-        taken.append(text.get_window_extent().padded(_CLEAR * sheet.root(ax).dpi / 72))
+    taken += _draw_designs(ax, designs or {}, (x.scale, y.scale), taken)
     free = _free(ax, *places, taken)
     for region in shown:
         if region.name:
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
-            inside = region.inside & free
-            taken += name_regions(ax, *places, inside, forms, region.shade)
-    at = (
-        (22.0 + side, 0.0, page - side - 24.0, height)
-        if aside
-        else (4.0, 0.0, page - 6.0, key.height)
-    )
-    key.draw(sheet.place(figure, *at))
-    if below:
-        under.draw(sheet.place(figure, 4.0, height - left, side + 16.0, under.height))
+            name_regions(ax, *places, region.inside & free, forms, region.shade)
+    page.key.draw(sheet.place(figure, *page.key_at))
+    if page.under is not None:
+        page.under.draw(sheet.place(figure, 4.0, *page.under_at))
     return figure
+
+
+class _Layout(NamedTuple):
+    """A page [mm], the map's sides on it, and its keys with their boxes: left, bottom, sides.
+
+    The second key, of the curves, is under the map; None where all is in the first.
+    """
+
+    width: float
+    height: float
+    side: float
+    tall: float
+    key: Key
+    key_at: tuple[float, float, float, float]
+    under: Key | None
+    under_at: tuple[float, float, float]
+
+
+def _lay_out(rows: Sequence[Row], aspect: float) -> _Layout:
+    # A long key stands beside the map; a short one, which would leave the page empty, below it.
+    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
+    page = sheet.page_width(PAGE if long else COLUMN)
+    if page < sheet.BESIDE:
+        side = min(page - 18.0, _WIDEST)
+        key = Key(rows, page - 6.0)
+        height = 15.0 + side * aspect + key.height
+        at = 4.0, 0.0, page - 6.0, key.height
+        return _Layout(page, height, side, side * aspect, key, at, None, (0.0, 0.0, 0.0))
+    tall, under = _SIDE * aspect, None
+    key = Key(rows, page - _SIDE - 24.0)
+    curves = [row for row in rows if row.line is not None]
+    left = 15.0 + tall
+    if curves and key.height > _LONG + tall:
+        # Curves under the map: beside it their rows would leave half of the page empty.
+        under = Key(curves, _SIDE + 16.0)
+        key = Key([row for row in rows if row.line is None], key.width)
+        left += under.height
+    height = max(left, key.height + 6.0)
+    at = 22.0 + _SIDE, 0.0, page - _SIDE - 24.0, height
+    under_at = height - left, _SIDE + 16.0, under.height if under else 0.0
+    return _Layout(page, height, _SIDE, tall, key, at, under, under_at)
+
+
+def _draw_designs(
+    ax: Axes,
+    designs: Mapping[str, tuple[float, float]],
+    scale: tuple[float, float],
+    taken: Sequence[Bbox],
+) -> list[Bbox]:
+    """Dots and names of designs, clear of what is taken; the boxes that they take."""
+    marks: list[Label] = []
+    dots: list[Bbox] = []
+    for name, (a, b) in designs.items():
+        marks.append(mark := Label(a * scale[0], b * scale[1], literal(name)))
+        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
+        spot = ax.transData.transform((mark.x, mark.y))
+        dots.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
+    names = beside(ax, marks, keep_clear=[*taken, *dots])
+    for text in names:
+        text.set_bbox(on_white(0.12, 0.8))
+    clear = _CLEAR * sheet.root(ax).dpi / 72
+    return dots + [text.get_window_extent().padded(clear) for text in names]
 
 
 class _Curves(NamedTuple):

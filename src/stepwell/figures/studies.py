@@ -16,7 +16,7 @@ from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus, shortened
 
 if TYPE_CHECKING:
-    from stepwell.studies import Decided, Study
+    from stepwell.studies import Decided, Influence, Study
 
 
 _ROW, _HEAD, _FOOT, _RIGHT = 5.2, 10.0, 8.0, 3.0
@@ -48,11 +48,7 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
         raise InputError("found is empty: a study of 50 designs or more says what decides.")
     known = names or {}
     shares = {one.column: {each.name: each for each in one.sure} for one in found}
-    largest = {each.name: 0.0 for each in found[0].influences}
-    for column in shares.values():
-        for name, one in column.items():
-            largest[name] = max(largest[name], one.share)
-    rows = sorted(largest, key=lambda name: -largest[name])
+    rows = _by_largest_share([each.name for each in found[0].influences], shares)
     told = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
@@ -74,27 +70,33 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
         spine.set_visible(False)
     for k, one in enumerate(found):
         for i, name in enumerate(rows):
-            each = shares[one.column].get(name)
-            look = {
-                "facecolor": style.pale(style.FAINT, 0.9),
-                "edgecolor": "white",
-                "linewidth": 1.5,
-            }
-            if each is not None:
-                look["facecolor"] = style.pale(style.BLUE, 1.0 - each.share)
-                sign = "" if abs(each.trend) < 0.1 else " +" if each.trend > 0 else " -"
-                colour = "white" if each.share > _DARK else style.INK
-                percent = f"{100 * each.share:.0f} %" if each.share >= 0.005 else "< 1 %"
-                ax.text(
-                    k, i, minus(percent + sign),
-                    ha="center", va="center_baseline", color=colour, gid="share",
-                )  # fmt: skip
-            ax.add_patch(Rectangle((k - 0.5, i - 0.5), 1.0, 1.0, **look, zorder=0))
-    sheet.text_at(
-        figure, left, 3.0,
-        minus(f"{_SHARES}{apart}{_SIGNS}"),
-    )  # fmt: skip
+            _draw_share(ax, k, i, shares[one.column].get(name))
+    sheet.text_at(figure, left, 3.0, minus(f"{_SHARES}{apart}{_SIGNS}"))
     return figure
+
+
+def _by_largest_share(
+    names: Sequence[str], shares: Mapping[str, Mapping[str, Influence]]
+) -> list[str]:
+    largest = dict.fromkeys(names, 0.0)
+    for column in shares.values():
+        for name, one in column.items():
+            largest[name] = max(largest[name], one.share)
+    return sorted(largest, key=lambda name: -largest[name])
+
+
+def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
+    """A box, shaded and with its number where the number has an influence."""
+    face = style.pale(style.FAINT, 0.9)
+    if one is not None:
+        face = style.pale(style.BLUE, 1.0 - one.share)
+        sign = "" if abs(one.trend) < 0.1 else " +" if one.trend > 0 else " -"
+        colour = "white" if one.share > _DARK else style.INK
+        percent = f"{100 * one.share:.0f} %" if one.share >= 0.005 else "< 1 %"
+        look = {"ha": "center", "va": "center_baseline", "color": colour, "gid": "share"}
+        ax.text(x, y, minus(percent + sign), **look)
+    edge = {"edgecolor": "white", "linewidth": 1.5, "zorder": 0}
+    ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1.0, 1.0, facecolor=face, **edge))
 
 
 Colour = str | tuple[float, float, float]
@@ -134,20 +136,9 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     Raises:
         ValueError: nothing is done yet, or nothing varies.
     """
-    from stepwell.studies import SCREEN_COLUMNS, decided
+    from stepwell.studies import decided
 
-    chunks = study.done_chunks()
-    told = {name: _column(study, name, chunks, names or {}) for name in study.columns}
-    varied = [told[name] for name in study.varied]
-    found = {
-        name: one
-        for name, one in told.items()
-        if name not in {*study.varied, *SCREEN_COLUMNS, "problem"} and _differs(one)
-    }
-    if not varied or not len(varied[0].values):
-        raise InputError("the study is empty: compute one design or more, over one number or more.")
-    if not found:
-        raise InputError("all designs do the same: there is nothing to draw.")
+    varied, found = _varied_and_found(study, names or {})
     deciding = {one.column: one.influences[0].name for one in decided(study)}
     shown = list(found.items())[:_PANELS]
     wordy = [one for _, one in shown if one.words]
@@ -163,14 +154,33 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         left = _LEFT + column * (wide + _LEFT + _PANEL_RIGHT)
         bottom = foot + _BOTTOM + (rows - 1 - row) * (_BOTTOM + _TALL + _TOP)
         ax = sheet.place(figure, left, bottom, wide, _TALL)
+        own = colours.get(one.name, {})
         if len(varied) == 2:
-            _plane(ax, varied[0], varied[1], one, colours.get(one.name, {}))
+            _plane(ax, *varied.values(), one, own)
         else:
-            by = told[deciding.get(name, next(iter(study.varied)))]
-            _over(ax, by, one, colours.get(one.name, {}))
+            by = varied[deciding.get(name, next(iter(study.varied)))]
+            _over(ax, by, one, own)
         sheet.keep_inside(ax)
     _keys(figure, colours)
     return figure
+
+
+def _varied_and_found(
+    study: Study, names: Mapping[str, str]
+) -> tuple[dict[str, _Column], dict[str, _Column]]:
+    """The numbers that vary, and the results that differ."""
+    from stepwell.studies import SCREEN_COLUMNS
+
+    chunks = study.done_chunks()
+    told = {name: _column(study, name, chunks, names) for name in study.columns}
+    varied = {name: told[name] for name in study.varied}
+    if not varied or not len(next(iter(varied.values())).values):
+        raise InputError("the study is empty: compute one design or more, over one number or more.")
+    aside = {*study.varied, *SCREEN_COLUMNS, "problem"}
+    found = {name: one for name, one in told.items() if name not in aside and _differs(one)}
+    if not found:
+        raise InputError("all designs do the same: there is nothing to draw.")
+    return varied, found
 
 
 def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, str]) -> _Column:

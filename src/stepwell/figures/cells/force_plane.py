@@ -97,11 +97,6 @@ def force_plane(
     """
     switches = _switches(chain)
     count, colours = len(switches), [switch.colour for switch in switches]
-    if not count:
-        raise InputError("the chain has no cell with two phases: nothing in it switches.")
-    if count > MOST_CELLS:
-        what = "switches" if chain.elements else "cells"
-        raise InputError(f"the chain has {count} {what}: at most {MOST_CELLS} can be told apart.")
     of = told.force(chain.measure)
     # As drawn, like everything below.
     forces = np.array([(switch.up, switch.down) for switch in switches]) * of.factor
@@ -131,36 +126,15 @@ def force_plane(
     above = sheet.place(figure, edge, _BOTTOM + side + _BETWEEN, side, strip)
     right = sheet.place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
 
-    for curve in region:
-        points = np.asarray(curve, float) * of.factor
-        ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
-        closed = np.concatenate([points, points[:1]])
-        ax.plot(*closed.T, color=style.FAINT, linewidth=0.8, zorder=1, gid="region")
-    if places is not None:
-        pairs = np.asarray(places, float) * of.factor
-        ax.plot(*pairs.T, ".", markersize=2.0, color=style.FAINT, zorder=1, gid="places")
+    _draw_reachable(ax, region, places, of.factor)
     if cloud is not None:
         for i, colour in enumerate(colours):
             _draw_cloud(ax, cloud[:, i], colour)
-    dot = {"markersize": 5.0, "markeredgecolor": "white", "zorder": 6, "gid": "cells"}
-    for (x, y), colour in zip(forces.tolist(), colours, strict=True):
-        ax.plot(x, y, "o", color=colour, **dot)
-    ax.margins(0.12)
-    ax.autoscale_view()
-    # Round one cell some room, or its ticks would have more digits than the page has room for.
-    for middle, (low, high), limit in zip(
-        forces.mean(axis=0), (ax.get_xlim(), ax.get_ylim()), (ax.set_xlim, ax.set_ylim), strict=True
-    ):
-        room = _ROOM * abs(middle)
-        limit(min(low, middle - room), max(high, middle + room))
+    _draw_cells(ax, forces, colours)
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
-        # The narrowest step as a band across the plane.
-        band = ax.axvspan if gap.side == 0 else ax.axhspan
-        look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
-        ends = np.sort(forces[[gap.first, gap.second], gap.side])
-        band(*ends, **look, zorder=0.5, gid="narrowest")
+        _draw_gap(ax, gap, forces)
     ax.autoscale(False)
     names = [switch.name for switch in switches]
     for half, strip_ax in enumerate((above, right)):
@@ -192,6 +166,13 @@ def _switches(chain: Chain) -> list[_Switch]:
             numbered = f"{shortened(name, _NAME - 4)} {k}>{k + 1}" if len(pairs) > 1 else name
             up, down = before.force_high + cell.friction, after.force_low - cell.friction
             found.append(_Switch(numbered, colour, up, down))
+    if not found:
+        raise InputError("the chain has no cell with two phases: nothing in it switches.")
+    if len(found) > MOST_CELLS:
+        what = "switches" if chain.elements else "cells"
+        raise InputError(
+            f"the chain has {len(found)} {what}: at most {MOST_CELLS} can be told apart."
+        )
     return found
 
 
@@ -222,6 +203,43 @@ def _name(chain: Chain, side: int) -> str:
     rubs = any(cell.friction > 0 for cell in chain.cells)
     symbol = f"F_{side}" + (("+f", "-f")[side] if rubs else "")
     return f"${symbol}$, {('at 0', 'at 1')[side]} [{of.sign}]"
+
+
+def _draw_reachable(
+    ax: Axes, region: Sequence[ArrayLike], places: ArrayLike | None, factor: float
+) -> None:
+    """The pairs of forces that a cell can have: as an area, and as single points."""
+    for curve in region:
+        points = np.asarray(curve, float) * factor
+        ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
+        closed = np.concatenate([points, points[:1]])
+        ax.plot(*closed.T, color=style.FAINT, linewidth=0.8, zorder=1, gid="region")
+    if places is not None:
+        pairs = np.asarray(places, float) * factor
+        ax.plot(*pairs.T, ".", markersize=2.0, color=style.FAINT, zorder=1, gid="places")
+
+
+def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
+    """A dot for every switch, and limits of the axes that leave room around all of them."""
+    dot = {"markersize": 5.0, "markeredgecolor": "white", "zorder": 6, "gid": "cells"}
+    for (x, y), colour in zip(forces.tolist(), colours, strict=True):
+        ax.plot(x, y, "o", color=colour, **dot)
+    ax.margins(0.12)
+    ax.autoscale_view()
+    # Round one cell some room, or its ticks would have more digits than the page has room for.
+    for middle, (low, high), limit in zip(
+        forces.mean(axis=0), (ax.get_xlim(), ax.get_ylim()), (ax.set_xlim, ax.set_ylim), strict=True
+    ):
+        room = _ROOM * abs(middle)
+        limit(min(low, middle - room), max(high, middle + room))
+
+
+def _draw_gap(ax: Axes, gap: _Gap, forces: Floats) -> None:
+    """The narrowest step as a band across the plane."""
+    band = ax.axvspan if gap.side == 0 else ax.axhspan
+    look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
+    ends = np.sort(forces[[gap.first, gap.second], gap.side])
+    band(*ends, **look, zorder=0.5, gid="narrowest")
 
 
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
