@@ -23,7 +23,7 @@ from docs.pages import ROOT
 from sizes import SIZE
 from stepwell import files
 from stepwell.simulation import Walk
-from stepwell.studio.panels.motions.evaluate import arrays_of, drawn
+from stepwell.studio.panels.motions._drawn import arrays_of, drawn
 from stepwell.studio.wire.message import unpacked
 
 LOOK = SimpleNamespace(**runpy.run_path(str(ROOT / "docs" / "look" / "machines.py")))

@@ -14,7 +14,7 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
-from stepwell.studio.panels.motions.evaluate import arrays_of, cells_of, drawn
+from stepwell.studio.panels.motions._drawn import arrays_of, cells_of, drawn
 from stepwell.studio.wire import Ask, Design, Message, View, part
 from stepwell.studio.wire.message import unpacked
 from studio.pages import Answer

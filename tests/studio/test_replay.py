@@ -6,7 +6,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.mechanism import Chain
-from stepwell.studio.panels.motions.evaluate import drawn
+from stepwell.studio.panels.motions._drawn import drawn
 from stepwell.studio.replay import replay
 from studio.browser import Opened, number, opens, output, shown_as
 

@@ -13,7 +13,7 @@ from stepwell.design import Margin, margin
 from stepwell.mechanism import Chain, phase_at
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
-from stepwell.studio.panels.motions.evaluate import (
+from stepwell.studio.panels.motions._drawn import (
     MJ,
     arrays_of,
     cells_of,
@@ -21,9 +21,9 @@ from stepwell.studio.panels.motions.evaluate import (
     events_of,
     landscape,
     margins_of,
+    program_told,
     units_of,
 )
-from stepwell.studio.panels.motions.program import told
 from stepwell.studio.wire import View
 
 
@@ -40,7 +40,9 @@ def motion_of(
         progress: called with (done, total) while margins are searched.
     """
     if isinstance(result, Program):
-        return _view(result.chain, result.path, {**margins_of(None), "program": told(result)})
+        return _view(
+            result.chain, result.path, {**margins_of(None), "program": program_told(result)}
+        )
     cycle = result.cycle() if isinstance(result, Chain) else result
     found = {
         "program": None,

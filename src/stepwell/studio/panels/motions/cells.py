@@ -11,7 +11,7 @@ import numpy as np
 from stepwell.base import StepwellError, told_in
 from stepwell.files import columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
-from stepwell.studio.panels.motions.evaluate import units_of
+from stepwell.studio.panels.motions._drawn import units_of
 from stepwell.studio.wire import Ask, Design, View
 
 _POINTS = 121

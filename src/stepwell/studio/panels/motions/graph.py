@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from stepwell.base import InputError, told_in
 from stepwell.sequences import to_dot
-from stepwell.studio.panels.motions.evaluate import units_of
+from stepwell.studio.panels.motions._drawn import units_of
 from stepwell.studio.wire import Ask, Design, View
 
 # More states than these cells have cannot be seen, and are counted by `stepwell graph`.

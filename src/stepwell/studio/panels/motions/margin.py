@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepwell.design import margin
-from stepwell.studio.panels.motions.evaluate import margins_of
+from stepwell.studio.panels.motions._drawn import margins_of
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True

@@ -9,7 +9,13 @@ from stepwell.base import InputError, told_in
 from stepwell.files import WrittenProgram
 from stepwell.mechanism import Chain
 from stepwell.sequences import Program, ProgramMethod
-from stepwell.studio.panels.motions.evaluate import arrays_of, drawn, events_of, units_of
+from stepwell.studio.panels.motions._drawn import (
+    arrays_of,
+    drawn,
+    events_of,
+    program_told,
+    units_of,
+)
 from stepwell.studio.wire import Ask, Design, View
 
 _MOST_TURNS = 100
@@ -21,31 +27,11 @@ def answer(design: Design, ask: Ask) -> View:
     found = program_of(design.chain, ask)
     ask.close()
     path = drawn(found.path)
-    header = {"units": units_of(found.chain), **told(found)}
+    header = {"units": units_of(found.chain), **program_told(found)}
     return View(
         {**header, "events": events_of(found.path.events, path), "written": _written(found)},
         arrays_of(path),
     )
-
-
-def told(found: Program) -> dict[str, Any]:
-    """What a program does, its drives in the unit of `units_of`."""
-    drive = told_in(found.chain.drive_unit)[1]
-    return {
-        "start": found.start,
-        "to": found.to,
-        "arrives": found.arrives,
-        "does_it": found.arrives == found.to and found.hangs is None,
-        "proved": found.shortest,
-        "reason": found.reason,
-        "turning_points_mm": [point * drive for point in found.turning_points],
-        "turns": [
-            {"drive_mm": t.drive * drive, "low_mm": t.low * drive, "high_mm": t.high * drive}
-            for t in found.turns
-        ],
-        "states": list(found.sequence.states),
-        "sequence": str(found.sequence),
-    }
 
 
 def program_of(chain: Chain, ask: Ask) -> Program:
