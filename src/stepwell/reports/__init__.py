@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from stepwell.reports.chains import boundary_rows, checked_suffix, write_graph
 from stepwell.reports.figure import PANELS, figure
-from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
-from stepwell.reports.write import write
+from stepwell.reports.story.page import write_story
+from stepwell.reports.story.steps import OPENING, STEPS, Step, Telling
+from stepwell.reports.write import boundary_rows, checked_suffix, write, write_graph
 
 if TYPE_CHECKING:
     from stepwell.reports.paper import figure_of
@@ -29,7 +29,7 @@ __all__ = [
 # The claims of the paper are opened when its figures are asked for.
 def __getattr__(name: str) -> Any:
     if name == "figure_of":
-        from stepwell.reports import paper
+        from stepwell.reports.paper import figure_of
 
-        return paper.figure_of
+        return figure_of
     raise AttributeError(f"module 'stepwell.reports' has no attribute {name!r}")

@@ -21,6 +21,8 @@ from stepwell.sequences import Cycle, Pathway
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from stepwell.paper import Verdicts
+
 # Of a page with five rows of three [mm].
 _NARROW = 165.0
 
@@ -122,7 +124,7 @@ def _mm(q: tuple[float, float]) -> str:
     return ", ".join(f"{part * 1e3:g}" for part in q).replace("-", "\N{MINUS SIGN}")
 
 
-def contents(_account: Account, everything: bool = False) -> Contents:
+def paper_contents(_: Verdicts, _account: Account, everything: bool = False) -> Contents:
     """Of verdicts on the claims of the paper: its figures.
 
     Args:

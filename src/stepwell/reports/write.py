@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -13,18 +13,34 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts import About, Account, Drawn, Image, account, page
-from stepwell.base import InputError, StepwellError, have, of_kind, write_atomic
+from stepwell.base import (
+    InputError,
+    Quantity,
+    StepwellError,
+    csv_text,
+    have,
+    need,
+    of_kind,
+    told_in,
+    write_atomic,
+)
 from stepwell.files import dumps, staged_folder
 from stepwell.studio.replay import embedded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from stepwell.design import Boundary
+    from stepwell.sequences import TransitionGraph
+
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
 Content = str | Callable[[Path], object]
 Draw = Callable[..., "Figure"]
 
+FIGURES = (".svg", ".png", ".pdf")
+# What writes a graph for other programs, by the end of the file's name.
+EXPORTS = {".graphml": "to_graphml", ".dot": "to_dot", ".json": "to_json"}
 # The width of figures that fill a phone [mm].
 PHONE = 85.0
 
@@ -52,28 +68,28 @@ class Contents:
     film: Callable[[Path, Progress | None], None] | None = None
 
 
-# Which file knows the contents of a class.
+# What the folder of a class has: the file in this folder, and the function in it.
 _CONTENTS = {
-    "AsBuilt": "measured",
-    "Atlas": "studies",
-    "BandFit": "measured",
-    "Batch": "measured",
-    "Calibration": "measured",
-    "Check": "designs",
-    "Comparison": "measured",
-    "Design": "designs",
-    "MapView": "chains",
-    "Maze": "robots",
-    "Prediction": "robots",
-    "Program": "chains",
-    "Reprogramming": "designs",
-    "Run": "chains",
-    "Status": "studies",
-    "Survival": "designs",
-    "Sweep": "robots",
-    "Verdicts": "paper",
-    "Walk": "robots",
-    "Yield": "designs",
+    "AsBuilt": "contents:as_built_contents",
+    "Atlas": "contents:atlas_contents",
+    "BandFit": "contents:band_contents",
+    "Batch": "contents:batch_contents",
+    "Calibration": "contents:calibration_contents",
+    "Check": "contents:check_contents",
+    "Comparison": "contents:comparison_contents",
+    "Design": "contents:design_contents",
+    "MapView": "contents:map_contents",
+    "Maze": "contents:maze_contents",
+    "Prediction": "contents:prediction_contents",
+    "Program": "contents:program_contents",
+    "Reprogramming": "contents:reprogramming_contents",
+    "Run": "contents:run_contents",
+    "Status": "contents:study_contents",
+    "Survival": "contents:survival_contents",
+    "Sweep": "contents:sweep_contents",
+    "Verdicts": "paper:paper_contents",
+    "Walk": "contents:walk_contents",
+    "Yield": "contents:yield_contents",
 }
 
 
@@ -107,11 +123,15 @@ def write(
         OSError: the folder cannot be written; nothing has changed.
     """
     found = result if isinstance(result, Account) else account(result, about)
-    file = of_kind(_CONTENTS, found.value)
-    if file is None:
-        raise InputError(f"{type(found.value).__name__}: must be one of {', '.join(_CONTENTS)}.")
-    contents = import_module(f"stepwell.reports.{file}").contents(found, **options)
-    return _written(found, contents, folder, progress, force)
+    place = of_kind(_CONTENTS, found.value)
+    if place is None:
+        raise InputError(
+            f"{type(found.value).__name__}: must be one of {', '.join(_CONTENTS)}. Write the whole "
+            "result that it is a part of, such as the `Run` of a `Cycle`; a graph by `write_graph`."
+        )
+    file, _, name = place.partition(":")
+    contents_of = getattr(import_module(f"stepwell.reports.{file}"), name)
+    return _written(found, contents_of(found.value, found, **options), folder, progress, force)
 
 
 def _written(
@@ -181,3 +201,63 @@ def design_text(found: Account) -> str:
     design = found.about.design
     assert design is not None, "a folder is of a design"
     return design if isinstance(design, str) else dumps(design)
+
+
+def boundary_rows(boundaries: Iterable[Boundary]) -> str:
+    """The curves of a map as CSV: curve, kind and both parameters, a row for every point."""
+    head, rows = ["curve", "kind"], list[tuple[str, ...]]()
+    for number, boundary in enumerate(boundaries):
+        units = [told_in(unit) for unit in boundary.units]
+        names = [
+            Quantity(name, "" if unit == "1" else unit).key
+            for name, (unit, _) in zip(boundary.parameters, units, strict=True)
+        ]
+        head = ["curve", "kind", *names]
+        kind = boundary.kind.name.lower()
+        (_, across), (_, up) = units
+        rows += [
+            (str(number), kind, f"{x * across:.9g}", f"{y * up:.9g}")
+            for x, y in boundary.points.tolist()
+        ]
+    return csv_text(head, rows)
+
+
+def checked_suffix(file: str | os.PathLike[str]) -> str:
+    """How a transition graph is to be written, by the end of the file's name.
+
+    Raises:
+        ValueError: an end that means nothing.
+        ExtraError: a figure, and Matplotlib is not installed.
+    """
+    suffix = Path(file).suffix.lower()
+    if suffix not in (*FIGURES, *EXPORTS):
+        raise InputError(
+            f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
+            f"{', '.join(EXPORTS)} for other programs."
+        )
+    if suffix in FIGURES:
+        need("figures")
+    return suffix
+
+
+def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
+    """Write a transition graph, whole or not at all.
+
+    Args:
+        graph: any; a figure holds at most 64 states with all cells at a stop.
+        file: where to; .svg, .png or .pdf is a figure, .graphml, .dot and .json are for other
+            programs.
+
+    Raises:
+        ValueError: a name with another end, or too many states for a figure.
+        OSError: the folder is missing or cannot be written.
+    """
+    suffix = checked_suffix(file)
+    if suffix in FIGURES:
+        from stepwell import figures
+
+        figures.save(figures.transition_graph(graph), file)
+    else:
+        from stepwell import sequences
+
+        write_atomic(file, getattr(sequences, EXPORTS[suffix])(graph))

@@ -11,8 +11,7 @@ from string import Template
 
 from stepwell.base import __version__, write_atomic
 from stepwell.files import staged_folder
-from stepwell.reports.story.shown import Shown
-from stepwell.reports.story.steps import OPENING, Progress, Step, Telling
+from stepwell.reports.story.steps import OPENING, Progress, Shown, Step, Telling
 
 Told = Sequence[tuple[Telling, Step]]
 

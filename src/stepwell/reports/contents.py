@@ -1,0 +1,346 @@
+"""What the folder of each result has besides its page."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepwell import figures
+from stepwell.accounts import Account
+from stepwell.base import InputError, have, write_netcdf
+from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transition_map
+from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
+from stepwell.mechanism import Cell
+from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
+from stepwell.studio.replay import replay
+
+if TYPE_CHECKING:
+    from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
+    from stepwell.lab import AsBuilt, BandFit, Batch, Calibration, Comparison
+    from stepwell.robot import Prediction
+    from stepwell.sequences import Program
+    from stepwell.simulation import Maze, Sweep, Walk
+    from stepwell.studies import Atlas, Status
+
+# Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
+_NODES, _BEYOND = 41, 1.35
+# Samples that are drawn around the nominal design, and cells that fit into a figure.
+_CLOUD, _DRAWABLE_CELLS = 600, 16
+# Cells of which a page plays the motion.
+MOST_PLAYED = 12
+# Cells whose graphs can be read side by side.
+_DRAWABLE_GRAPHS = 4
+# A video of a longer walk is faster than the robot [s].
+_LONGEST_VIDEO = 16.0
+Warn = Callable[[str], object]
+
+
+def run_contents(run: Run, account: Account) -> Contents:
+    """Of a run."""
+    chain = run.chain
+    plays = len(chain) <= LONGEST_FOLLOWED
+    draws = {
+        name.replace("_", "-"): draw for name, draw in figures.standard_draws(run.cycle).items()
+    }
+    draws |= _of_margin(run.margin)
+    if run.built is not None:
+        draws["yield"] = partial(figures.yield_bars, run.built)
+    return Contents(
+        "run",
+        "result.json",
+        {"design.toml": design_text(account), "path.csv": run.cycle.path.to_csv},
+        draws,
+        motion=partial(replay, run.cycle, title=chain.title, margin=run.margin) if plays else None,
+    )
+
+
+def _of_margin(margin: Margin) -> dict[str, Draw]:
+    """The margin, and a map round the anchor that is nearest to another sequence."""
+    chain, draws = margin.chain, {"margins": partial(figures.margins, margin)}
+    anchors = [change for change in margin.changes if change.parameter == "anchor"]
+    nearest = min(anchors, key=lambda change: change.distance, default=None)
+    # By the engine a map takes seconds; and of long chains it has too many regions.
+    if nearest is None or margin.method != "exact" or len(chain) > LONGEST_FOLLOWED:
+        return draws
+    cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
+    # Maps need xarray.
+    if not isinstance(cell, Cell) or not 0.0 < far < math.inf or not have("tables"):
+        return draws
+    here = cell.bands[0].q
+    x, y = (np.linspace(at - far, at + far, _NODES) for at in here)
+    around = transition_map(chain, nearest.cell, x=x, y=y)
+    curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
+    dots = {"this design": here}
+    draws["around"] = partial(figures.transition_map, around, curves, dots)
+    return draws
+
+
+def program_contents(program: Program, account: Account) -> Contents:
+    """Of a program."""
+    text, kept = account.about.design, WrittenProgram.of(program)
+    written = (
+        with_program(text, kept) if isinstance(text, str) else dumps(program.chain, program=kept)
+    )
+    plays = len(program.chain) <= LONGEST_FOLLOWED
+    return Contents(
+        "program",
+        "program.json",
+        {"design.toml": written, "program.csv": program.to_csv},
+        {"program": partial(figures.stroke_program, program)},
+        motion=partial(replay, program, title=program.chain.title) if plays else None,
+    )
+
+
+def map_contents(view: MapView, account: Account) -> Contents:
+    """Of a map."""
+    inside = {name: place for name, place in view.designs.items() if _shows(view, place)}
+    return Contents(
+        "map",
+        "map.json",
+        {
+            "map.nc": partial(write_netcdf, data=view.dataset),
+            "boundaries.csv": boundary_rows(view.boundaries),
+        },
+        {"map": partial(figures.transition_map, view.dataset, view.boundaries, inside)},
+    )
+
+
+def _shows(view: MapView, design: tuple[float, float]) -> bool:
+    """Whether a map holds a design."""
+    axes = zip((view.dataset["x"], view.dataset["y"]), design, strict=True)
+    return all(float(axis[0]) <= value <= float(axis[-1]) for axis, value in axes)
+
+
+def check_contents(found: Check, account: Account) -> Contents:
+    """Of a verdict on a design."""
+    chain = found.chain
+    plays = len(chain) <= MOST_PLAYED
+    return Contents(
+        "check",
+        "check.json",
+        {"design.toml": design_text(account)},
+        on_page=_of_yield(found.yield_) if isinstance(found.yield_, Yield) else {},
+        motion=partial(replay, chain, title=chain.title) if plays else None,
+    )
+
+
+def design_contents(found: Design, account: Account) -> Contents:
+    """Of a design that was found."""
+    return Contents(
+        "design",
+        "design.json",
+        {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv},
+        {"force-plane": partial(figures.plot, found)},
+    )
+
+
+def reprogramming_contents(found: Reprogramming, _account: Account) -> Contents:
+    """Of a reprogramming: the changed design and the way there."""
+    files: dict[str, Content] = {}
+    if found.chain_after is not None:
+        files["design.toml"] = dumps(found.chain_after)
+        if isinstance(found.displacement, tuple):
+            files["way.csv"] = found.to_csv
+    return Contents("reprogram", "reprogram.json", files)
+
+
+def yield_contents(found: Yield, account: Account) -> Contents:
+    """Of a yield."""
+    files = {"design.toml": design_text(account), "yield.csv": found.to_csv}
+    return Contents("yield", "yield.json", files, _of_yield(found))
+
+
+def survival_contents(_found: Survival, account: Account) -> Contents:
+    """Of a survival."""
+    return Contents("yield", "survival.json", {"design.toml": design_text(account)})
+
+
+def _of_yield(found: Yield) -> dict[str, Draw]:
+    draws: dict[str, Draw] = {"yield": partial(figures.yield_bars, found)}
+    if len(found.chain) <= _DRAWABLE_CELLS:
+        draws["force-plane"] = partial(
+            figures.force_plane, found.chain, clouds=found.end_forces(_CLOUD)
+        )
+    return draws
+
+
+def batch_contents(found: Batch, _: Account) -> Contents:
+    """Of recordings."""
+    from stepwell.lab import table, to_csv
+
+    recordings = found.recordings
+    return Contents(
+        "lab read",
+        "recordings.json",
+        {
+            "recordings.csv": partial(to_csv, recordings),
+            "recordings.nc": lambda file: write_netcdf(file, table(recordings)),
+        },
+    )
+
+
+def band_contents(found: BandFit, account: Account) -> Contents:
+    """Of bands."""
+    return Contents(
+        "lab band",
+        "band.json",
+        {"band.toml": account.record["table"]},
+        {"laws": partial(figures.band_laws, found.test, found.choice)},
+    )
+
+
+def comparison_contents(found: Comparison, _: Account) -> Contents:
+    """Of a comparison."""
+    draws: dict[str, Draw] = {}
+    if found.cells:
+        draws["forces"] = partial(figures.measured_forces, found.cells)
+        draws["energies"] = partial(figures.measured_energies, found.cells)
+    if found.pairs:
+        draws["pairs"] = partial(figures.measured_pairs, found.pairs)
+    return Contents("lab compare", "compare.json", {"curves.csv": found.to_csv}, draws)
+
+
+def calibration_contents(found: Calibration, account: Account) -> Contents:
+    """Of a calibration."""
+    files: dict[str, Content] = {
+        "band.toml": account.record["table"],
+        "calibration.nc": lambda file: write_netcdf(file, found.to_xarray()),
+    }
+    if found.pairs:
+        first = found.pairs[0].series
+        files["pair.toml"] = dumps(found.applied(first.chain, first.bands))
+        files["rig.toml"] = rig_toml(found.rig)
+    draws = {"calibration": partial(figures.calibration, found)}
+    return Contents("lab calibrate", "calibration.json", files, draws)
+
+
+def as_built_contents(found: AsBuilt, _: Account) -> Contents:
+    """Of a first build."""
+    files: dict[str, Content] = {"built.toml": dumps(found.chain)}
+    if found.moves:
+        files["moved.toml"] = dumps(found.moves[0].of(found.chain))
+    return Contents("lab as-built", "built.json", files)
+
+
+def prediction_contents(found: Prediction, account: Account) -> Contents:
+    """Of a robot and its prediction."""
+    return Contents(
+        "robot show",
+        "robot.json",
+        {"robot.toml": design_text(account)},
+        {
+            "robot": partial(figures.robot_drawing, found.robot),
+            "prediction": partial(figures.prediction, found),
+        },
+    )
+
+
+def walk_contents(
+    walk: Walk, account: Account, *, video: bool = False, warn: Warn = warnings.warn
+) -> Contents:
+    """Of a walk."""
+    drawn = ("trajectory", "gait", "contacts") if len(walk.time) else ()
+    return Contents(
+        "walk",
+        "walk.json",
+        {"robot.toml": design_text(account), "walk.nc": walk.to_netcdf},
+        {name: partial(getattr(figures, name), walk) for name in drawn},
+        motion=partial(replay, walk),
+        film=partial(_film, walk, "walk", warn) if video else None,
+    )
+
+
+def maze_contents(
+    maze: Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
+) -> Contents:
+    """Of a way through an arena."""
+    draws: dict[str, Draw] = {}
+    if len(maze.walk.time):
+        draws = {
+            "maze": partial(figures.maze, maze),
+            "timeline": partial(figures.maze_timeline, maze),
+        }
+    return Contents(
+        "maze",
+        "maze.json",
+        {
+            "robot.toml": design_text(account),
+            "arena.toml": dumps(maze.arena),
+            "walk.nc": maze.walk.to_netcdf,
+        },
+        draws,
+        motion=partial(replay, maze),
+        film=partial(_film, maze, "maze", warn) if video else None,
+    )
+
+
+def sweep_contents(sweep: Sweep, _: Account) -> Contents:
+    """Of many robots."""
+    return Contents(
+        "robot sweep",
+        "sweep.json",
+        {"sweep.csv": sweep.to_csv, "sweep.nc": lambda file: write_netcdf(file, sweep.to_xarray())},
+        {"sweep": partial(figures.sweep, sweep)},
+    )
+
+
+def _film(
+    result: Walk | Maze, name: str, warn: Warn, folder: Path, progress: Progress | None
+) -> None:
+    from stepwell import simulation
+
+    walk = result.walk if isinstance(result, simulation.Maze) else result
+    if len(walk.time) < 2:
+        return
+    speed = max(1.0, float(walk.time[-1]) / _LONGEST_VIDEO)
+    targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
+    for some in (targets, targets[1:]):
+        try:
+            simulation.video(result, *some, speed=speed, progress=progress)
+            return
+        except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
+            warn(str(error))
+        except simulation.VideoError as error:
+            # All other files of the folder can be written without it.
+            warn(str(error))
+            return
+
+
+def study_contents(found: Status, _: Account, partial: bool = False) -> Contents:
+    """Of a study: its table, and its figures; influences are drawn of 50 designs or more.
+
+    Args:
+        found: of the study.
+        partial: whether the table goes without designs that are missing.
+
+    Raises:
+        GapError: designs are missing.
+        ValueError: an atlas, which `stepwell atlas show` reports.
+    """
+    study = found.study
+    if study.what == "atlas":
+        raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")
+    if not partial:
+        study.require_whole()
+    draws: dict[str, Draw] = {"outcomes": lambda **how: figures.outcomes(study, **how)}
+    if found.decided:
+        draws["influences"] = lambda **how: figures.influences(found.decided, **how)
+    return Contents(
+        "sweep report",
+        "study.json",
+        {"study.csv": lambda file: study.to_csv(file, partial=partial)},
+        draws,
+    )
+
+
+def atlas_contents(found: Atlas, _: Account) -> Contents:
+    """Of an atlas: its machines as graphs, if they can be seen side by side."""
+    drawable = found.machines and len(found.chain) <= _DRAWABLE_GRAPHS
+    draws: dict[str, Draw] = {"machines": partial(figures.machines, found)} if drawable else {}
+    return Contents("atlas show", "atlas.json", draws=draws)
