@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
-from stepwell.accounts.account import Level, Table
+from stepwell.accounts.account import Level, Row, Table
 from stepwell.accounts.chain import cell_schema
 from stepwell.accounts.head import Shape
 from stepwell.base import (
@@ -74,13 +74,13 @@ def test_json_terminal_card_and_page_have_the_same_numbers_in_the_same_units(kin
         assert fact.level > Level.CARD or text[:900] in " ".join(words_of_card.split())
     for section in found.sections:
         for table in section.within(Level.TERMINAL):
-            if isinstance(table, Table) and table.rows():
-                _same(table, screen, made, small if table.level is Level.CARD else None)
+            if isinstance(table, Table) and (rows := found.rows(table)):
+                _same(table, rows, screen, made, small if table.level is Level.CARD else None)
 
 
-def _same(table: Table, screen: str, made: list, small: list | None) -> None:
+def _same(table: Table, rows: Sequence[Row], screen: str, made: list, small: list | None) -> None:
     """Each number of a table is in every form, below its heading with the unit."""
-    columns, rows = shown_columns(table.columns), table.rows()
+    columns = shown_columns(table.columns)
     heads = [column.heading for column in columns]
     cells = [[column.cell(row) for column in columns] for row in rows]
     for column in columns:

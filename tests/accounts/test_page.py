@@ -83,7 +83,7 @@ def written(run, tmp_path_factory):
 def _rows(count: int) -> Account:
     rows = [{"what": str(k)} for k in range(count)]
     table = Table([Quantity("what", head="what")], lambda: rows, more="things")
-    return Account(None, "Many", sections=[Section("All of them", [table])])
+    return Account(None, "Many", sections=[Section("All of them", table)])
 
 
 def test_a_page_has_its_sections_in_order_and_the_answer_first(run, written):
@@ -128,7 +128,7 @@ def test_every_figure_is_a_whole_picture_with_its_caption(run, written):
 
 def test_a_wide_figure_has_another_form_for_phones():
     wide, narrow = Image("data:wide", 700, 300), Image("data:narrow", 321, 500)
-    found = Account(None, "One", sections=[Section("Figure", [Picture("it", "A figure")])])
+    found = Account(None, "One", sections=[Section("Figure", Picture("it", "A figure"))])
     made = Page(page(found, {"it": Drawn(wide, narrow)}))
     assert {"data:wide", "data:narrow"} <= set(made.links)
     assert "(max-width:" in page(found, {"it": Drawn(wide, narrow)})
@@ -156,7 +156,7 @@ def test_no_text_of_a_user_becomes_markup():
     outer = Cell(Band((-0.010, 0.0), (0.020, 0.0)), name='"><img src=x>')
     found = account(Chain((cell, outer), title=evil).cycle())
     found = replace(found, warnings=[Warned(evil, evil, [evil])])
-    found = replace(found, sections=[*found.sections, Section(evil, [Picture("it", evil)])])
+    found = replace(found, sections=[*found.sections, Section(evil, Picture("it", evil))])
     made = Page(page(found, {"it": Drawn(Image("data:image", 10, 10))}))
     assert "script" not in made.tags
     assert [image["alt"] for image in made.images] == [evil]

@@ -59,21 +59,24 @@ class Table:
 
     Args:
         columns: what is shown of each record; quantities without a head are not.
-        rows: makes the records, so that a table that is not shown costs nothing.
+        rows: makes the records, so that a table that is not shown costs nothing; or the key under
+            which the account's record has them.
         wide: further columns, which pages alone have room for.
         about: how to read the table; pages alone have it.
         most: how many rows a terminal shows; None for all.
         more: what the rows are, in the plural.
         level: the shortest form that has it.
+        pick: makes the rows of what the record has under the key.
     """
 
     columns: Columns
-    rows: Callable[[], Sequence[Row]]
+    rows: str | Callable[[], Sequence[Row]]
     about: str = ""
     wide: Columns = ()
     most: int | None = 40
     more: str = "rows"
     level: Level = Level.TERMINAL
+    pick: Callable[[Any], Sequence[Row]] | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,6 @@ class Verbatim:
 Part = Text | Notes | Table | Picture | Motion | Verbatim
 
 
-@dataclass(frozen=True)
 class Section:
     """Parts under a heading; without any that is shown, the heading is not shown either.
 
@@ -127,16 +129,20 @@ class Section:
         level: the shortest form that has it.
     """
 
-    heading: str
-    parts: Sequence[Part] | Callable[[], Sequence[Part]]
-    level: Level = Level.CARD
+    def __init__(
+        self,
+        heading: str,
+        *parts: Part | Callable[[], Sequence[Part]],
+        level: Level = Level.CARD,
+    ) -> None:
+        self.heading, self.parts, self.level = heading, parts, level
 
     def within(self, level: Level) -> list[Part]:
         """The parts that a form shows."""
         if self.level > level:
             return []
-        parts = self.parts() if callable(self.parts) else self.parts
-        return [part for part in parts if part.level <= level]
+        made = (one() if callable(one) else (one,) for one in self.parts)
+        return [part for some in made for part in some if part.level <= level]
 
 
 @dataclass(frozen=True)
@@ -208,6 +214,9 @@ class Account:
         texts = {one.label: one.text if isinstance(one.text, str) else one.text() for one in kept}
         return {label: text for label, text in texts.items() if text}
 
-    def rows(self, key: str) -> Callable[[], Sequence[Row]]:
-        """What makes the rows of a table that the record has under a key."""
-        return lambda: self.record[key] or ()
+    def rows(self, table: Table) -> Sequence[Row]:
+        """The rows of a table of this account."""
+        if callable(table.rows):
+            return table.rows()
+        found = self.record[table.rows]
+        return (table.pick(found) if table.pick else found) or ()

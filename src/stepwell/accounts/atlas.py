@@ -225,39 +225,33 @@ def atlas_account(
         sections=(
             Section(
                 "Machines, highest yield first" if query else "Machines, most frequent first",
-                [
-                    Picture("machines", "The most frequent machines, their fractions and yields"),
-                    Table(
-                        _MACHINES,
-                        lambda: [record(_MACHINES, one) for one in shown],
-                        most=_ROWS,
-                        more="machines",
-                        level=Level.CARD,
-                    ),
-                ],
+                Picture("machines", "The most frequent machines, their fractions and yields"),
+                Table(
+                    _MACHINES,
+                    lambda: [record(_MACHINES, one) for one in shown],
+                    most=_ROWS,
+                    more="machines",
+                    level=Level.CARD,
+                ),
             ),
-            Section("Columns of the table", [Text(_defined(found) if shown else "", Level.CARD)]),
+            Section("Columns of the table", Text(_defined(found) if shown else "", Level.CARD)),
             Section(
                 "Full cycles",
-                [
-                    Table(
-                        _CYCLES,
-                        lambda: [record(_CYCLES, one) for one in found.cycles],
-                        "The inner cell is the first.",
-                        level=Level.PAGE,
-                    )
-                ],
+                Table(
+                    _CYCLES,
+                    lambda: [record(_CYCLES, one) for one in found.cycles],
+                    "The inner cell is the first.",
+                    level=Level.PAGE,
+                ),
             ),
             Section(
                 "Varied parameters",
-                [
-                    Table(
-                        VARIED,
-                        lambda: [record(VARIED, one) for one in _space(found)],
-                        "All designs were drawn evenly between these ends.",
-                        level=Level.PAGE,
-                    )
-                ],
+                Table(
+                    VARIED,
+                    lambda: [record(VARIED, one) for one in _space(found)],
+                    "All designs were drawn evenly between these ends.",
+                    level=Level.PAGE,
+                ),
             ),
         ),
     )

@@ -177,7 +177,7 @@ def cell_section(chain: Chain) -> Section:
         more="cells",
         level=Level.CARD,
     )
-    return Section("Cells, innermost first", [cells, band_table(chain)])
+    return Section("Cells, innermost first", cells, band_table(chain))
 
 
 def band_table(chain: Chain, level: Level = Level.PAGE) -> Table:
@@ -233,7 +233,7 @@ def cell_account(value: Cell | Element, about: About | None = None) -> Account:
     found = record(schema, one)
     facts = [_fact(q, found) for q in schema if q.head]
     if isinstance(value, Cell):
-        bands = Section("Bands", [band_table(chain, Level.CARD)])
+        bands = Section("Bands", band_table(chain, Level.CARD))
         return Account(value, title=f"Cell {value.name}".strip(), facts=facts, sections=[bands])
     phases = counted(len(value.phases), "phase")
     words = value.measure

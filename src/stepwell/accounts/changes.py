@@ -151,7 +151,7 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
         level=Level.CARD,
     )
     heading = "Margin: the smallest change of one thing that gives another sequence"
-    return Section(heading, [*parts, table])
+    return Section(heading, *parts, table)
 
 
 def _columns(chain: Chain, changes: Sequence[Change]) -> Columns:

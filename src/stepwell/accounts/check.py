@@ -121,12 +121,10 @@ def check_account(found: Check, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Outcomes of the samples",
-                [
-                    Picture("yield", OUTCOMES),
-                    Picture("force-plane", FORCE_PLANE),
-                ],
+                Picture("yield", OUTCOMES),
+                Picture("force-plane", FORCE_PLANE),
             ),
-            Section("Motion", [Motion(found.wanted)]),
+            Section("Motion", Motion(found.wanted)),
             calibration(about),
             assumed(chain, found.yield_.assumptions),
         ),

@@ -171,13 +171,16 @@ def design_account(found: Design, about: About | None = None) -> Account:
         warnings=[advised(found.yield_)],
         sections=(
             _cells(found),
-            Section("Robustness", lambda: [Text(str(found.robustness or ""))], Level.TERMINAL),
-            Section("Reachable states", lambda: _reachable(found), Level.TERMINAL),
+            Section(
+                "Robustness", lambda: [Text(str(found.robustness or ""))], level=Level.TERMINAL
+            ),
+            Section("Reachable states", lambda: _reachable(found), level=Level.TERMINAL),
             Section(
                 "Outcomes of the samples",
-                [Picture("force-plane", FORCE_PLANE), other_outcomes(found.yield_)],
+                Picture("force-plane", FORCE_PLANE),
+                other_outcomes(found.yield_),
             ),
-            Section("Method", [Text(found.method, Level.CARD)]),
+            Section("Method", Text(found.method, Level.CARD)),
             assumed(chain, found.assumptions),
         ),
     )
@@ -193,7 +196,7 @@ def _cells(found: Design) -> Section:
         more="cells",
         level=Level.CARD,
     )
-    return Section("Cells, innermost first", [table])
+    return Section("Cells, innermost first", table)
 
 
 def _reachable(found: Design) -> list[Part]:
@@ -294,7 +297,7 @@ def reprogramming_account(found: Reprogramming, about: About | None = None) -> A
             Fact("Method", method),
         ),
         sections=(
-            Section("Force against the displacement", [_force_table(found)] if changes else []),
+            Section("Force against the displacement", *([_force_table(found)] if changes else [])),
             assumed(chain, f"searched, not exact: {found.resolution}" if found.resolution else ""),
         ),
     )

@@ -124,8 +124,7 @@ def event_section(
         level=Level.CARD,
     )
     return Section(
-        "Switches and snaps",
-        [table, Text(f"Landings: {words}." if words else "", Level.PAGE)],
+        "Switches and snaps", table, Text(f"Landings: {words}." if words else "", Level.PAGE)
     )
 
 
@@ -156,7 +155,7 @@ def elsewhere_section(
         "nearest to those given that were found to lead there, and the fraction of the samples."
     )
     return Section(
-        "Landings that other mobilities of the cells change", [Table(columns, rows, about)]
+        "Landings that other mobilities of the cells change", Table(columns, rows, about)
     )
 
 

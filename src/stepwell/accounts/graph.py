@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +142,7 @@ def graph_account(value: TransitionGraph, about: About | None = None) -> Account
         about=about or About(chain),
         facts=[Fact(name, text) for name, text in reading.facts.items()],
         warnings=[degenerate(value.ties, chain)],
-        sections=[Section("Nodes", [Text(counts)])],
+        sections=[Section("Nodes", Text(counts))],
     )
 
 
@@ -204,7 +203,8 @@ def walked_account(walked: Walked, about: About | None = None) -> Account:
     begin = walked.start
     if not readable:
         begin = "all cells at 0" if walked.start == graph.zero else "the start"
-    found = Account(
+    heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, those near by first"
+    return Account(
         walked,
         graph.chain.title or "Transition graph",
         "implicit_graph/2",
@@ -213,10 +213,8 @@ def walked_account(walked: Walked, about: About | None = None) -> Account:
         about=about or About(graph.chain),
         facts=[Fact(name, text) for name, text in graph.facts.items()],
         warnings=[degenerate(graph.ties, graph.chain)],
+        sections=[Section(heading, Table(_walked_columns(walked), "walk", more="nodes"))],
     )
-    heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, those near by first"
-    table = Table(_walked_columns(walked), found.rows("walk"), more="nodes")
-    return replace(found, sections=[Section(heading, [table])])
 
 
 def _walked_columns(walked: Walked) -> Columns:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -118,7 +117,7 @@ def map_account(view: MapView, about: About | None = None) -> Account:
         Column("share of the map", lambda row: percent(row["share"]), True),
     ]
     by_share = Table(columns, lambda: rows, most=None, more="sequences", level=Level.CARD)
-    found = Account(
+    return Account(
         view,
         str(data.attrs["title"]) or "Map",
         "map/3",
@@ -129,25 +128,22 @@ def map_account(view: MapView, about: About | None = None) -> Account:
             Fact("Across", _axis_words(_axis(view, "x"))),
             Fact("Up", _axis_words(_axis(view, "y"))),
         ],
-    )
-    sections = (
-        Section("Map", [Picture("map", "Sequence at each point of the map")]),
-        Section("Sequences", [by_share]),
-        Section(
-            "Boundaries",
-            [
+        sections=(
+            Section("Map", Picture("map", "Sequence at each point of the map")),
+            Section("Sequences", by_share),
+            Section(
+                "Boundaries",
                 Table(
                     (*_BOUNDARY, Column("within", _error)),
-                    found.rows("boundaries"),
+                    "boundaries",
                     "The curves between the sequences.",
                     most=None,
                     more="curves",
-                )
-            ],
+                ),
+            ),
+            Section("Method", Text(_method(view))),
         ),
-        Section("Method", [Text(_method(view))]),
     )
-    return replace(found, sections=sections)
 
 
 def _axis_words(axis: _Axis) -> str:

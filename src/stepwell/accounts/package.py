@@ -78,11 +78,11 @@ def installation_account(found: Installation, about: About | None = None) -> Acc
             Fact("Writable", _writable(kernels.writable) if kernels else ""),
         ),
         sections=(
-            Section("Broken", [_table(_BROKEN, found.broken)]),
-            Section("Packages", [_table(_PACKAGE, found.packages)]),
-            Section("Extras", [_table(_EXTRA, found.extras, (_NAME, _USED_FOR, _HERE))]),
-            Section("Extras to install", [Verbatim("\n".join(lacking), "commands")]),
-            Section("Tools", [_table(_TOOL, found.tools)]),
+            Section("Broken", _table(_BROKEN, found.broken)),
+            Section("Packages", _table(_PACKAGE, found.packages)),
+            Section("Extras", _table(_EXTRA, found.extras, (_NAME, _USED_FOR, _HERE))),
+            Section("Extras to install", Verbatim("\n".join(lacking), "commands")),
+            Section("Tools", _table(_TOOL, found.tools)),
         ),
         hints=["No other part is examined before the packages are installed."] if missing else (),
     )
@@ -134,7 +134,7 @@ def presets_account(found: Presets, about: About | None = None) -> Account:
         presets_schema(),
         answer=counted(len(found), "design"),
         computed=False,
-        sections=(Section("Names and titles", [table]),),
+        sections=(Section("Names and titles", table),),
     )
 
 
@@ -168,10 +168,10 @@ def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
         answer=f"{found.agreed} of {len(found)} claims agree",
         about=about or About(),
         sections=(
-            Section("Claims", [Table(compared, lambda: rows, "", wide, None, "claims")]),
+            Section("Claims", Table(compared, lambda: rows, "", wide, None, "claims")),
             Section(
                 "Reasons and limits",
-                [Table((_ID, _REASON), lambda: reasons, most=None, more="reasons")],
+                Table((_ID, _REASON), lambda: reasons, most=None, more="reasons"),
             ),
         ),
     )

@@ -126,12 +126,12 @@ def program_account(program: Program, about: About | None = None) -> Account:
         ),
         warnings=[degenerate(path.degenerate, chain)],
         sections=(
-            Section("Path", [Picture("program", "The program, and the motion of the cells")]),
-            Section("Motion", [Motion(chain.title)]),
+            Section("Path", Picture("program", "The program, and the motion of the cells")),
+            Section("Motion", Motion(chain.title)),
             _turns(program),
             event_section(chain, path.events, landings),
             elsewhere_section(chain, path.events, landings),
-            Section("Method", [Text(f"{program.reason}.", Level.CARD)]),
+            Section("Method", Text(f"{program.reason}.", Level.CARD)),
             assumed(chain),
         ),
     )
@@ -160,4 +160,4 @@ def _turns(program: Program) -> Section:
         more="turns",
         level=Level.CARD,
     )
-    return Section("Turns: anywhere in its window each does the same", [table])
+    return Section("Turns: anywhere in its window each does the same", table)

@@ -154,11 +154,7 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
         if leg.near_boundary
     ]
 
-    def of_legs(key: str) -> list[Row]:
-        legs = made.record["prediction"]["legs"]
-        return [{"leg": leg["name"], **one} for leg in legs for one in leg[key]]
-
-    made = Account(
+    return Account(
         found,
         kind="robot/1",
         schema=robot_schema(),
@@ -188,54 +184,51 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
         sections=(
             Section(
                 "The robot",
-                [
-                    Picture("robot", "The robot from the side and from above"),
-                    Picture("prediction", "The gait that statics predicts"),
-                ],
+                Picture("robot", "The robot from the side and from above"),
+                Picture("prediction", "The gait that statics predicts"),
             ),
             Section(
                 "Predicted gaits",
-                [
-                    Table(
-                        _LEG,
-                        lambda: [record(_LEG, leg) for leg in found.legs],
-                        "Margin: the smallest force on one cell that changes the gait. "
-                        "Uncertainty: the force that the prediction does not know.",
-                        most=None,
-                        more="legs",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    _LEG,
+                    lambda: [record(_LEG, leg) for leg in found.legs],
+                    "Margin: the smallest force on one cell that changes the gait. "
+                    "Uncertainty: the force that the prediction does not know.",
+                    most=None,
+                    more="legs",
+                    level=Level.CARD,
+                ),
             ),
             Section(
                 "Pushes",
-                [
-                    Table(
-                        (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:]),
-                        partial(of_legs, "pushes"),
-                        "How far the body goes of each step, and up to which drag of the floor.",
-                        most=None,
-                        more="pushes",
-                    )
-                ],
+                Table(
+                    (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:]),
+                    "prediction",
+                    "How far the body goes of each step, and up to which drag of the floor.",
+                    most=None,
+                    more="pushes",
+                    pick=partial(_of_legs, "pushes"),
+                ),
             ),
             Section(
                 "Gait changes by antennas",
-                [
-                    Table(
-                        (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:]),
-                        partial(of_legs, "flips"),
-                        "How far an antenna moves the anchor before the gait of its leg changes.",
-                        most=None,
-                        more="changes",
-                    )
-                ],
+                Table(
+                    (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:]),
+                    "prediction",
+                    "How far an antenna moves the anchor before the gait of its leg changes.",
+                    most=None,
+                    more="changes",
+                    pick=partial(_of_legs, "flips"),
+                ),
             ),
             parameter_section(robot, Level.TERMINAL),
-            Section("Assumptions", [Notes(found.assumptions, Level.PAGE)]),
+            Section("Assumptions", Notes(found.assumptions, Level.PAGE)),
         ),
     )
-    return made
+
+
+def _of_legs(key: str, prediction: Row) -> list[Row]:
+    return [{"leg": leg["name"], **one} for leg in prediction["legs"] for one in leg[key]]
 
 
 def _needs(needs: DriveNeeds) -> str:
@@ -288,7 +281,7 @@ def parameter_section(robot: Robot, level: Level = Level.PAGE) -> Section:
     about = "Every number with its source; its key is that of the design file."
     rows = partial(_parameter_rows, robot)
     return Section(
-        "Parameters", [Table(columns, rows, about, most=None, more="numbers", level=level)]
+        "Parameters", Table(columns, rows, about, most=None, more="numbers", level=level)
     )
 
 

@@ -136,8 +136,8 @@ def run_account(run: Run, about: About | None = None) -> Account:
                 Picture("around", "Sequences around the most sensitive anchor"),
             ),
             _samples(run, tied),
-            Section("Motion", [Motion(chain.title, _NOT_PLAYED)]),
-            Section("Figures", _pictures(chain)),
+            Section("Motion", Motion(chain.title, _NOT_PLAYED)),
+            Section("Figures", *_pictures(chain)),
             assumed(chain),
         ),
         hints=[_CHECK] if landings == NOT_CHECKED else [],
@@ -196,7 +196,7 @@ def _samples(run: Run, tied: bool) -> Section:
             Text(found.assumptions, Level.PAGE),
         ]
 
-    return Section("Yield within the usual tolerances", parts, Level.PAGE)
+    return Section("Yield within the usual tolerances", parts, level=Level.PAGE)
 
 
 def _pictures(chain: Chain) -> list[Part]:

@@ -191,28 +191,24 @@ def study_account(found: Status, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Outcomes",
-                [
-                    Picture("outcomes", "Outcomes over the parameters that decide them"),
-                    _table(_OUTCOME, found, "outcomes", "The most frequent first.", "outcomes"),
-                ],
+                Picture("outcomes", "Outcomes over the parameters that decide them"),
+                _table(_OUTCOME, found, "outcomes", "The most frequent first.", "outcomes"),
             ),
             Section(
                 "Influence of each number",
-                [
-                    Picture("influences", "Fraction of the variance that each number explains"),
-                    Table(
-                        _DECIDING,
-                        lambda: deciding,
-                        "The fraction of a column's variance that a number explains by itself, and "
-                        "its rank correlation. Fractions that chance could produce are left out.",
-                        most=None,
-                        more="numbers",
-                    ),
-                ],
+                Picture("influences", "Fraction of the variance that each number explains"),
+                Table(
+                    _DECIDING,
+                    lambda: deciding,
+                    "The fraction of a column's variance that a number explains by itself, and "
+                    "its rank correlation. Fractions that chance could produce are left out.",
+                    most=None,
+                    more="numbers",
+                ),
             ),
-            Section("Range of each result", [_table(_NUMBER, found, "numbers", "", "results")]),
-            Section("Varied parameters", [_table(VARIED, found, "varied", "", "parameters")]),
-            Section("Assumptions", [Notes(_assumed(found), Level.PAGE)]),
+            Section("Range of each result", _table(_NUMBER, found, "numbers", "", "results")),
+            Section("Varied parameters", _table(VARIED, found, "varied", "", "parameters")),
+            Section("Assumptions", Notes(_assumed(found), Level.PAGE)),
         ),
         hints=[] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"],
     )
@@ -339,7 +335,7 @@ def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
     ]
     why = Column("why it stopped", lambda row: row["stopped"])
     first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
-    made = Account(
+    return Account(
         sweep,
         kind="sweep/1",
         schema=sweep_schema(),
@@ -357,23 +353,20 @@ def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
             ),
         ),
         sections=(
-            Section("Results", [Picture("sweep", "What each robot does in a cycle")]),
+            Section("Results", Picture("sweep", "What each robot does in a cycle")),
             Section(
                 "Robots",
-                [
-                    Table(
-                        (*varied, *TRIAL),
-                        lambda: made.record["trials"],
-                        "One row for each robot.",
-                        wide=[why] if failed else (),
-                        more="robots",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    (*varied, *TRIAL),
+                    "trials",
+                    "One row for each robot.",
+                    wide=[why] if failed else (),
+                    more="robots",
+                    level=Level.CARD,
+                ),
             ),
         ),
     )
-    return made
 
 
 _TIME_STEP: Schema = (
@@ -399,7 +392,7 @@ def convergence_account(found: Convergence, about: About | None = None) -> Accou
     rows = found.rows
     steps = ", ".join(number(row.time_step * 1e3) for row in rows)
     advance = [row.advance for row in rows]
-    made = Account(
+    return Account(
         found,
         kind="convergence/1",
         schema=convergence_schema(),
@@ -412,26 +405,21 @@ def convergence_account(found: Convergence, about: About | None = None) -> Accou
         sections=(
             Section(
                 "Time steps",
-                [
-                    Table(
-                        (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4]),
-                        lambda: made.record["time_steps"],
-                        most=None,
-                        more="time steps",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4]),
+                    "time_steps",
+                    most=None,
+                    more="time steps",
+                    level=Level.CARD,
+                ),
             ),
             Section(
                 "Definitions",
-                [
-                    Text(
-                        "Force deviation: root mean square over samples of the ground reaction "
-                        "forces against those at the smallest time step. Jumps: fraction of the "
-                        "steps in which a ground reaction force changes by more than a fifth."
-                    )
-                ],
+                Text(
+                    "Force deviation: root mean square over samples of the ground reaction "
+                    "forces against those at the smallest time step. Jumps: fraction of the "
+                    "steps in which a ground reaction force changes by more than a fifth."
+                ),
             ),
         ),
     )
-    return made

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -125,7 +125,7 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
     title = robot.title or "A walk"
     cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
     after = " after the first" if walk.cycles > 1 else ""
-    made = Account(
+    return Account(
         walk,
         kind="walk/1",
         schema=walk_schema(),
@@ -147,45 +147,39 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", [Motion(title)]),
+            Section("Motion", Motion(title)),
             Section(
                 "Path, gait and contacts",
-                [
-                    Picture("trajectory", "Path from above, and advance and turn of each cycle"),
-                    Picture("gait", "Travels and states of the cells of every leg"),
-                    Picture("contacts", "Contacts, actuator force and work"),
-                ],
+                Picture("trajectory", "Path from above, and advance and turn of each cycle"),
+                Picture("gait", "Travels and states of the cells of every leg"),
+                Picture("contacts", "Contacts, actuator force and work"),
             ),
             Section(
                 "Gaits",
-                [
-                    Table(
-                        (_LEG[0], *_GAITS),
-                        lambda: _gaits(made.record["legs"]),
-                        "The states of the cells in a cycle, and how far the foot slips.",
-                        most=None,
-                        more="gaits",
-                    )
-                ],
+                Table(
+                    (_LEG[0], *_GAITS),
+                    "legs",
+                    "The states of the cells in a cycle, and how far the foot slips.",
+                    most=None,
+                    more="gaits",
+                    pick=_gaits,
+                ),
             ),
             Section(
                 "Cycles",
-                [
-                    Table(
-                        (_CYCLE, *_CYCLES),
-                        lambda: _cycles(walk),
-                        "d/u_max is the advance over the largest step of the legs.",
-                        more="cycles",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    (_CYCLE, *_CYCLES),
+                    lambda: _cycles(walk),
+                    "d/u_max is the advance over the largest step of the legs.",
+                    more="cycles",
+                    level=Level.CARD,
+                ),
             ),
             parameter_section(robot),
-            Section("Assumptions", [Notes(simulation_assumptions(walk), Level.PAGE)]),
+            Section("Assumptions", Notes(simulation_assumptions(walk), Level.PAGE)),
         ),
         hints=(SOURCES,),
     )
-    return made
 
 
 def simulated_in(arena: Arena) -> str:
@@ -293,10 +287,7 @@ def maze_account(maze: Maze, about: About | None = None) -> Account:
     legs = {one.name: one.leg for one in robot.antennas if one.connected}
     leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
 
-    def rows(key: str) -> Callable[[], Sequence[Row]]:
-        return lambda: made.record[key]
-
-    made = Account(
+    return Account(
         maze,
         kind="maze/1",
         schema=maze_schema(),
@@ -318,44 +309,34 @@ def maze_account(maze: Maze, about: About | None = None) -> Account:
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", [Motion(title)]),
+            Section("Motion", Motion(title)),
             Section(
                 "Path",
-                [
-                    Picture("maze", "Path from above"),
-                    Picture("timeline", "Antennas, gaits and obstacles over time"),
-                ],
+                Picture("maze", "Path from above"),
+                Picture("timeline", "Antennas, gaits and obstacles over time"),
             ),
             Section(
-                "Obstacles",
-                [Table(_TOUCHED, rows("touched"), "When each was first touched.", most=None)],
+                "Obstacles", Table(_TOUCHED, "touched", "When each was first touched.", most=None)
             ),
             Section(
                 "Antenna contacts",
-                [
-                    Table(
-                        (*_CONTACT, leg), rows("contacts"), "Each contact, and the leg it changes."
-                    )
-                ],
+                Table((*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."),
             ),
             Section(
                 "Gait changes",
-                [
-                    Table(
-                        _CHANGE,
-                        rows("changes"),
-                        "From which cycle on a leg has another gait.",
-                        more="changes of gait",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    _CHANGE,
+                    "changes",
+                    "From which cycle on a leg has another gait.",
+                    more="changes of gait",
+                    level=Level.CARD,
+                ),
             ),
             parameter_section(robot),
-            Section("Assumptions", [Notes(simulation_assumptions(walk), Level.PAGE)]),
+            Section("Assumptions", Notes(simulation_assumptions(walk), Level.PAGE)),
         ),
         hints=(SOURCES,),
     )
-    return made
 
 
 def _antennas(robot: Robot) -> str:

@@ -182,14 +182,14 @@ def calibration(about: About) -> Section:
     given = about.calibrated
     heading = "Bands, weight and friction as calibrated"
     if given is None:
-        return Section(heading, [])
-    return Section(f"{heading} on {given.data}", [Notes(given.summary)])
+        return Section(heading)
+    return Section(f"{heading} on {given.data}", Notes(given.summary))
 
 
 def assumed(chain: Chain, *more: str) -> Section:
     """What the numbers of a chain assume; terminals have `more` alone, which is of the result."""
     found = [Notes(assumptions(chain), Level.PAGE), Notes([one for one in more if one])]
-    return Section("Assumptions", found)
+    return Section("Assumptions", *found)
 
 
 def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:

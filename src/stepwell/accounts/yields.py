@@ -199,13 +199,11 @@ def yield_account(found: Yield, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Outcomes of the samples",
-                [
-                    Picture("yield", OUTCOMES),
-                    Picture("force-plane", FORCE_PLANE),
-                    other_outcomes(found),
-                ],
+                Picture("yield", OUTCOMES),
+                Picture("force-plane", FORCE_PLANE),
+                other_outcomes(found),
             ),
-            Section("Variance of the smallest gap, by part", _sensitivities(found)),
+            Section("Variance of the smallest gap, by part", *_sensitivities(found)),
             calibration(about),
             assumed(chain, found.assumptions),
         ),

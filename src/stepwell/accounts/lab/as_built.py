@@ -89,7 +89,7 @@ def as_built_schema(shape: Shape) -> Schema:
 def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
     """What is reported of a build."""
     drawing, about = found.drawing, about or About(found.drawing)
-    made = Account(
+    return Account(
         found,
         title=drawing.title or "A first build",
         kind="lab.as_built/2",
@@ -109,34 +109,25 @@ def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Moves of anchors",
-                [
-                    Table(
-                        _MOVE,
-                        lambda: made.record["moves"],
-                        "The best moves, and the yield after each.",
-                        more="moves",
-                    )
-                ],
+                Table(_MOVE, "moves", "The best moves, and the yield after each.", more="moves"),
             ),
             Section(
                 "As built, as far as observations identify it",
-                [
-                    Table(
-                        _KNOWN,
-                        lambda: made.record["known"],
-                        "Means and standard deviations, with those before the observation.",
-                        more="parameters",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    _KNOWN,
+                    "known",
+                    "Means and standard deviations, with those before the observation.",
+                    more="parameters",
+                    level=Level.CARD,
+                ),
             ),
             Section(
                 "Assumptions",
-                [Text(_ANCHORS if Shape.of(drawing).levers else ""), Notes(_ASSUMED, Level.PAGE)],
+                Text(_ANCHORS if Shape.of(drawing).levers else ""),
+                Notes(_ASSUMED, Level.PAGE),
             ),
         ),
     )
-    return made
 
 
 _ANCHORS = (

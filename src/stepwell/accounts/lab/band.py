@@ -92,7 +92,7 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
     about = about or About()
     choice, alone = found.choice, found.alone
     table = band_table(found, about.source or "")
-    made = Account(
+    return Account(
         found,
         title="Stiffness of bands",
         kind="lab.band/1",
@@ -114,29 +114,26 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Force laws",
-                [
-                    Picture("laws", "Force against stroke, and the laws"),
-                    Table(
-                        _laws(found),
-                        lambda: made.record["laws"],
-                        "What each law leaves of the force, and how well it predicts what was left "
-                        "out; the law of the fewest numbers first.",
-                        most=None,
-                        more="laws",
-                    ),
-                ],
+                Picture("laws", "Force against stroke, and the laws"),
+                Table(
+                    _laws(found),
+                    "laws",
+                    "What each law leaves of the force, and how well it predicts what was left "
+                    "out; the law of the fewest numbers first.",
+                    most=None,
+                    more="laws",
+                ),
             ),
-            Section("Choice of the law", [Notes([choice.told, choice.rest_length_told()])]),
+            Section("Choice of the law", Notes([choice.told, choice.rest_length_told()])),
             Section(
                 "Stiffness [N/m] by window: from (down) and to (across) [mm]",
-                [Table(_ends(found), lambda: _by_start(made.record["windows"]), most=None)],
+                Table(_ends(found), "windows", most=None, pick=_by_start),
             ),
-            Section("For a design file", [Verbatim(table.rstrip(), "Band table")]),
-            Section("Used and dropped", [Notes(found.test.told)]),
-            Section("Assumptions", [Text(_assumed(found))]),
+            Section("For a design file", Verbatim(table.rstrip(), "Band table")),
+            Section("Used and dropped", Notes(found.test.told)),
+            Section("Assumptions", Text(_assumed(found))),
         ),
     )
-    return made
 
 
 def band_test_account(found: BandTest, about: About | None = None) -> Account:
@@ -152,7 +149,7 @@ def band_test_account(found: BandTest, about: About | None = None) -> Account:
             *_used(found),
         ),
         warnings=(Warned("Check the recordings", "", found.warnings),),
-        sections=(Section("Used and dropped", [Notes(found.told[:3], Level.CARD)]),),
+        sections=(Section("Used and dropped", Notes(found.told[:3], Level.CARD)),),
     )
 
 

@@ -156,7 +156,7 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
     about = about or About()
     answer, *rest = summary(found)
     table = calibrated_table(found, about.source or "")
-    made = Account(
+    return Account(
         found,
         title="Bands calibrated on cells",
         kind="lab.calibrate/2",
@@ -169,53 +169,39 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
             Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
         ),
         sections=(
-            Section("Predictions", [Notes(rest, Level.CARD)]),
+            Section("Predictions", Notes(rest, Level.CARD)),
             Section(
                 "Parameters, each with its 95 % interval by leaving out a geometry",
-                [
-                    Table(
-                        _PARAMETER,
-                        lambda: made.record["parameters"],
-                        most=None,
-                        more="parameters",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(_PARAMETER, "parameters", most=None, more="parameters", level=Level.CARD),
             ),
             Section(
                 "First snaps",
-                [
-                    Table(
-                        _SNAP,
-                        lambda: [one for one in made.record["snaps"] if _snaps(one)],
-                        "Seen and predicted; no snap has a part in a fit.",
-                        most=None,
-                    )
-                ],
+                Table(
+                    _SNAP,
+                    "snaps",
+                    "Seen and predicted; no snap has a part in a fit.",
+                    most=None,
+                    pick=lambda rows: [one for one in rows if _snaps(one)],
+                ),
             ),
             Section(
                 "Root mean square errors in k r",
-                [
-                    Picture("calibration", "Fitted and measured forces"),
-                    Table(_ERROR, lambda: made.record["errors"], most=None, more="curves"),
-                ],
+                Picture("calibration", "Fitted and measured forces"),
+                Table(_ERROR, "errors", most=None, more="curves"),
             ),
-            Section("Correlated parameters", [Text(_correlated(found))]),
-            Section("Not identified by these recordings", [Notes(found.open)]),
-            Section("For a design file", [Verbatim(table.rstrip(), "Band table")]),
-            Section("Used, dropped and odd", [Notes(found.notes)]),
+            Section("Correlated parameters", Text(_correlated(found))),
+            Section("Not identified by these recordings", Notes(found.open)),
+            Section("For a design file", Verbatim(table.rstrip(), "Band table")),
+            Section("Used, dropped and odd", Notes(found.notes)),
             Section(
                 "Assumptions",
-                [
-                    Text(
-                        "Intervals are those of the jackknife over geometries, taken as "
-                        "independent; samples along a stroke are not independent."
-                    )
-                ],
+                Text(
+                    "Intervals are those of the jackknife over geometries, taken as "
+                    "independent; samples along a stroke are not independent."
+                ),
             ),
         ),
     )
-    return made
 
 
 def summary(found: Calibration) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import (
@@ -12,6 +13,7 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    Row,
     Section,
     Table,
     Text,
@@ -161,10 +163,7 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
     about = about or About()
     cells, pairs, tests = found.cells, found.pairs, found.tests
 
-    def rows(kind: str) -> list[dict[str, Any]]:
-        return [one for one in made.record["series"] if one["kind"] == kind]
-
-    made = Account(
+    return Account(
         found,
         title="Measured against model",
         kind="lab.compare/2",
@@ -181,53 +180,50 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
         sections=(
             Section(
                 "Verdicts",
-                [
-                    Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
-                    Picture("forces", "Forces of unit cells, measured and modelled"),
-                    Picture("energies", "Energies of unit cells, measured and modelled"),
-                    Picture("pairs", "Forces of pairs, measured and modelled"),
-                ],
+                Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
+                Picture("forces", "Forces of unit cells, measured and modelled"),
+                Picture("energies", "Energies of unit cells, measured and modelled"),
+                Picture("pairs", "Forces of pairs, measured and modelled"),
             ),
             Section(
                 "Unit cells: measured (model); errors in k r and k r²",
-                [
-                    Table(
-                        (*_EACH, *_CELL),
-                        lambda: rows("cell"),
-                        most=None,
-                        more="unit cells",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(
+                    (*_EACH, *_CELL),
+                    "series",
+                    most=None,
+                    pick=partial(_of_kind, "cell"),
+                    more="unit cells",
+                    level=Level.CARD,
+                ),
             ),
             Section(
                 "Pairs: errors in k r; ratio of the errors against the two orders",
-                [
-                    Table(
-                        _PAIR_COLUMNS,
-                        lambda: rows("pair"),
-                        most=None,
-                        more="pairs",
-                        level=Level.TERMINAL if cells else Level.CARD,
-                    )
-                ],
+                Table(
+                    _PAIR_COLUMNS,
+                    "series",
+                    most=None,
+                    pick=partial(_of_kind, "pair"),
+                    more="pairs",
+                    level=Level.TERMINAL if cells else Level.CARD,
+                ),
             ),
-            Section("Rig", [Text(_rig_words(found.rig) if pairs else "")]),
+            Section("Rig", Text(_rig_words(found.rig) if pairs else "")),
             Section(
                 "Used, dropped and odd",
-                [
-                    Notes(
-                        [
-                            *(f"{t.series.name}: {line}" for t in tests for line in t.series.told),
-                            *found.told,
-                        ]
-                    )
-                ],
+                Notes(
+                    [
+                        *(f"{t.series.name}: {line}" for t in tests for line in t.series.told),
+                        *found.told,
+                    ]
+                ),
             ),
-            Section("Assumptions", [Text(NOT_JUDGED)]),
+            Section("Assumptions", Text(NOT_JUDGED)),
         ),
     )
-    return made
+
+
+def _of_kind(kind: str, series: Sequence[Row]) -> list[Row]:
+    return [one for one in series if one["kind"] == kind]
 
 
 def _answer(found: Comparison) -> str:

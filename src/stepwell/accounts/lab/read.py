@@ -69,7 +69,7 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
     odd = [f"{one.recording.source}: {line}" for one in _rows(found) for line in one.odd]
     read, refused = len(found.recordings), len(found.refused)
     not_read = f"; {counted(refused, 'file')} could not be read" * (refused > 0)
-    made = Account(
+    return Account(
         found,
         title="Recordings",
         kind="lab.read/1",
@@ -85,22 +85,13 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Recordings",
-                [
-                    Table(
-                        _COLUMNS,
-                        lambda: made.record["recordings"],
-                        most=None,
-                        more="recordings",
-                        level=Level.CARD,
-                    )
-                ],
+                Table(_COLUMNS, "recordings", most=None, more="recordings", level=Level.CARD),
             ),
-            Section("Oddities", [Notes(odd)]),
-            Section("Not read", [Notes([str(one) for one in found.refused])]),
-            Section("Not tried", [Notes(_ignored(found))]),
+            Section("Oddities", Notes(odd)),
+            Section("Not read", Notes([str(one) for one in found.refused])),
+            Section("Not tried", Notes(_ignored(found))),
         ),
     )
-    return made
 
 
 def recording_account(found: Recording, about: About | None = None) -> Account:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 
-from stepwell.accounts.account import Account, Level, Notes, Table, Text
+from stepwell.accounts.account import Account, Level, Notes, Row, Table, Text
 from stepwell.base import headed, printable, shown
 
 # Rows of a table and letters of a sentence; all else is in the value itself.
@@ -42,7 +42,7 @@ def card(account: Account) -> str:
     for section in account.sections:
         for part in section.within(Level.CARD):
             if isinstance(part, Table):
-                parts.append(_table(part))
+                parts.append(_table(part, account.rows(part)))
             elif isinstance(part, Text) and part.text:
                 parts.append(_sentence(part.text))
             elif isinstance(part, Notes):
@@ -54,8 +54,8 @@ def _sentence(text: str) -> str:
     return f'<div style="max-width:52em">{_safe(headed(_short(text)))}</div>'
 
 
-def _table(table: Table) -> str:
-    columns, rows = shown(table.columns), table.rows()
+def _table(table: Table, rows: Sequence[Row]) -> str:
+    columns = shown(table.columns)
     if not columns or not rows:
         return ""
     sides = ["right" if column.numeric else "left" for column in columns]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -16,6 +16,7 @@ from stepwell.accounts.account import (
     Notes,
     Part,
     Picture,
+    Row,
     Section,
     Table,
     Text,
@@ -77,11 +78,11 @@ def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: 
             for one in account.warnings
             if one.lines
         ),
-        body="\n".join(_section(one, drawn, motion) for one in account.sections),
+        body="\n".join(_section(account, one, drawn, motion) for one in account.sections),
     )
 
 
-def _section(section: Section, drawn: Mapping[str, Drawn], motion: str) -> str:
+def _section(account: Account, section: Section, drawn: Mapping[str, Drawn], motion: str) -> str:
     found: list[str] = []
     figures: list[str] = []
     for part in section.within(Level.PAGE):
@@ -90,14 +91,13 @@ def _section(section: Section, drawn: Mapping[str, Drawn], motion: str) -> str:
                 figures.append(_figure(part.caption, drawn[part.name]))
             continue
         found += _beside(figures)
-        found.append(_part(part, motion))
+        is_table = isinstance(part, Table)
+        found.append(_table(part, account.rows(part)) if is_table else _part(part, motion))
     inside = "\n".join(filter(None, [*found, *_beside(figures)]))
     return f"<section>\n<h2>{escape(section.heading)}</h2>\n{inside}\n</section>" if inside else ""
 
 
 def _part(part: Part, motion: str) -> str:
-    if isinstance(part, Table):
-        return _table(part)
     if isinstance(part, Text):
         return _paragraph(part.text)
     if isinstance(part, Notes):
@@ -157,8 +157,7 @@ def _figure(caption: str, drawn: Drawn) -> str:
     return f"<figure{wide}>{image}<figcaption>{text}</figcaption></figure>"
 
 
-def _table(table: Table) -> str:
-    rows = table.rows()
+def _table(table: Table, rows: Sequence[Row]) -> str:
     if not rows:
         return ""
     columns, about = shown((*table.columns, *table.wide)), table.about

@@ -212,16 +212,16 @@ def terminal(account: Account) -> list[Line]:
     lines += paragraph(account.answer)
     lines += facts(account.known(Level.TERMINAL))
     for section in account.sections:
-        parts = [list(_part(part, section.heading)) for part in section.within(Level.TERMINAL)]
-        lines += [line for part in parts for line in part]
+        for part in section.within(Level.TERMINAL):
+            lines += _part(part, section.heading, account)
     for hint in account.hints:
         lines += [_EMPTY, *paragraph(hint)]
     return lines[1:] if lines[:1] == [_EMPTY] else lines
 
 
-def _part(part: Part, title: str) -> Iterator[Line]:
+def _part(part: Part, title: str, account: Account) -> Iterator[Line]:
     if isinstance(part, Table):
-        yield from records(title, part.columns, part.rows(), most=part.most)
+        yield from records(title, part.columns, account.rows(part), most=part.most)
     elif isinstance(part, Text) and part.text:
         yield from (_EMPTY, *heading(title), *paragraph(part.text))
     elif isinstance(part, Notes) and part.lines:
