@@ -8,7 +8,7 @@ import stepwell as sw
 from accounts.schemas import violations
 from stepwell.accounts import account
 from stepwell.accounts.head import shapes
-from stepwell.accounts.kinds import KINDS, function_at
+from stepwell.accounts.kinds import KINDS, taken_from
 from stepwell.accounts.rendering.json_schema import schema_kinds, schema_of
 from stepwell.base import Quantity
 from stepwell.design import Run
@@ -33,11 +33,11 @@ def test_every_schema_has_an_id_a_version_and_a_title(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_quantity_has_one_key_and_a_unit_or_what_it_holds(kind):
-    schema = function_at(KINDS[kind])
-    for shape in shapes():
-        for quantities in _nested(schema(shape)):
+    schema = taken_from(KINDS[kind])
+    for one in map(schema, shapes()) if callable(schema) else [schema]:
+        for quantities in _nested(one):
             keys = [quantity.key for quantity in quantities]
-            assert len(keys) == len(set(keys)), (kind, shape)
+            assert len(keys) == len(set(keys)), (kind, keys)
 
 
 def _nested(schema: tuple[Quantity, ...]):

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, counted, number, record, told_in
 
@@ -41,29 +41,6 @@ class _Bordering(NamedTuple):
     of: Border
     unit: str
     factor: float
-
-
-def atlas_schema(_shape: Shape) -> Schema:
-    """What is reported of an atlas."""
-    return (
-        Quantity("title", read="chain.title"),
-        Quantity("cells", read=lambda found: len(found.chain), holds=int),
-        Quantity("drive"),
-        Quantity("space", read=_space, holds=[VARIED]),
-        *(Quantity(name, holds=int) for name in ("designs", "told", "not_proved", "ties", "wakes")),
-        Quantity("tolerances", holds=_TOLERANCES),
-        Quantity("graphs", read=lambda found: len(found.machines), holds=int),
-        Quantity("possible", holds=int, missing=True),
-        Quantity("space_proved", holds=bool),
-        Quantity("whole", holds=bool),
-        Quantity("unseen_at_most", "percent", read=_unseen_at_most),
-        Quantity("checked", holds=int),
-        Quantity("agreed", holds=int),
-        Quantity("sampled", holds=_SAMPLED),
-        Quantity("machines", holds=[_MACHINE]),
-        Quantity("cycles", read=lambda found: _drawn(found, found.cycles), holds=[_CYCLE]),
-        Quantity("borders", holds=[_BORDER]),
-    )
 
 
 def _space(found: Atlas) -> list[Varied]:
@@ -186,6 +163,28 @@ _CYCLES: Schema = (
 )
 
 
+# What is reported of an atlas.
+ATLAS: Schema = (
+    Quantity("title", read="chain.title"),
+    Quantity("cells", read=lambda found: len(found.chain), holds=int),
+    Quantity("drive"),
+    Quantity("space", read=_space, holds=[VARIED]),
+    *(Quantity(name, holds=int) for name in ("designs", "told", "not_proved", "ties", "wakes")),
+    Quantity("tolerances", holds=_TOLERANCES),
+    Quantity("graphs", read=lambda found: len(found.machines), holds=int),
+    Quantity("possible", holds=int, missing=True),
+    Quantity("space_proved", holds=bool),
+    Quantity("whole", holds=bool),
+    Quantity("unseen_at_most", "percent", read=_unseen_at_most),
+    Quantity("checked", holds=int),
+    Quantity("agreed", holds=int),
+    Quantity("sampled", holds=_SAMPLED),
+    Quantity("machines", holds=[_MACHINE]),
+    Quantity("cycles", read=lambda found: _drawn(found, found.cycles), holds=[_CYCLE]),
+    Quantity("borders", holds=[_BORDER]),
+)
+
+
 def atlas_account(
     found: Atlas,
     about: About | None = None,
@@ -212,7 +211,7 @@ def atlas_account(
         found,
         found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}",
         "atlas/1",
-        atlas_schema(Shape()),
+        ATLAS,
         answer=answer,
         about=about or About(found.chain),
         seed=found.seed,

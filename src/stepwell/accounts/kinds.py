@@ -58,39 +58,39 @@ ACCOUNTS: dict[str, str] = {
     "Walked": "graph:walked_account",
     "Yield": "yields:yield_account",
 }
-# The schema of a kind of record, with the version of its names: a function of a `Shape`.
+# The schema of a kind of record, with the version of its names; some are functions of a `Shape`.
 KINDS: dict[str, str] = {
-    "atlas/1": "atlas:atlas_schema",
+    "atlas/1": "atlas:ATLAS",
     "check/2": "check:check_schema",
-    "convergence/1": "study:convergence_schema",
+    "convergence/1": "study:CONVERGENCE",
     "design/2": "design:design_schema",
-    "doctor/1": "package:doctor_schema",
-    "folder/1": "package:folder_schema",
+    "doctor/1": "package:DOCTOR",
+    "folder/1": "package:FOLDER",
     "graph/2": "graph:graph_schema",
     "implicit_graph/2": "graph:implicit_graph_schema",
     "lab.as_built/2": "lab.as_built:as_built_schema",
-    "lab.band/1": "lab.band:band_schema",
-    "lab.calibrate/2": "lab.calibrate:calibrate_schema",
-    "lab.compare/2": "lab.compare:compare_schema",
-    "lab.read/1": "lab.read:read_schema",
-    "map/3": "map:map_schema",
-    "maze/1": "walks:maze_schema",
-    "paper/1": "package:paper_schema",
-    "presets/1": "package:presets_schema",
+    "lab.band/1": "lab.band:BAND",
+    "lab.calibrate/2": "lab.calibrate:CALIBRATE",
+    "lab.compare/2": "lab.compare:COMPARE",
+    "lab.read/1": "lab.read:READ",
+    "map/3": "map:MAP",
+    "maze/1": "walks:MAZE",
+    "paper/1": "package:PAPER",
+    "presets/1": "package:PRESETS",
     "program/2": "program:program_schema",
     "reprogram/2": "design:reprogram_schema",
-    "robot/1": "robot:robot_schema",
+    "robot/1": "robot:ROBOT",
     "run/2": "run:run_schema",
-    "study/1": "study:study_schema",
+    "study/1": "study:STUDY",
     "survival/1": "yields:survival_schema",
-    "sweep/1": "study:sweep_schema",
-    "walk/1": "walks:walk_schema",
+    "sweep/1": "study:SWEEP",
+    "walk/1": "walks:WALK",
     "yield/1": "yields:yield_schema",
 }
 
 
-def function_at(place: str) -> Any:
-    """The function at a place of one of these tables; its file is imported first."""
+def taken_from(place: str) -> Any:
+    """What stands at a place of one of these tables; its file is imported first."""
     file, _, name = place.partition(":")
     return getattr(import_module(f"stepwell.accounts.{file}"), name)
 
@@ -109,7 +109,7 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     place = of_kind(ACCOUNTS, value)
     if place is None:
         raise InputError(f"{type(value).__name__}: must be one of {', '.join(ACCOUNTS)}.")
-    return function_at(place)(value, about, **options)
+    return taken_from(place)(value, about, **options)
 
 
 def card_of(value: Any) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
 
@@ -46,29 +46,6 @@ _BOUNDARY: Schema = (
 )
 
 
-def map_schema(_: Shape) -> Schema:
-    """What is reported of a map."""
-    return (
-        Quantity("title", read=lambda view: str(view.dataset.attrs["title"])),
-        Quantity("across", read=lambda view: _axis(view, "x"), holds=_AXIS),
-        Quantity("up", read=lambda view: _axis(view, "y"), holds=_AXIS),
-        Quantity("shares", read=lambda view: shares(view.dataset["sequence"]), holds={str: float}),
-        Quantity("pathway_shares", read=_pathways, holds={str: float}, missing=True),
-        Quantity("moved_cell", read=lambda view: str(view.dataset.attrs["moved_cell"])),
-        Quantity(
-            "monostable_fraction", read=lambda view: _mean(view.dataset["monostable"]), holds=float
-        ),
-        Quantity(
-            "degenerate_designs",
-            read=lambda view: int(np.sum(view.dataset["degenerate"].to_numpy())),
-            holds=int,
-        ),
-        Quantity("closed_form_designs", read=_attribute("closed_form_designs"), holds=int),
-        Quantity("engine_designs", read=_attribute("engine_designs"), holds=int),
-        Quantity("boundaries", holds=[_BOUNDARY]),
-    )
-
-
 def _axis(view: MapView, name: str) -> _Axis:
     design = next(iter(view.designs.values()), None)
     return _Axis(view.dataset[name], None if design is None else design["xy".index(name)])
@@ -91,6 +68,28 @@ def shares(field: xarray.DataArray) -> dict[str, float]:
     codes, notes = field.to_numpy(), field.attrs
     flags = zip(np.atleast_1d(notes["flag_values"]), notes["flag_meanings"].split(), strict=True)
     return {meaning: float(np.mean(codes == value)) for value, meaning in flags}
+
+
+# What is reported of a map.
+MAP: Schema = (
+    Quantity("title", read=lambda view: str(view.dataset.attrs["title"])),
+    Quantity("across", read=lambda view: _axis(view, "x"), holds=_AXIS),
+    Quantity("up", read=lambda view: _axis(view, "y"), holds=_AXIS),
+    Quantity("shares", read=lambda view: shares(view.dataset["sequence"]), holds={str: float}),
+    Quantity("pathway_shares", read=_pathways, holds={str: float}, missing=True),
+    Quantity("moved_cell", read=lambda view: str(view.dataset.attrs["moved_cell"])),
+    Quantity(
+        "monostable_fraction", read=lambda view: _mean(view.dataset["monostable"]), holds=float
+    ),
+    Quantity(
+        "degenerate_designs",
+        read=lambda view: int(np.sum(view.dataset["degenerate"].to_numpy())),
+        holds=int,
+    ),
+    Quantity("closed_form_designs", read=_attribute("closed_form_designs"), holds=int),
+    Quantity("engine_designs", read=_attribute("engine_designs"), holds=int),
+    Quantity("boundaries", holds=[_BOUNDARY]),
+)
 
 
 def map_account(view: MapView, about: About | None = None) -> Account:
@@ -121,7 +120,7 @@ def map_account(view: MapView, about: About | None = None) -> Account:
         view,
         str(data.attrs["title"]) or "Map",
         "map/3",
-        map_schema(Shape()),
+        MAP,
         answer=answer,
         about=about or About(),
         facts=[

@@ -6,28 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account, Fact, Level, Section, Table, Verbatim
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Columns, Quantity, Schema, __version__, counted, record
 
 if TYPE_CHECKING:
     from stepwell.base import Installation
     from stepwell.files import Presets
     from stepwell.paper import Verdicts
-
-
-def doctor_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of an installation."""
-    return (
-        Quantity("ok", holds=bool),
-        Quantity("python"),
-        Quantity("system"),
-        Quantity("cores", holds=int, missing=True),
-        Quantity("packages", holds=[_PACKAGE]),
-        Quantity("extras", holds=[_EXTRA]),
-        Quantity("kernels", holds=_KERNELS, missing=True),
-        Quantity("tools", holds=[_TOOL]),
-        Quantity("broken", holds=[_BROKEN]),
-    )
 
 
 _PACKAGE: Schema = (
@@ -57,6 +42,20 @@ _TOOL: Schema = (
 _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reason"))
 
 
+# What is reported of an installation.
+DOCTOR: Schema = (
+    Quantity("ok", holds=bool),
+    Quantity("python"),
+    Quantity("system"),
+    Quantity("cores", holds=int, missing=True),
+    Quantity("packages", holds=[_PACKAGE]),
+    Quantity("extras", holds=[_EXTRA]),
+    Quantity("kernels", holds=_KERNELS, missing=True),
+    Quantity("tools", holds=[_TOOL]),
+    Quantity("broken", holds=[_BROKEN]),
+)
+
+
 def installation_account(found: Installation, about: About | None = None) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
@@ -65,7 +64,7 @@ def installation_account(found: Installation, about: About | None = None) -> Acc
         found,
         "Installation",
         "doctor/1",
-        doctor_schema(),
+        DOCTOR,
         answer=_answer(found),
         computed=False,
         facts=(
@@ -118,9 +117,8 @@ _PRESET: Schema = (
 )
 
 
-def presets_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of the designs that come with Stepwell."""
-    return (Quantity("presets", read=lambda found: found.items(), holds=[_PRESET]),)
+# What is reported of the designs that come with Stepwell.
+PRESETS: Schema = (Quantity("presets", read=lambda found: found.items(), holds=[_PRESET]),)
 
 
 def presets_account(found: Presets, about: About | None = None) -> Account:
@@ -131,16 +129,11 @@ def presets_account(found: Presets, about: About | None = None) -> Account:
         found,
         "Designs that come with Stepwell",
         "presets/1",
-        presets_schema(),
+        PRESETS,
         answer=counted(len(found), "design"),
         computed=False,
         sections=(Section("Names and titles", table),),
     )
-
-
-def paper_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of verdicts."""
-    return (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
 
 
 _ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
@@ -155,6 +148,10 @@ _COMPARED: Schema = (
 _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
 
 
+# What is reported of verdicts.
+PAPER: Schema = (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
+
+
 def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
     """What is reported of verdicts."""
     rows = [record(_CLAIM, one) for one in found]
@@ -164,7 +161,7 @@ def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
         found,
         "Validation against published claims",
         "paper/1",
-        paper_schema(),
+        PAPER,
         answer=f"{found.agreed} of {len(found)} claims agree",
         about=about or About(),
         sections=(
@@ -177,9 +174,8 @@ def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
     )
 
 
-def folder_schema(_: Shape) -> Schema:
-    """What is reported of a folder; `files.staged_folder` writes it."""
-    return (
-        Quantity("command"),
-        Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
-    )
+# What is reported of a folder; `files.staged_folder` writes it.
+FOLDER: Schema = (
+    Quantity("command"),
+    Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
+)

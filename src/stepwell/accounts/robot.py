@@ -18,7 +18,7 @@ from stepwell.accounts.account import (
     Table,
     Warned,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Quantity, Schema, amount, counted, number, read_off, record
 from stepwell.files import provenance
 from stepwell.robot import Motion
@@ -104,14 +104,6 @@ def _legs(found: Prediction) -> list[_Leg]:
     return [_Leg(*one) for one in zip(found.legs, found.known_depths, strict=True)]
 
 
-def robot_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of a robot and its prediction."""
-    return (
-        *read_off(_ROBOT, "robot"),
-        Quantity("prediction", holds=_PREDICTION, read=lambda found: found),
-    )
-
-
 def arena_account(arena: Arena, about: About | None = None) -> Account:
     """What a notebook shows of an arena."""
     answer = (
@@ -145,6 +137,13 @@ def _robot_facts(robot: Robot, level: Level = Level.CARD) -> list[Fact]:
     ]
 
 
+# What is reported of a robot and its prediction.
+ROBOT: Schema = (
+    *read_off(_ROBOT, "robot"),
+    Quantity("prediction", holds=_PREDICTION, read=lambda found: found),
+)
+
+
 def prediction_account(found: Prediction, about: About | None = None) -> Account:
     """What is reported of a prediction."""
     robot = found.robot
@@ -157,7 +156,7 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
     return Account(
         found,
         kind="robot/1",
-        schema=robot_schema(),
+        schema=ROBOT,
         title=robot.title or "A robot",
         origin="Predicted by statics, without simulation.",
         answer=f"{found.motion.value}: d/u_max {found.advance:z.2f} and "

@@ -16,7 +16,7 @@ from stepwell.accounts.account import (
     Text,
     Warned,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import (
     Column,
     Columns,
@@ -38,29 +38,6 @@ if TYPE_CHECKING:
 
 # Of what decides a column so many are shown.
 _FOREMOST = 5
-
-
-def study_schema(_shape: Shape) -> Schema:
-    """What is reported of a study."""
-    return (
-        Quantity("title", read="study.subject.title"),
-        Quantity("store", read=lambda found: str(found.study.folder)),
-        Quantity("what", read="study.what"),
-        Quantity("identity", read="study.identity"),
-        Quantity("how", read=lambda found: str(found.study.designs.how)),
-        Quantity("count", read="study.count", holds=int),
-        Quantity("varied", holds=[VARIED]),
-        Quantity("chunk", read="study.chunk", holds=int),
-        Quantity("chunks", read="study.chunks", holds=int),
-        Quantity("done", holds=int),
-        Quantity("finished", holds=bool),
-        Quantity("missing", read="gaps", holds=[_GAP]),
-        Quantity("problems", holds={str: int}),
-        Quantity("screen", read=_screen, holds=_SCREEN, missing=True),
-        Quantity("outcomes", holds=[_OUTCOME]),
-        Quantity("numbers", holds=[_NUMBER]),
-        Quantity("decided", holds=[_DECIDED]),
-    )
 
 
 def _screen(found: Status) -> Status | None:
@@ -158,6 +135,28 @@ _AMONG = {
 }
 
 
+# What is reported of a study.
+STUDY: Schema = (
+    Quantity("title", read="study.subject.title"),
+    Quantity("store", read=lambda found: str(found.study.folder)),
+    Quantity("what", read="study.what"),
+    Quantity("identity", read="study.identity"),
+    Quantity("how", read=lambda found: str(found.study.designs.how)),
+    Quantity("count", read="study.count", holds=int),
+    Quantity("varied", holds=[VARIED]),
+    Quantity("chunk", read="study.chunk", holds=int),
+    Quantity("chunks", read="study.chunks", holds=int),
+    Quantity("done", holds=int),
+    Quantity("finished", holds=bool),
+    Quantity("missing", read="gaps", holds=[_GAP]),
+    Quantity("problems", holds={str: int}),
+    Quantity("screen", read=_screen, holds=_SCREEN, missing=True),
+    Quantity("outcomes", holds=[_OUTCOME]),
+    Quantity("numbers", holds=[_NUMBER]),
+    Quantity("decided", holds=[_DECIDED]),
+)
+
+
 def study_account(found: Status, about: About | None = None) -> Account:
     """What is reported of a study."""
     from stepwell.studies import gaps_text
@@ -169,7 +168,7 @@ def study_account(found: Status, about: About | None = None) -> Account:
         found,
         study.subject.title or "A study",
         "study/1",
-        study_schema(Shape()),
+        STUDY,
         answer=_answer(found, deciding),
         about=about or About(study.text),
         seed=study.designs.seed,
@@ -304,15 +303,6 @@ def _assumed(found: Status) -> list[str]:
     return assumed
 
 
-def sweep_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of a sweep over robots."""
-    trial = (Quantity("values", holds=[float], read="values"), *read_off(TRIAL, "trial"))
-    return (
-        Quantity("keys", read=lambda sweep: list(sweep.values), holds=[str]),
-        Quantity("trials", holds=[trial], read=_trials),
-    )
-
-
 class _Trial(NamedTuple):
     values: tuple[float, ...]
     trial: Trial
@@ -322,6 +312,14 @@ def _trials(sweep: Sweep) -> list[_Trial]:
     count = len(sweep.trials)
     values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * count
     return [_Trial(tuple(row), one) for row, one in zip(values, sweep.trials, strict=True)]
+
+
+_TRIAL: Schema = (Quantity("values", holds=[float]), *read_off(TRIAL, "trial"))
+# What is reported of a sweep over robots.
+SWEEP: Schema = (
+    Quantity("keys", read=lambda sweep: list(sweep.values), holds=[str]),
+    Quantity("trials", holds=[_TRIAL], read=_trials),
+)
 
 
 def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
@@ -338,7 +336,7 @@ def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
     return Account(
         sweep,
         kind="sweep/1",
-        schema=sweep_schema(),
+        schema=SWEEP,
         title=count,
         origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
         answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",
@@ -379,12 +377,11 @@ _TIME_STEP: Schema = (
 _DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
 
 
-def convergence_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of a walk at several time steps."""
-    return (
-        Quantity("title", read="robot.title"),
-        Quantity("time_steps", read="rows", holds=[_TIME_STEP]),
-    )
+# What is reported of a walk at several time steps.
+CONVERGENCE: Schema = (
+    Quantity("title", read="robot.title"),
+    Quantity("time_steps", read="rows", holds=[_TIME_STEP]),
+)
 
 
 def convergence_account(found: Convergence, about: About | None = None) -> Account:
@@ -395,7 +392,7 @@ def convergence_account(found: Convergence, about: About | None = None) -> Accou
     return Account(
         found,
         kind="convergence/1",
-        schema=convergence_schema(),
+        schema=CONVERGENCE,
         title=f"{found.robot.title or 'A robot'}, by time step",
         answer=f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; "
         f"ground reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of "

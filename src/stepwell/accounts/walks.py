@@ -19,7 +19,7 @@ from stepwell.accounts.account import (
     Table,
     Warned,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.accounts.robot import (
     FEET,
     PARAMETERS,
@@ -103,20 +103,19 @@ def _mean(walk: Walk) -> Trial:
     return Trial.of(walk)
 
 
-def walk_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of a walk."""
-    return (
-        *WALKED,
-        Quantity("mean_advance", "over_u_max", read=lambda walk: _mean(walk).advance),
-        Quantity("mean_turn", "deg", read=lambda walk: _mean(walk).turn),
-        Quantity("work_per_cycle", "mJ", read=lambda walk: _mean(walk).work),
-        Quantity("u_max", "mm", read="robot.u_max"),
-        *_CYCLES,
-        Quantity("foot", "mm", read="robot.foot.below"),
-        Quantity("as_predicted", read="comparison.same", holds=bool, missing=True),
-        Quantity("comparison", read="comparison.text"),
-        Quantity("legs", holds=[_LEG], read=_legs),
-    )
+# What is reported of a walk.
+WALK: Schema = (
+    *WALKED,
+    Quantity("mean_advance", "over_u_max", read=lambda walk: _mean(walk).advance),
+    Quantity("mean_turn", "deg", read=lambda walk: _mean(walk).turn),
+    Quantity("work_per_cycle", "mJ", read=lambda walk: _mean(walk).work),
+    Quantity("u_max", "mm", read="robot.u_max"),
+    *_CYCLES,
+    Quantity("foot", "mm", read="robot.foot.below"),
+    Quantity("as_predicted", read="comparison.same", holds=bool, missing=True),
+    Quantity("comparison", read="comparison.text"),
+    Quantity("legs", holds=[_LEG], read=_legs),
+)
 
 
 def walk_account(walk: Walk, about: About | None = None) -> Account:
@@ -128,7 +127,7 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
     return Account(
         walk,
         kind="walk/1",
-        schema=walk_schema(),
+        schema=WALK,
         title=title,
         origin="Simulated on a flat floor." if walk.arena is None else simulated_in(walk.arena),
         answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",
@@ -250,31 +249,30 @@ _CHANGE: Schema = (
 )
 
 
-def maze_schema(_shape: Shape | None = None) -> Schema:
-    """What is reported of a way through an arena."""
-    return (
-        Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
-        Quantity("start_seed", holds=int, missing=True),
-        Quantity("layout_seed", holds=int, missing=True),
-        *read_off(WALKED, "walk"),
-        Quantity("arena", read="arena.title"),
-        Quantity("start", "mm", read="arena.start", holds=[float]),
-        Quantity("heading", "deg", read="arena.heading"),
-        Quantity("end", "mm", holds=[float], missing=True),
-        Quantity("outcome"),
-        Quantity("limit", "s"),
-        Quantity("antennas", read="walk.robot.antennas", holds=[_ANTENNA]),
-        Quantity("touched", read=lambda maze: maze.touched.items(), holds=[_TOUCHED]),
-        Quantity("contacts", holds=[_CONTACT]),
-        Quantity("changes", holds=[_CHANGE]),
-    )
-
-
 def _hash(arena: Arena) -> str | None:
     try:
         return digest(dumps(arena))
     except ValueError:
         return None
+
+
+# What is reported of a way through an arena.
+MAZE: Schema = (
+    Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
+    Quantity("start_seed", holds=int, missing=True),
+    Quantity("layout_seed", holds=int, missing=True),
+    *read_off(WALKED, "walk"),
+    Quantity("arena", read="arena.title"),
+    Quantity("start", "mm", read="arena.start", holds=[float]),
+    Quantity("heading", "deg", read="arena.heading"),
+    Quantity("end", "mm", holds=[float], missing=True),
+    Quantity("outcome"),
+    Quantity("limit", "s"),
+    Quantity("antennas", read="walk.robot.antennas", holds=[_ANTENNA]),
+    Quantity("touched", read=lambda maze: maze.touched.items(), holds=[_TOUCHED]),
+    Quantity("contacts", holds=[_CONTACT]),
+    Quantity("changes", holds=[_CHANGE]),
+)
 
 
 def maze_account(maze: Maze, about: About | None = None) -> Account:
@@ -290,7 +288,7 @@ def maze_account(maze: Maze, about: About | None = None) -> Account:
     return Account(
         maze,
         kind="maze/1",
-        schema=maze_schema(),
+        schema=MAZE,
         title=title,
         origin=simulated_in(arena),
         answer=f"{maze.outcome} after {amount(maze.duration, 's')}",

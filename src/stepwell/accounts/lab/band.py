@@ -18,7 +18,7 @@ from stepwell.accounts.account import (
     Verbatim,
     Warned,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Quantity, Schema, number, percent
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
@@ -56,35 +56,34 @@ _LAW: Schema = (
 )
 
 
-def band_schema(_: Shape) -> Schema:
-    """What is reported of bands."""
-    return (
-        Quantity("data_sha256", holds={str: str}),
-        Quantity("warnings", holds=[str], read="test.warnings"),
-        Quantity("window", "mm", holds=[float], read="test.window"),
-        Quantity("cycles", holds=[int], read="test.cycles"),
-        Quantity("samples", holds=[int], read="test.samples"),
-        Quantity("told", holds=[str], read="test.told"),
-        Quantity("stiffness", "N/m", holds=_ESTIMATE),
-        Quantity("this_band", holds=_ALONE, read="alone", missing=True),
-        Quantity("windows", holds=[_WINDOW]),
-        Quantity("loss", holds=[_LOSS], read=_losses),
-        Quantity("loss_used", holds=_ESTIMATE, read="loss", missing=True),
-        Quantity("laws", holds=[_LAW], read="choice.candidates"),
-        Quantity("law_best", read="choice.best.law.name"),
-        Quantity("law_chosen", read="choice.chosen.law.name"),
-        Quantity("left_out", read="choice.folds"),
-        Quantity("law_told", read="choice.told"),
-        Quantity("rest_length", "mm", read="choice.rest_length"),
-        Quantity("rest_length_told", read=lambda found: found.choice.rest_length_told()),
-        Quantity("table"),
-    )
-
-
 def _losses(found: BandFit) -> list[Any]:
     """The cycles that unload, sample by sample."""
     known = [loop for loop in found.test.loops if not math.isnan(loop.loss)]
     return sorted(known, key=lambda loop: (loop.sample, loop.cycle))
+
+
+# What is reported of bands.
+BAND: Schema = (
+    Quantity("data_sha256", holds={str: str}),
+    Quantity("warnings", holds=[str], read="test.warnings"),
+    Quantity("window", "mm", holds=[float], read="test.window"),
+    Quantity("cycles", holds=[int], read="test.cycles"),
+    Quantity("samples", holds=[int], read="test.samples"),
+    Quantity("told", holds=[str], read="test.told"),
+    Quantity("stiffness", "N/m", holds=_ESTIMATE),
+    Quantity("this_band", holds=_ALONE, read="alone", missing=True),
+    Quantity("windows", holds=[_WINDOW]),
+    Quantity("loss", holds=[_LOSS], read=_losses),
+    Quantity("loss_used", holds=_ESTIMATE, read="loss", missing=True),
+    Quantity("laws", holds=[_LAW], read="choice.candidates"),
+    Quantity("law_best", read="choice.best.law.name"),
+    Quantity("law_chosen", read="choice.chosen.law.name"),
+    Quantity("left_out", read="choice.folds"),
+    Quantity("law_told", read="choice.told"),
+    Quantity("rest_length", "mm", read="choice.rest_length"),
+    Quantity("rest_length_told", read=lambda found: found.choice.rest_length_told()),
+    Quantity("table"),
+)
 
 
 def band_account(found: BandFit, about: About | None = None) -> Account:
@@ -96,7 +95,7 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
         found,
         title="Stiffness of bands",
         kind="lab.band/1",
-        schema=band_schema(Shape()),
+        schema=BAND,
         answer=f"Stiffness {number(found.stiffness.value)} N/m",
         about=about,
         given={"data_sha256": about.data_sha256, "table": table},

@@ -16,7 +16,7 @@ from stepwell.accounts.account import (
     Text,
     Verbatim,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Quantity, Schema, counted, number
 from stepwell.lab import Calibration, Sample, calibrated_table
 
@@ -86,31 +86,6 @@ _CORRELATED: Schema = (
 )
 
 
-def calibrate_schema(_: Shape) -> Schema:
-    """What is reported of a calibration."""
-    return (
-        Quantity("data_sha256", holds={str: str}),
-        Quantity("summary", holds=[str], read=summary),
-        Quantity("law"),
-        Quantity("k", "N/m", read="reference"),
-        Quantity("parameters", holds=[_PARAMETER]),
-        Quantity("weighing", holds=_WEIGHING, missing=True),
-        Quantity("compliance", "mm/N"),
-        Quantity("scatter", "percent"),
-        Quantity("snaps", holds=[_SNAP]),
-        Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda found: found),
-        Quantity("intervals_that_hold", holds=_INTERVALS, read="coverage"),
-        Quantity("orders_right", holds=[int], read="orders"),
-        Quantity("errors", holds=[_ERROR], read=_errors),
-        Quantity("mean_errors", holds=[_MEAN], read=_means),
-        Quantity("correlations", holds={str: {str: float}}, read=_correlations),
-        Quantity("not_told_apart", holds=[_CORRELATED], read="tied"),
-        Quantity("open", holds=[str]),
-        Quantity("told", holds=[str], read="notes"),
-        Quantity("table"),
-    )
-
-
 class _Error(NamedTuple):
     """The errors of a cell in a series, fitted and left out [k r]."""
 
@@ -151,6 +126,54 @@ def _correlations(found: Calibration) -> dict[str, dict[str, float]]:
     return {name: dict(zip(names, row, strict=True)) for name, row in rows}
 
 
+def summary(found: Calibration) -> list[str]:
+    """How well a calibration predicts, a sentence each."""
+    lines = [
+        f"{'Pairs' if one.in_pair else 'Cells'} with {counted(one.bands, 'band')}: force within "
+        f"{one.fit:.3f} k r fitted, {one.left_out:.3f} predicted from the other geometries."
+        for one in _means(found)
+    ]
+    if found.snaps:
+        right, of = found.orders
+        lines.append(f"Orders predicted from the other geometries: {right} of {of} as seen.")
+    plain, fitted, left_out = (one.of(found) * _MM for one in _SNAP_ERRORS)
+    if not math.isnan(left_out):
+        held, of = found.coverage
+        lines.append(
+            f"Snaps, none of them fitted, are missed by {left_out:.2f} mm in the mean "
+            f"from the other geometries, by {fitted:.2f} mm from a pair's own curves, by "
+            f"{plain:.2f} mm without a fit; 90 % intervals hold {held} of {of}."
+        )
+    if (weighing := found.weighing) is not None:
+        machine = f"; friction of the machine {weighing.friction:.3f} N" if weighing.both else ""
+        lines.append(f"The block between two cells weighs {weighing.weight:.3f} N{machine}.")
+    return lines
+
+
+# What is reported of a calibration.
+CALIBRATE: Schema = (
+    Quantity("data_sha256", holds={str: str}),
+    Quantity("summary", holds=[str], read=summary),
+    Quantity("law"),
+    Quantity("k", "N/m", read="reference"),
+    Quantity("parameters", holds=[_PARAMETER]),
+    Quantity("weighing", holds=_WEIGHING, missing=True),
+    Quantity("compliance", "mm/N"),
+    Quantity("scatter", "percent"),
+    Quantity("snaps", holds=[_SNAP]),
+    Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda found: found),
+    Quantity("intervals_that_hold", holds=_INTERVALS, read="coverage"),
+    Quantity("orders_right", holds=[int], read="orders"),
+    Quantity("errors", holds=[_ERROR], read=_errors),
+    Quantity("mean_errors", holds=[_MEAN], read=_means),
+    Quantity("correlations", holds={str: {str: float}}, read=_correlations),
+    Quantity("not_told_apart", holds=[_CORRELATED], read="tied"),
+    Quantity("open", holds=[str]),
+    Quantity("told", holds=[str], read="notes"),
+    Quantity("table"),
+)
+
+
 def calibration_account(found: Calibration, about: About | None = None) -> Account:
     """What is reported of a calibration."""
     about = about or About()
@@ -160,7 +183,7 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
         found,
         title="Bands calibrated on cells",
         kind="lab.calibrate/2",
-        schema=calibrate_schema(Shape()),
+        schema=CALIBRATE,
         answer=answer,
         about=about,
         given={"data_sha256": about.data_sha256, "table": table},
@@ -202,30 +225,6 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
             ),
         ),
     )
-
-
-def summary(found: Calibration) -> list[str]:
-    """How well a calibration predicts, a sentence each."""
-    lines = [
-        f"{'Pairs' if one.in_pair else 'Cells'} with {counted(one.bands, 'band')}: force within "
-        f"{one.fit:.3f} k r fitted, {one.left_out:.3f} predicted from the other geometries."
-        for one in _means(found)
-    ]
-    if found.snaps:
-        right, of = found.orders
-        lines.append(f"Orders predicted from the other geometries: {right} of {of} as seen.")
-    plain, fitted, left_out = (one.of(found) * _MM for one in _SNAP_ERRORS)
-    if not math.isnan(left_out):
-        held, of = found.coverage
-        lines.append(
-            f"Snaps, none of them fitted, are missed by {left_out:.2f} mm in the mean "
-            f"from the other geometries, by {fitted:.2f} mm from a pair's own curves, by "
-            f"{plain:.2f} mm without a fit; 90 % intervals hold {held} of {of}."
-        )
-    if (weighing := found.weighing) is not None:
-        machine = f"; friction of the machine {weighing.friction:.3f} N" if weighing.both else ""
-        lines.append(f"The block between two cells weighs {weighing.weight:.3f} N{machine}.")
-    return lines
 
 
 def _snaps(row: dict[str, Any]) -> bool:

@@ -18,7 +18,7 @@ from stepwell.accounts.account import (
     Table,
     Text,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
@@ -126,21 +126,6 @@ _PAIR_COLUMNS: Columns = tuple(
 )
 
 
-def compare_schema(_: Shape) -> Schema:
-    """What is reported of a comparison."""
-    return (
-        Quantity("data_sha256", holds={str: str}),
-        Quantity("designs_sha256", holds={str: str}),
-        Quantity("bar", "mm", read="rig.bar"),
-        Quantity("rig", holds=_RIG),
-        Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),
-        Quantity("series", holds=[_SERIES], read="tests"),
-        Quantity("told", holds=[str]),
-        Quantity("not_judged", read=lambda _: NOT_JUDGED),
-        Quantity("rise", "over_kr", read=lambda _: RISE),
-    )
-
-
 class _Mean(NamedTuple):
     """The mean error of the unit cells with so many bands [k r]."""
 
@@ -158,6 +143,20 @@ def series_account(found: CellTest | PairTest, about: About | None = None) -> Ac
     return Account(found, found.series.name, answer=f"{found.verdict}.")
 
 
+# What is reported of a comparison.
+COMPARE: Schema = (
+    Quantity("data_sha256", holds={str: str}),
+    Quantity("designs_sha256", holds={str: str}),
+    Quantity("bar", "mm", read="rig.bar"),
+    Quantity("rig", holds=_RIG),
+    Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),
+    Quantity("series", holds=[_SERIES], read="tests"),
+    Quantity("told", holds=[str]),
+    Quantity("not_judged", read=lambda _: NOT_JUDGED),
+    Quantity("rise", "over_kr", read=lambda _: RISE),
+)
+
+
 def comparison_account(found: Comparison, about: About | None = None) -> Account:
     """What is reported of a comparison."""
     about = about or About()
@@ -167,7 +166,7 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
         found,
         title="Measured against model",
         kind="lab.compare/2",
-        schema=compare_schema(Shape()),
+        schema=COMPARE,
         answer=_answer(found),
         about=about,
         given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About
 from stepwell.base import Column, Columns, Quantity, Schema, counted, headed, number, record
 from stepwell.lab import Batch, Recording, hashes
 
@@ -50,18 +50,17 @@ _READ: Schema = (
 )
 
 
-def read_schema(_: Shape) -> Schema:
-    """What is reported of recordings."""
-    return (
-        Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
-        Quantity("recordings", holds=[_READ], read=_rows),
-        Quantity("refused", holds=[(Quantity("source", read="name"), Quantity("problem"))]),
-        Quantity("ignored", holds=[str]),
-    )
-
-
 def _rows(batch: Batch) -> list[_Read]:
     return [_Read(*one) for one in zip(batch.recordings, batch.odd, strict=True)]
+
+
+# What is reported of recordings.
+READ: Schema = (
+    Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
+    Quantity("recordings", holds=[_READ], read=_rows),
+    Quantity("refused", holds=[(Quantity("source", read="name"), Quantity("problem"))]),
+    Quantity("ignored", holds=[str]),
+)
 
 
 def batch_account(found: Batch, about: About | None = None) -> Account:
@@ -73,7 +72,7 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
         found,
         title="Recordings",
         kind="lab.read/1",
-        schema=read_schema(Shape()),
+        schema=READ,
         origin=f"{counted(read + refused, 'file')} tried.",
         answer=f"{counted(read, 'recording')} read{not_read}",
         about=about or About(),

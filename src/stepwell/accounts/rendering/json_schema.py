@@ -9,7 +9,7 @@ from types import UnionType
 from typing import Any
 
 from stepwell.accounts.head import BARE, HEAD, shapes
-from stepwell.accounts.kinds import KINDS, function_at
+from stepwell.accounts.kinds import KINDS, taken_from
 from stepwell.base import InputError, Quantity, Schema, nearest_word
 
 JsonSchema = dict[str, Any]
@@ -41,8 +41,9 @@ def schema_of(kind: str) -> JsonSchema:
         near = nearest_word(kind, schema_kinds())
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
-    schema, first = function_at(KINDS[name]), _FIRST.get(kind, HEAD)
-    body = reduce(_merged, (_object((*first, *schema(shape))) for shape in shapes()))
+    found, first = taken_from(KINDS[name]), _FIRST.get(kind, HEAD)
+    schemas = map(found, shapes()) if callable(found) else [found]
+    body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
     properties = {
         "schema": {"const": f"stepwell.{name}"},
         **body["properties"],
