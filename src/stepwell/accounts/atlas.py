@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
 from stepwell.accounts.head import About
 from stepwell.accounts.study import VARIED
-from stepwell.base import Quantity, Schema, counted, number, record, told_in
+from stepwell.base import Quantity, Schema, amount, counted, number, record, told_in
 
 if TYPE_CHECKING:
     from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
@@ -273,7 +273,7 @@ def _defined(found: Atlas) -> str:
     return (
         "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
         "fraction of mechanisms built after the most robust design that was drawn, within "
-        f"{number(within.anchor * 1e3)} mm and {number(within.stiffness * 100)} % of stiffness, "
+        f"{amount(within.anchor, 'm')} and {number(within.stiffness * 100)} % of stiffness, "
         "that have the same graph."
     )
 

@@ -8,15 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account, Level, Part, Section, Table
 from stepwell.accounts.head import About, Shape
-from stepwell.base import Column, Columns, Measure, Quantity, Schema, number, record, signed
+from stepwell.base import (
+    Column,
+    Columns,
+    Measure,
+    Quantity,
+    Schema,
+    amount,
+    number,
+    record,
+    signed,
+    to_unit,
+)
 from stepwell.design import LONGEST_FOLLOWED
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
     from stepwell.design import Change, Margin
 
-# A change of this many mm, or of a tenth of it in percent, is no change.
-_NO_CHANGE = 1e-6
+# A displacement [m] and a fraction of this size are no change.
+_NO_MOVE, _NO_CHANGE = 1e-9, 1e-11
 # A longer sequence is not written in a sentence.
 _MOST_LETTERS = 60
 
@@ -68,11 +79,11 @@ def critical_words(change: Change) -> str:
     """The change that breaks a design first, and what the design does past it."""
     chain, part = change.chain, change.parameter
     name, what = chain.names[change.cell], part_words(part, chain.measure)
-    if change.distance * (1e3 if _of_anchor(change) else 1e5) < _NO_CHANGE:
+    if change.distance < (_NO_MOVE if _of_anchor(change) else _NO_CHANGE):
         return "any change at all decides what it does"
     if isinstance(change.move, tuple):
-        far, way = number(change.distance * 1e3, 3), _sides(*change.move)
-        told = f"{what} of {name} {far} mm {way}"
+        far, way = amount(change.distance, "m", 3), _sides(*change.move)
+        told = f"{what} of {name} {far} {way}"
     else:
         of = f" of its largest {chain.measure.force}" * (part == "friction")
         told = f"{name}'s {what}: {signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
@@ -84,7 +95,7 @@ def _sides(x: float, y: float) -> str:
     """Where an anchor goes, (x, y) [m], as it is seen on a drawing."""
     size = max(abs(x), abs(y))
     ways = [(x, "to the right" if x > 0 else "to the left"), (y, "up" if y > 0 else "down")]
-    kept = [(abs(v) * 1e3, way) for v, way in ways if abs(v) > 0.02 * size]
+    kept = [(to_unit(abs(v), "mm"), way) for v, way in ways if abs(v) > 0.02 * size]
     if len(kept) == 1:
         return kept[0][1]
     return "(" + " and ".join(f"{number(v, 3)} {way}" for v, way in kept) + ")"
@@ -115,13 +126,14 @@ def margin_words(margin: Margin) -> str:
         distances = [one.distance for one in margin.changes if one.parameter == kind]
         least = min(distances, default=math.inf)
         if math.isfinite(least):
-            found.append(f"{number(least * (1e3 if kind == 'anchor' else 1e2))} {text}")
+            unit = "mm" if kind == "anchor" else "percent"
+            found.append(f"{number(to_unit(least, unit))} {text}")
     if found:
         near = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
         return f"{near} to another sequence ({margin.method})"
     if len(chain.elements) == len(chain):
         return "no other sequence by any change of one thing"
-    return f"no other sequence within {number(margin.reach * 1e3)} mm of any anchor"
+    return f"no other sequence within {amount(margin.reach, 'm')} of any anchor"
 
 
 def margin_section(margin: Margin, *parts: Part) -> Section:
@@ -135,7 +147,7 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
         if margin.method == "exact"
         else f"searched with the engine. {margin.resolution}"
     )
-    reach = f"; anchors were moved by up to {number(margin.reach * 1e3)} mm" * shape.levers
+    reach = f"; anchors were moved by up to {amount(margin.reach, 'm')}" * shape.levers
     gap = (
         f" The smallest gap between two F0 or two F1 is {number(margin.gap)} times k r of the "
         f"innermost cell."
@@ -194,7 +206,7 @@ def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
         margin: of the chain.
         tied: whether the chain stands on the boundary already.
     """
-    if tied and all(change.distance * 1e3 < _NO_CHANGE for change in margin.changes):
+    if tied and all(change.distance < _NO_MOVE for change in margin.changes):
         return "It stands between two sequences: any change at all decides which it takes."
     near = sorted(margin.changes, key=lambda change: change.distance)
     near = [change for change in near if math.isfinite(change.distance)]
@@ -203,7 +215,7 @@ def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
     nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
     if not nearest:
         anchors = any(_of_anchor(change) for change in margin.changes)
-        reach = f" of an anchor within {number(margin.reach * 1e3)} mm, and none" if anchors else ""
+        reach = f" of an anchor within {amount(margin.reach, 'm')}, and none" if anchors else ""
         return f"No change{reach} of one number alone makes it do anything else."
     return f"It would go {', or '.join(map(_instead, nearest))}."
 
@@ -217,7 +229,7 @@ def _instead(change: Change) -> str:
 def _changed(change: Change) -> str:
     name = change.chain.names[change.cell]
     if isinstance(change.move, tuple):
-        return f"the anchor q of {name} were moved by {number(change.distance * 1e3, 3)} mm"
+        return f"the anchor q of {name} were moved by {amount(change.distance, 'm', 3)}"
     words = change.chain.measure
     share = f"{number(abs(change.move) * 100, 3)} %"
     if change.parameter == "friction":

@@ -39,6 +39,7 @@ from stepwell.base import (
     number,
     record,
     signed,
+    to_unit,
     told_in,
 )
 from stepwell.design import Impossible
@@ -322,8 +323,8 @@ def _change_facts(found: Reprogramming) -> tuple[Fact, ...]:
     if not (isinstance(by, tuple) and isinstance(place, tuple)):
         sign = signed(float(by) * told_in(found.unit)[1])  # type: ignore[arg-type]
         return past, Fact("Change", f"{found.by} to {_number(found, place)} ({sign})")
-    move = ", ".join(signed(one * 1e3) for one in by)
-    to = ", ".join(number(one * 1e3) for one in place)
+    move = ", ".join(signed(to_unit(one, "mm")) for one in by)
+    to = ", ".join(number(to_unit(one, "mm")) for one in place)
     pull = found.resistance
     return (
         past,
@@ -347,7 +348,7 @@ def _number(found: Reprogramming, value: Any) -> str:
 
 def _force_table(found: Reprogramming) -> Table:
     """The force on the way of an anchor."""
-    distance = found.distance * 1e3
+    distance = to_unit(found.distance, "mm")
     return Table(
         [
             Column("moved [mm]", lambda row: number(row["fraction"] * distance), True),

@@ -19,7 +19,17 @@ from stepwell.accounts.account import (
     Warned,
 )
 from stepwell.accounts.head import About
-from stepwell.base import Column, Quantity, Schema, amount, counted, number, read_off, record
+from stepwell.base import (
+    Column,
+    Quantity,
+    Schema,
+    amount,
+    counted,
+    number,
+    read_off,
+    record,
+    to_unit,
+)
 from stepwell.files import provenance
 from stepwell.robot import Motion
 
@@ -259,7 +269,7 @@ def turn_words(turn: float) -> str:
 def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> str:
     """How deep the feet stand, and the depths [m] between which each leg keeps its gait."""
     each = [
-        f"{leg.name} {1e3 * one[0]:.2f} to {1e3 * one[1]:.2f} mm"
+        f"{leg.name} {to_unit(one[0], 'mm'):.2f} to {to_unit(one[1], 'mm'):.2f} mm"
         for leg, one in zip(robot.legs, depths, strict=True)
         if one is not None
     ]

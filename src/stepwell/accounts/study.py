@@ -27,6 +27,7 @@ from stepwell.base import (
     percent,
     read_off,
     record,
+    to_unit,
 )
 from stepwell.robot import TRIAL
 
@@ -387,7 +388,7 @@ CONVERGENCE: Schema = (
 def convergence_account(found: Convergence, about: About | None = None) -> Account:
     """What is reported of a walk at several time steps."""
     rows = found.rows
-    steps = ", ".join(number(row.time_step * 1e3) for row in rows)
+    steps = ", ".join(number(to_unit(row.time_step, "ms")) for row in rows)
     advance = [row.advance for row in rows]
     return Account(
         found,

@@ -40,6 +40,7 @@ from stepwell.base import (
     read_off,
     record,
     rows_of,
+    to_unit,
 )
 from stepwell.files import digest, dumps
 
@@ -346,5 +347,5 @@ def _antennas(robot: Robot) -> str:
 def _end_words(maze: Maze) -> str:
     if maze.end is None:
         return ""
-    x, y = (number(one * 1e3) for one in maze.end)
+    x, y = (number(to_unit(one, "mm")) for one in maze.end)
     return f"({x}, {y}) mm"

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepwell import figures
 from stepwell.accounts import Account
-from stepwell.base import InputError, have, nearest_word
+from stepwell.base import InputError, have, nearest_word, to_unit
 from stepwell.design import boundaries, transition_map
 from stepwell.paper import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.reports.write import Content, Contents
@@ -121,7 +121,7 @@ def _pairs() -> dict[str, Cycle]:
 
 
 def _mm(q: tuple[float, float]) -> str:
-    return ", ".join(f"{part * 1e3:g}" for part in q).replace("-", "\N{MINUS SIGN}")
+    return ", ".join(f"{to_unit(part, 'mm'):g}" for part in q).replace("-", "\N{MINUS SIGN}")
 
 
 def paper_contents(_: Verdicts, _account: Account, everything: bool = False) -> Contents:

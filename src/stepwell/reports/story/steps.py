@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, amount, have, number
+from stepwell.base import ByValue, amount, have, number, to_unit
 from stepwell.design import Tolerances, boundaries, design, margin, transition_map
 from stepwell.files import WrittenProgram, dumps, load, load_arena, preset_text, with_program
 from stepwell.mechanism import Band, Cell, Chain
@@ -200,7 +200,7 @@ def _wish(progress: Progress | None) -> Step:
         {"wish.toml": text},
         tuple(f"{line} # {name}" for line, name in zip(anchors, made.names, strict=True)),
         (
-            f"stepwell design '{_WISH}' --anchor {number(_ANCHOR * 1e3)} "
+            f"stepwell design '{_WISH}' --anchor {number(to_unit(_ANCHOR, 'mm'))} "
             f"--stiffness-spread {number(_STIFFNESS * 100)} --out wish",
         ),
     )
@@ -211,7 +211,7 @@ def _finger(progress: Progress | None) -> Step:
     up = "".join("1" if name == _FINGER else "0" for name in hand.names)
     program = hand.program(up)
     (turn,) = program.turns
-    points = [number(point * 1e3) for point in program.turning_points]
+    points = [number(to_unit(point, "mm")) for point in program.turning_points]
     off = amount(min(turn.drive - turn.low, turn.high - turn.drive), "m", 3)
     text = with_program(preset_text("finger-selector"), WrittenProgram.of(program))
     return Step(
@@ -319,4 +319,4 @@ def _moved(remark: str, before: Chain, after: Chain) -> tuple[str, ...]:
 
 
 def _place(band: Band) -> str:
-    return "[" + ", ".join(number(at * 1e3) for at in band.q) + "]"
+    return "[" + ", ".join(number(to_unit(at, "mm")) for at in band.q) + "]"
