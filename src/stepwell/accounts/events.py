@@ -202,22 +202,26 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     ratios = f"for mobility ratios up to {number(landings[0].ratio)}"
     if not holding:
         return f"no landing holds {ratios}"
+    many = (
+        "all hold" if len(holding) == len(landings) else f"{len(holding)} of {len(landings)} hold"
+    )
+    return f"{many if landings[1:] else 'holds'} {ratios}: {_held_by(holding)}"
+
+
+def _held_by(holding: Sequence[Landing]) -> str:
+    """How many of the landings that hold are proved, and what samples show of the others."""
     sampled = [one for one in holding if one.proof is None]
-    proved, parts = len(holding) - len(sampled), list[str]()
-    if proved:
-        parts.append(f"{proved} proved" if sampled else "proved")
-    if sampled:
-        most = percent_at_most(max(one.bound for one in sampled))
-        least = min(one.samples for one in sampled)
-        many = f"in {len(sampled)} " if proved or sampled[1:] else ""
-        each = " each" if sampled[1:] else ""
-        parts.append(
-            f"{many}at most {most} of mobilities lead elsewhere (95 % confidence, {least} samples"
-            f"{each})"
-        )
-    all_hold = len(holding) == len(landings)
-    many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
-    return f"{many if landings[1:] else 'holds'} {ratios}: {', '.join(parts)}"
+    if not sampled:
+        return "proved"
+    proved = len(holding) - len(sampled)
+    most = percent_at_most(max(one.bound for one in sampled))
+    least = min(one.samples for one in sampled)
+    many = f"in {len(sampled)} " if holding[1:] else ""
+    each = " each" if sampled[1:] else ""
+    return (f"{proved} proved, " if proved else "") + (
+        f"{many}at most {most} of mobilities lead elsewhere "
+        f"(95 % confidence, {least} samples{each})"
+    )
 
 
 def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
