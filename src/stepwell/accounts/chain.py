@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Section, Table
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.words import actuator_words, cells_of
-from stepwell.base import Columns, Quantity, Schema, counted, in_measure, record
+from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
 from stepwell.mechanism import Cell, Chain, Element
 
 
@@ -59,11 +59,14 @@ def cell_schema(shape: Shape) -> Schema:
     It is read from what `named` makes.
     """
     if not shape.elements:
-        return tuple(map(_of_cell, (*_LEVER, _MOBILITY)))
+        name, *rest = (*_LEVER, _MOBILITY)
+        return name, *read_off(rest, "cell")
     names = {quantity.key for quantity in _element(shape)}
     levers = (quantity for quantity in _LEVER if quantity.key not in names)
-    schema = (*_element(shape), *(map(_if_lever, levers) if shape.levers else ()))
-    return in_measure(tuple(map(_of_cell, schema)), shape.measure)
+    # In tables of mixed chains what levers alone have is in no column.
+    alone = [replace(one, head="") for one in of_class(Cell, levers)] if shape.levers else ()
+    name, *rest = _element(shape)
+    return in_measure((name, *read_off((*rest, *alone), "cell")), shape.measure)
 
 
 _LEVER: Schema = (
@@ -128,20 +131,6 @@ def _element(shape: Shape) -> Schema:
 def _stable(cell: Cell | Element) -> list[int]:
     """The phases in which a cell can stand without any force."""
     return [k for k, one in enumerate(cell.phases) if one.force_low < 0.0 < one.force_high]
-
-
-def _of_cell(quantity: Quantity) -> Quantity:
-    """A quantity of a cell, read from `Named`."""
-    if quantity.name == "name":
-        return quantity
-    return replace(quantity, read=lambda one: quantity.of(one.cell))
-
-
-def _if_lever(quantity: Quantity) -> Quantity:
-    """The same quantity, None of an element; in tables of mixed chains it has no column."""
-    return replace(
-        quantity, head="", read=lambda cell: quantity.of(cell) if isinstance(cell, Cell) else None
-    )
 
 
 def cell_columns(schema: Schema, chain: Chain) -> Columns:

@@ -21,7 +21,17 @@ from stepwell.accounts.yields import (
     sample_words,
     yield_words,
 )
-from stepwell.base import GRAVITY, Measure, Quantity, Schema, amount, in_measure, number, percent
+from stepwell.base import (
+    GRAVITY,
+    Measure,
+    Quantity,
+    Schema,
+    amount,
+    in_measure,
+    number,
+    percent,
+    read_off,
+)
 
 if TYPE_CHECKING:
     from stepwell.design import Check, Measurement
@@ -48,7 +58,7 @@ def check_schema(shape: Shape) -> Schema:
         Quantity("wanted"),
         Quantity("does"),
         Quantity("does_it", holds=bool),
-        *counted_schema(shape, "yield_"),
+        *read_off(counted_schema(shape), "yield_"),
         Quantity("killer", holds=change_schema(shape), missing=True),
         *in_measure(_ACTUATOR, shape.measure),
         Quantity("pull", "g", read=_mass),

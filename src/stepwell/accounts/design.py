@@ -19,7 +19,7 @@ from stepwell.accounts.account import (
     Text,
 )
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.accounts.yields import (
@@ -37,15 +37,16 @@ from stepwell.base import (
     amount,
     in_measure,
     number,
+    read_off,
     record,
     signed,
     to_unit,
     told_in,
 )
-from stepwell.design import Impossible
+from stepwell.design import Design, Impossible
 
 if TYPE_CHECKING:
-    from stepwell.design import Design, Reprogramming, Robustness
+    from stepwell.design import Reprogramming, Robustness
 
 
 # More states than these are not read in a line.
@@ -75,8 +76,8 @@ def design_schema(shape: Shape) -> Schema:
         Quantity("possible", read=lambda one: not _none(one), holds=bool),
         Quantity("proved", holds=bool),
         Quantity("reason", read=lambda one: str(one) if _none(one) else one.method),
-        *(_if(q, found=True) for q in found),
-        *(_if(q, found=False) for q in in_measure(_GAPS, shape.measure)),
+        *of_class(Design, found),
+        *of_class(Impossible, in_measure(_GAPS, shape.measure)),
     )
 
 
@@ -94,15 +95,6 @@ def _none(value: Design | Impossible) -> bool:
     return isinstance(value, Impossible)
 
 
-def _if(quantity: Quantity, *, found: bool) -> Quantity:
-    """A quantity of a design that was found, or of the reason why there is none; None else."""
-
-    def read(value: Design | Impossible) -> Any:
-        return None if _none(value) == found else quantity.of(value)
-
-    return replace(quantity, read=read, missing=True)
-
-
 def _states(found: Design) -> tuple[str, ...] | None:
     return found.states if len(found.chain) <= LONGEST_IN_A_LINE else None
 
@@ -110,11 +102,11 @@ def _states(found: Design) -> tuple[str, ...] | None:
 def built_schema(shape: Shape) -> Schema:
     """What has to be built: anchors and the band of each cell, or scales of elements."""
     if shape.elements:
-        return (*cell_schema(shape), *map(_of_cell, _SCALES))
+        return (*cell_schema(shape), *read_off(_SCALES, "cell"))
     name, p, q, *band = BAND
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
     # What can be chosen stands before what is given.
-    return (name, *map(_of_band, (q, p, *band)), *map(_of_cell, _LEVER), *forces)
+    return (name, *map(_of_band, (q, p, *band)), *read_off(_LEVER, "cell"), *forces)
 
 
 _SCALES: Schema = (
@@ -122,10 +114,6 @@ _SCALES: Schema = (
     Quantity("travel_scale", head="travel scale", holds=float, left=False),
 )
 _LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
-
-
-def _of_cell(quantity: Quantity) -> Quantity:
-    return replace(quantity, read=lambda one: quantity.of(one.cell))
 
 
 def _of_band(quantity: Quantity) -> Quantity:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -152,3 +152,12 @@ def shapes() -> Iterable[Shape]:
             kinds += [(True, False, False), (True, True, False), (True, True, True)]
         for levers, elements, folds in kinds:
             yield Shape(measure, force_driven, levers, elements, folds)
+
+
+def of_class(kind: type, schema: Schema) -> Schema:
+    """The same quantities, None of a value of another class."""
+
+    def read(quantity: Quantity) -> Callable[[Any], Any]:
+        return lambda value: quantity.of(value) if isinstance(value, kind) else None
+
+    return tuple(replace(one, read=read(one), missing=True) for one in schema)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from stepwell.accounts.account import Account, Fact, Level, Motion, Picture, Section, Table, Text
@@ -15,7 +14,7 @@ from stepwell.accounts.events import (
     landing_schema,
     landing_words,
 )
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.words import (
     LONGEST_IN_A_LINE,
     LONGEST_SPELLED_OUT,
@@ -61,17 +60,8 @@ def program_schema(shape: Shape) -> Schema:
         ),
         Quantity("robust", holds=float),
         Quantity("reason", read=lambda one: one.reason if isinstance(one, Program) else str(one)),
-        *map(_if_found, found),
+        *of_class(Program, found),
     )
-
-
-def _if_found(quantity: Quantity) -> Quantity:
-    """A quantity of a program, None where there is no program."""
-
-    def read(one: Program | Unreachable) -> object:
-        return quantity.of(one) if isinstance(one, Program) else None
-
-    return replace(quantity, read=read, missing=True)
 
 
 def _spelled(program: Program) -> str | None:

@@ -28,7 +28,7 @@ from stepwell.accounts.words import (
     tie_notes,
 )
 from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, in_measure, number, record
+from stepwell.base import Quantity, Schema, in_measure, number, read_off, record
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway
 from stepwell.statics import EventKind
@@ -59,7 +59,7 @@ def run_schema(shape: Shape) -> Schema:
             holds=[landing_schema(shape)],
             missing=True,
         ),
-        *cycle_schema(shape, "cycle."),
+        *read_off(cycle_schema(shape), "cycle"),
         Quantity("margin", holds=margin_schema(shape)),
         Quantity("ties", read=lambda run: tie_notes(run.cycle.degenerate, run.chain), holds=[str]),
     )
@@ -69,23 +69,23 @@ def _spelled(cycle: Cycle) -> str | None:
     return str(cycle.sequence) if len(cycle.chain) <= LONGEST_SPELLED_OUT else None
 
 
-def cycle_schema(shape: Shape, of: str = "") -> Schema:
-    """The numbers of a cycle; `of` is the attribute that has it, with a dot."""
+def cycle_schema(shape: Shape) -> Schema:
+    """The numbers of a cycle."""
     schema = (
-        Quantity("dissipated", "mJ", read=f"{of}dissipated"),
-        Quantity("peak_force", "N", read=f"{of}peak_force"),
-        Quantity("full_stroke", "mm", read=f"{of}chain.full_stroke"),
+        Quantity("dissipated", "mJ"),
+        Quantity("peak_force", "N"),
+        Quantity("full_stroke", "mm", read="chain.full_stroke"),
         # Ends of curves say little of how far a chain of elements is driven.
-        *([_points(shape, of)] if shape.elements else ()),
+        *([_points(shape)] if shape.elements else ()),
     )
     return in_measure(schema, shape.measure)
 
 
-def _points(shape: Shape, of: str) -> Quantity:
+def _points(shape: Shape) -> Quantity:
     return Quantity(
         "turning_points",
         shape.drive,
-        read=f"{of}path.turning_points",
+        read="path.turning_points",
         form=lambda points: " → ".join(map(number, points)),
         holds=[float],
     )
@@ -214,7 +214,7 @@ def _pictures(chain: Chain) -> list[Part]:
 def path_account(path: Path, about: About | None = None) -> Account:
     """What a notebook shows of a path."""
     chain = path.chain
-    points = _points(Shape.of(chain), "")
+    points = _points(Shape.of(chain))
     turns = [number(point * points.factor) for point in path.turning_points]
     lost, peak, *_ = cycle_schema(Shape.of(chain))
     found = record((lost, peak), path)

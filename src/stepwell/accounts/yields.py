@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from operator import attrgetter, itemgetter
-from typing import TYPE_CHECKING, Any
+from operator import itemgetter
+from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import (
     Account,
@@ -32,25 +31,15 @@ OUTCOMES = "Outcomes of the samples"
 FORCE_PLANE = "Switching forces of each cell, nominal and in samples"
 
 
-def counted_schema(shape: Shape, yield_: str = "") -> Schema:
-    """What is counted of samples, and within which tolerances.
-
-    Args:
-        shape: of the chain.
-        yield_: the attribute that has the yield; the value itself by default.
-    """
-
-    def read(name: str, k: int | None = None) -> Callable[[Any], Any]:
-        get = attrgetter(f"{yield_}.{name}" if yield_ else name)
-        return get if k is None else lambda found: get(found)[k]
-
+def counted_schema(shape: Shape) -> Schema:
+    """What is counted of samples, and within which tolerances."""
     return (
-        Quantity("share", holds=float, read=read("share")),
-        Quantity("share_low", holds=float, read=read("interval", 0)),
-        Quantity("share_high", holds=float, read=read("interval", 1)),
-        Quantity("samples", holds=int, read=read("n")),
-        Quantity("successes", holds=int, read=read("successes")),
-        Quantity("tolerances", holds=tolerance_schema(shape), read=read("tolerances")),
+        Quantity("share", holds=float),
+        Quantity("share_low", holds=float, read=lambda found: found.interval[0]),
+        Quantity("share_high", holds=float, read=lambda found: found.interval[1]),
+        Quantity("samples", holds=int, read="n"),
+        Quantity("successes", holds=int),
+        Quantity("tolerances", holds=tolerance_schema(shape)),
     )
 
 

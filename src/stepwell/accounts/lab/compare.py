@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -18,7 +17,7 @@ from stepwell.accounts.account import (
     Table,
     Text,
 )
-from stepwell.accounts.head import About
+from stepwell.accounts.head import About, of_class
 from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
@@ -58,15 +57,6 @@ def _beside(both: Mapping[str, float]) -> str:
     return f"{both['measured']:.3f} ({both['model']:.3f})"
 
 
-def _of(kind: type, *quantities: Quantity) -> Schema:
-    """Quantities of one kind of test; of the other kind JSON has null."""
-
-    def read(quantity: Quantity) -> Any:
-        return lambda test: quantity.of(test) if isinstance(test, kind) else None
-
-    return tuple(replace(one, read=read(one), missing=True) for one in quantities)
-
-
 _EACH: Schema = (
     Quantity("series", head="series", read="series.name"),
     Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
@@ -82,17 +72,20 @@ _EACH: Schema = (
     Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale),
     Quantity("verdict"),
 )
-_CELL = _of(
+_CELL = of_class(
     CellTest,
-    Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
-    Quantity("F0", "N", "F0", _both("force_0"), _beside, holds=_of_both(float)),
-    Quantity("F1", "N", "F1", _both("force_1"), _beside, holds=_of_both(float)),
-    Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside, holds=_of_both(float)),
-    Quantity("bistable", read=_both("is_bistable"), holds=_of_both(bool)),
-    Quantity("rises", holds=[_RISE]),
+    (
+        Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
+        Quantity("F0", "N", "F0", _both("force_0"), _beside, holds=_of_both(float)),
+        Quantity("F1", "N", "F1", _both("force_1"), _beside, holds=_of_both(float)),
+        Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside, holds=_of_both(float)),
+        Quantity("bistable", read=_both("is_bistable"), holds=_of_both(bool)),
+        Quantity("rises", holds=[_RISE]),
+    ),
 )
-_PAIR = _of(
+_PAIR = of_class(
     PairTest,
+    (
     Quantity(
         "order_shown", "", "order shown", lambda test: test.names(test.shown), " then ".join,
         holds=[str],
@@ -116,6 +109,7 @@ _PAIR = _of(
     Quantity("snaps_with_friction", "mm", holds=[float]),
     Quantity("pull", "N", read=lambda test: test.pull if test.held else None),
     Quantity("hold", "N", read=lambda test: test.hold if test.held else None),
+    ),
 )  # fmt: skip
 _SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
 _PAIR_COLUMNS: Columns = tuple(

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table
 from stepwell.accounts.head import About
-from stepwell.base import Column, Columns, Quantity, Schema, counted, headed, number, record
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    counted,
+    headed,
+    number,
+    read_off,
+    record,
+)
 from stepwell.lab import Batch, Recording, hashes
 
 # More turning points of a stroke than this are not listed.
@@ -40,12 +49,8 @@ class _Read(NamedTuple):
     odd: tuple[str, ...]
 
 
-def _of_recording(quantity: Quantity) -> Callable[[_Read], Any]:
-    return lambda read: quantity.of(read.recording)
-
-
 _READ: Schema = (
-    *(replace(quantity, read=_of_recording(quantity)) for quantity in _RECORDING),
+    *read_off(_RECORDING, "recording"),
     Quantity("odd", holds=[str]),
 )
 
