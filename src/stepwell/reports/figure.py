@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from stepwell.simulation import Walk
     from stepwell.statics import InertialLanding
 
-# Two columns of a journal page [mm].
-_PAGE = 180.0
 # Of a map, the places of an anchor [m], as `stepwell map` takes them.
 _ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
 # A robot's gait is shown after it has settled.
@@ -226,10 +224,7 @@ def figure(
     measured: Sequence[Recording] = (),
     mass: float | None = None,
     damping: float | None = None,
-    width: float = _PAGE,
-    height: float | None = None,
-    columns: int | None = None,
-    letters: str = "A",
+    **page: Any,
 ) -> Figure:
     """A figure of a design for a paper, its panels chosen by name.
 
@@ -241,8 +236,8 @@ def figure(
         measured: recordings to be drawn behind the force, four at most.
         mass: outside each cell [kg], for the panel snap.
         damping: of each cell [N s/m], for the panel snap.
-        width, height: of the page [mm]; the height that panels want by default.
-        columns, letters: as for `figures.compose`.
+        page: `width`, `height` [mm], `columns` and `letters`, as for `figures.compose`; two columns
+            of a journal, 180 mm, wide by default.
 
     Returns:
         The figure.
@@ -262,7 +257,7 @@ def figure(
             "measured: recordings are drawn in the panel force, which is not asked for."
         )
     drawn = [one[1] if isinstance(one, tuple) else [draw for _, draw in one] for one in rows]
-    return figures.compose(drawn, width=width, height=height, columns=columns, letters=letters)
+    return figures.compose(drawn, **page)
 
 
 _Named = tuple[str, Callable[[], "Figure"]]
