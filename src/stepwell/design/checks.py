@@ -22,6 +22,7 @@ from stepwell.base import (
     brief,
     number,
     percent,
+    to_unit,
 )
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
@@ -115,8 +116,8 @@ def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
         inside = box.left - edge <= x <= box.right + edge
         if not (inside and box.bottom - edge <= y <= box.top + edge):
             yield (
-                f"anchor {which} of {name} at ({number(x * 1e3)}, {number(y * 1e3)}) mm lies "
-                f"outside the block of a usual build"
+                f"anchor {which} of {name} at ({number(to_unit(x, 'mm'))}, "
+                f"{number(to_unit(y, 'mm'))}) mm lies outside the block of a usual build"
             )
 
 

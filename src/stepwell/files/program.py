@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue, told_in
+from stepwell.base import ByValue, to_unit, told_in
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.keys import si, written
 from stepwell.files.text import array, quoted, toml, value_text
@@ -92,7 +92,7 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
         problems += _out_of_reach(points, start, chain)
         if _near_nothing(points, chain) and not keys.unusual:
             meant = array(toml(point * 1000) for point in drives)
-            fits = max(points) * 1e3 <= (1 + _SAME) * chain.full_stroke
+            fits = to_unit(max(points), "mm") <= (1 + _SAME) * chain.full_stroke
             unit, factor = told_in(chain.measure.travel_unit)
             problems.append(
                 f"program.{key} = {value_text(drives)}: stays within "

@@ -9,7 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, StepwellError, Vec2, brief, percent
+from stepwell.base import (
+    ByValue,
+    Floats,
+    InputError,
+    Ints,
+    StepwellError,
+    Vec2,
+    brief,
+    percent,
+    to_unit,
+)
 from stepwell.design import Draws, Parameter, parameters
 from stepwell.lab.recordings.curve import from_zero
 from stepwell.lab.recordings.recording import LabError, Recording
@@ -229,8 +239,9 @@ def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
     if not _REACH * full <= reached <= (1.0 + _REACH) * full:
         raise LabError(
             recording.source,
-            f"its stroke is {reached * 1e3:.4g} mm and that of the design {full * 1e3:.4g} mm: "
-            f"check the unit in the header, and that this design was tested.",
+            f"its stroke is {to_unit(reached, 'mm'):.4g} mm and that of the design "
+            f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design was "
+            "tested.",
         )
     edges = np.linspace(0.0, full, _PLACES + 1)
     found: list[Pull] = []

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, StepwellError, Vec2, check, number, percent
+from stepwell.base import ByValue, InputError, StepwellError, Vec2, check, number, percent, to_unit
 from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
 from stepwell.lab.builds import (
     STEPS,
@@ -56,7 +56,7 @@ class Step(ByValue):
         return self.anchor.displaced(chain, (self.to[0] - self.was[0], self.to[1] - self.was[1]))
 
     def __str__(self):
-        dx, dy = (number((b - a) * 1e3) for a, b in zip(self.was, self.to, strict=True))
+        dx, dy = (number(to_unit(b - a, "mm")) for a, b in zip(self.was, self.to, strict=True))
         words = way_in_words(self.was, self.to, self.holes)
         return f"{named(self.anchor)} {words}, by ({dx}, {dy}) mm"
 
@@ -301,10 +301,10 @@ class AsBuilt(ByValue):
             return f"{best}: {now} as they are, {percent(best.share)} after it"
         if not moves_of(self.drawing):
             return f"{now}; it has no anchor that could be moved"
-        far = number(MOST_HOLES * self.hole * 1e3)
+        far = number(to_unit(MOST_HOLES * self.hole, "mm"))
         return (
             f"leave its anchors: {now}, and no move of one by up to {far} mm helps, nor of two by "
-            f"{number(self.hole * 1e3)} mm"
+            f"{number(to_unit(self.hole, 'mm'))} mm"
         )
 
     def __repr__(self):

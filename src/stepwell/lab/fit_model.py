@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats
+from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.fit_samples import Sample, Weighing
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
@@ -334,8 +334,8 @@ class SnapPrediction(ByValue):
 
     def __repr__(self):
         return (
-            f"SnapPrediction({self.series}: measured {self.measured * 1e3:.2f} mm, predicted "
-            f"{self.left_out * 1e3:.2f} ± {self.doubt * 1e3:.2f} mm)"
+            f"SnapPrediction({self.series}: measured {to_unit(self.measured, 'mm'):.2f} mm, "
+            f"predicted {to_unit(self.left_out, 'mm'):.2f} ± {to_unit(self.doubt, 'mm'):.2f} mm)"
         )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats
+from stepwell.base import Bools, ByValue, Drawn, Floats, to_unit
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.rig import (
@@ -216,7 +216,7 @@ class PairTest(ByValue, Drawn):
         sampled = max(_step(run) for run in self.series.recordings)
         if count > 1 and spread > max(_SCATTER, 10 * sampled):
             firsts = {
-                run.name: snaps[0] * 1e3
+                run.name: to_unit(snaps[0], "mm")
                 for run, snaps in zip(self.series.recordings, self.snaps, strict=True)
                 if snaps
             }
@@ -256,11 +256,15 @@ class PairTest(ByValue, Drawn):
             )
         if not count:
             return "no snap, as predicted"
-        scatter = f" ± {spread * 1e3:.2f}" if count > 1 else ""
-        measured = f"snap at {mean * 1e3:.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
+        scatter = f" ± {to_unit(spread, 'mm'):.2f}" if count > 1 else ""
+        measured = (
+            f"snap at {to_unit(mean, 'mm'):.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
+        )
         if not self.snaps_predicted:
             return f"{measured}, predicted nowhere"
-        sigmas = f"{abs(self.sigmas):.1f} σ outside the two (σ = {self.doubt * 1e3:.2f} mm)"
+        sigmas = (
+            f"{abs(self.sigmas):.1f} σ outside the two (σ = {to_unit(self.doubt, 'mm'):.2f} mm)"
+        )
         if self.sigmas == 0.0:
             sigmas = "between the two"
         return f"{measured}, predicted at {both}; {sigmas}"
@@ -552,4 +556,4 @@ def _with_friction(series: Series, first: int) -> Chain:
 
 
 def _strokes(strokes: tuple[float, ...]) -> str:
-    return ", ".join(f"{u * 1e3:.2f}" for u in strokes) + " mm" if strokes else "nowhere"
+    return ", ".join(f"{to_unit(u, 'mm'):.2f}" for u in strokes) + " mm" if strokes else "nowhere"

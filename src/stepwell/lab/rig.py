@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import Bools, ByValue, Floats, InputError, Ints
+from stepwell.base import Bools, ByValue, Floats, InputError, Ints, to_unit
 from stepwell.mechanism import Cell, Chain
 from stepwell.statics import Path
 
@@ -162,10 +162,10 @@ SETTLE = 0.5e-3
 END = 0.25e-3
 BEFORE, AFTER = 0.5e-3, 2.0e-3
 NOT_JUDGED = (
-    f"Not judged: the first {SETTLE * 1e3:g} mm of stroke, the last {END * 1e3:g} mm, and in pairs "
-    f"from {BEFORE * 1e3:g} mm before to {AFTER * 1e3:g} mm after the next cell takes over. Which "
-    "cell moves first in a baseline of two cells is not recorded: the reading that fits all series "
-    "better is taken."
+    f"Not judged: the first {to_unit(SETTLE, 'mm'):g} mm of stroke, the last "
+    f"{to_unit(END, 'mm'):g} mm, and in pairs from {to_unit(BEFORE, 'mm'):g} mm before to "
+    f"{to_unit(AFTER, 'mm'):g} mm after the next cell takes over. Which cell moves first in a "
+    "baseline of two cells is not recorded: the reading that fits all series better is taken."
 )
 
 

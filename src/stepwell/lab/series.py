@@ -12,7 +12,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats
+from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import natural
@@ -346,7 +346,9 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
     if len(errors) < 2:
         return ""
     (best, *_), (next_best, *_) = sorted(errors)[:2]
-    one, other = (f"({x * 1e3:g}, {y * 1e3:g})" for _, (x, y) in sorted(errors)[:2])
+    one, other = (
+        f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for _, (x, y) in sorted(errors)[:2]
+    )
     times = next_best / max(best, 1e-9)
     if times < TELLING:
         return f" (its forces may be those of q at {one} or at {other} mm, {times:.2f} to 1)"
@@ -369,14 +371,15 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
             kept.append((run, covered))
             continue
         told.append(
-            f"{run.source}: left out, its stroke goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm "
-            f"and that of the design from 0 to {full * 1e3:.4g} mm: check the unit in the header, "
-            f"and that this design was tested"
+            f"{run.source}: left out, its stroke goes from {to_unit(low, 'mm'):.4g} to "
+            f"{to_unit(high, 'mm'):.4g} mm and that of the design from 0 to "
+            f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design was "
+            "tested"
         )
     longest = max((covered for _, covered in kept), default=0.0)
     told += [
-        f"{run.source}: left out, it covers {covered * 1e3:.4g} mm where another repeat has "
-        f"{longest * 1e3:.4g} mm"
+        f"{run.source}: left out, it covers {to_unit(covered, 'mm'):.4g} mm where another repeat "
+        f"has {to_unit(longest, 'mm'):.4g} mm"
         for run, covered in kept
         if covered < _REPEAT * longest
     ]

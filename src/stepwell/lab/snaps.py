@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats
+from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.recordings.recording import Recording, without_spikes
 from stepwell.lab.rig import judged
 from stepwell.statics import Event
@@ -41,7 +41,7 @@ class MeasuredSnap(ByValue):
     jump: float
 
     def __repr__(self):
-        return f"MeasuredSnap({self.stroke * 1e3:.2f} mm, {self.jump:+.3g} N)"
+        return f"MeasuredSnap({to_unit(self.stroke, 'mm'):.2f} mm, {self.jump:+.3g} N)"
 
 
 def find_snaps(

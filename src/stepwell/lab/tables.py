@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import __version__, counted
+from stepwell.base import __version__, counted, to_unit
 from stepwell.lab.bands.band import band_test
 from stepwell.lab.bands.band_fit import BandFit
 from stepwell.lab.bands.choice import NOTHING
@@ -43,7 +43,7 @@ def band_table(found: BandFit, source: str = "") -> str:
             "10 mm; measure the length at which your band begins to pull, and write it in.",
         ]
     else:
-        keys = {"rest_length_mm": (gauge + found.written.fitted.onset) * 1e3} | keys
+        keys = {"rest_length_mm": to_unit(gauge + found.written.fitted.onset, "mm")} | keys
     return "".join(f"# {line}\n" for line in comments) + band_line(keys)
 
 
@@ -65,18 +65,18 @@ def _keys(found: BandFit) -> dict[str, Any]:
         quadratic, cubic = (c / k for c in over_k)
         return {
             "stiffness_N_per_m": k,
-            "quadratic_per_mm": quadratic * 1e-3,
-            "cubic_per_mm2": cubic * 1e-6,
+            "quadratic_per_mm": to_unit(quadratic, "1/mm"),
+            "cubic_per_mm2": to_unit(cubic, "1/mm²"),
         }
     e = np.linspace(0.0, found.test.window[1] - fitted.onset, _ROWS)
-    rows = np.stack([e * 1e3, fitted.tension(fitted.onset + e)], axis=1)
+    rows = np.stack([to_unit(e, "mm"), fitted.tension(fitted.onset + e)], axis=1)
     return {"table_mm_N": rows.tolist()}
 
 
 def _provenance(found: BandFit, source: str) -> list[str]:
     test, choice, candidate = found.test, found.choice, found.written
     estimate, alone = found.stiffness, found.alone
-    low, high = (edge * 1e3 for edge in test.window)
+    low, high = (to_unit(edge, "mm") for edge in test.window)
     if alone is None:
         interval = (
             f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
@@ -89,24 +89,24 @@ def _provenance(found: BandFit, source: str) -> list[str]:
             f"this band 95 % {alone.stiffness.low:.4g} to {alone.stiffness.high:.4g}; of others, "
             f"one sample tells nothing"
         )
-    tried = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
+    tried = f"predicts a {choice.folds} left out to {to_unit(candidate.score, 'mN'):.3g} mN"
     if choice.folds == NOTHING:
         tried = "was tried on no other curve"
     lengths: list[str] = []
     if alone is not None and alone.rest_length is not None and candidate is choice.chosen:
-        length = [edge * 1e3 for edge in alone.rest_length]
+        length = [to_unit(edge, "mm") for edge in alone.rest_length]
         lengths = ["Rest length {:.4g} mm (95 % {:.4g} to {:.4g}).".format(*length)]
-    ends = f"extensions of {max(low - candidate.fitted.onset * 1e3, 0.0):.3g}"
+    ends = f"extensions of {max(low - to_unit(candidate.fitted.onset, 'mm'), 0.0):.3g}"
     return [
         *([f"From {source}, by stepwell {__version__}."] if source else []),
         *(line for warning in test.warnings for line in wrap(f"WARNING: {warning}", 98)),
         f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
         f"{test.cycles[1]}, loading, {low:.5g} to {high:.5g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
-        f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
-        f"and {tried}.",
+        f"This is the {candidate.law.name} law: it leaves "
+        f"{to_unit(candidate.fitted.rmse, 'mN'):.3g} mN, and {tried}.",
         *lengths,
-        f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
+        f"It was seen at {ends} to {high - to_unit(candidate.fitted.onset, 'mm'):.3g} mm only.",
     ]
 
 
@@ -133,13 +133,13 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
         *([f"From {source}, by stepwell {__version__}."] if source else []),
         f"Fitted to {counted(len(calibration.samples), 'curve')} of cells, law: {calibration.law}. "
         f"Mean RMSE in k r, k = {calibration.reference:g} N/m a band, of a geometry: {errors}.",
-        f"Rest length between the anchors {rest.value * 1e3:.3g} mm "
-        f"({rest.low * 1e3:.3g} to {rest.high * 1e3:.3g}); from series to series bands differ by "
-        f"{calibration.scatter:.1%} (standard deviation).",
+        f"Rest length between the anchors {to_unit(rest.value, 'mm'):.3g} mm "
+        f"({to_unit(rest.low, 'mm'):.3g} to {to_unit(rest.high, 'mm'):.3g}); from series to series "
+        f"bands differ by {calibration.scatter:.1%} (standard deviation).",
         f"Not in this table: going back, a band pulls less by {loss.value:.0%} "
-        f"({loss.low:.0%} to {loss.high:.0%}), reached over {length.value * 1e3:.2g} mm; "
-        f"friction beyond the baseline {friction.value * 1e3:.2g} mN "
-        f"({friction.low * 1e3:.2g} to {friction.high * 1e3:.2g}).",
+        f"({loss.low:.0%} to {loss.high:.0%}), reached over {to_unit(length.value, 'mm'):.2g} mm; "
+        f"friction beyond the baseline {to_unit(friction.value, 'mN'):.2g} mN "
+        f"({to_unit(friction.low, 'mN'):.2g} to {to_unit(friction.high, 'mN'):.2g}).",
     ]
     if calibration.tied:
         pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
@@ -175,15 +175,15 @@ def _kind(bands: int, pair: bool) -> str:
 
 def _calibrated_keys(calibration: Calibration, bands: int, pair: bool) -> dict[str, Any]:
     band = calibration.band(bands, pair)
-    keys: dict[str, Any] = {"rest_length_mm": band.rest_length * 1e3}
+    keys: dict[str, Any] = {"rest_length_mm": to_unit(band.rest_length, "mm")}
     if isinstance(band.law, Table):
         pulls = band.stiffness * np.array(band.law.shape)
-        rows = np.stack([np.array(band.law.extension) * 1e3, pulls], axis=1)
+        rows = np.stack([to_unit(np.array(band.law.extension), "mm"), pulls], axis=1)
         return keys | {"table_mm_N": rows[:: 2 if len(rows) > _ROWS else 1].tolist()}
     keys = {"stiffness_N_per_m": band.stiffness} | keys
     if isinstance(band.law, Cubic):
-        keys["quadratic_per_mm"] = band.law.a2 * 1e-3
-        keys["cubic_per_mm2"] = band.law.a3 * 1e-6
+        keys["quadratic_per_mm"] = to_unit(band.law.a2, "1/mm")
+        keys["cubic_per_mm2"] = to_unit(band.law.a3, "1/mm²")
     return keys
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, Vec2, check, require
+from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, Vec2, check, require, to_unit
 from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band, Load
 from stepwell.mechanism.cubics import integral, value
@@ -141,8 +141,8 @@ class Cell(ByValue, Drawn):
         slip = 1e-9 * self.full_travel
         if np.any(~((travel >= -slip) & (travel <= self.full_travel + slip))):
             raise InputError(
-                f"travel = {_worst(travel) * 1e3:.6g} mm: must be between 0 and "
-                f"{self.full_travel * 1e3:.6g} mm, the stops."
+                f"travel = {to_unit(_worst(travel), 'mm'):.6g} mm: must be between 0 and "
+                f"{to_unit(self.full_travel, 'mm'):.6g} mm, the stops."
             )
         sine = np.clip(sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
         return np.clip(np.arcsin(sine), -self.limit, self.limit)
@@ -274,15 +274,15 @@ class Cell(ByValue, Drawn):
 
     def __repr__(self):
         inside = ", ".join(
-            f"d=({band.d[0] * 1e3:.4g}, {band.d[1] * 1e3:.4g}) mm k={band.stiffness:.4g} N/m "
-            f"ℓ0={band.rest_length * 1e3:.4g} mm"
+            f"d=({to_unit(band.d[0], 'mm'):.4g}, {to_unit(band.d[1], 'mm'):.4g}) mm "
+            f"k={band.stiffness:.4g} N/m ℓ0={to_unit(band.rest_length, 'mm'):.4g} mm"
             for band in self.bands
         )
         extra = f", friction={self.friction:.3g} N" if self.friction else ""
         extra += ", load" if self.load is not None else ""
         name = f"{self.name!r}, " if self.name else ""
         return (
-            f"Cell({name}{inside}, r={self.lever * 1e3:.4g} mm, "
+            f"Cell({name}{inside}, r={to_unit(self.lever, 'mm'):.4g} mm, "
             f"θc={math.degrees(self.limit):.4g}°{extra})"
         )
 
@@ -341,7 +341,8 @@ def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
         slackens = band.two_sided and shortest < band.rest_length
         way = "let it go slack (two_sided=False)" if slackens else "set rest_length = 0"
         raise InputError(
-            f"the ends of the band with q - p = ({band.d[0] * 1e3:.6g}, {band.d[1] * 1e3:.6g}) mm "
-            f"meet at θ = {math.degrees(theta):.4g}°, where the force of a band with a rest length "
-            f"of {band.rest_length * 1e3:.6g} mm has no direction: move an anchor, or {way}."
+            f"the ends of the band with q - p = ({to_unit(band.d[0], 'mm'):.6g}, "
+            f"{to_unit(band.d[1], 'mm'):.6g}) mm meet at θ = {math.degrees(theta):.4g}°, where the "
+            f"force of a band with a rest length of {to_unit(band.rest_length, 'mm'):.6g} mm has "
+            f"no direction: move an anchor, or {way}."
         )

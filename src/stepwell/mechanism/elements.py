@@ -10,7 +10,7 @@ from typing import Any, ParamSpec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Measure, ReadOnly, Vec2, check
+from stepwell.base import ByValue, Floats, InputError, Measure, ReadOnly, Vec2, check, to_unit
 from stepwell.mechanism.element import Element
 
 __all__ = [
@@ -82,9 +82,9 @@ def trilinear(
     drop = top[1] - bottom[1]
     if bottom[0] <= top[0] or drop <= 0:
         raise InputError(
-            f"valley at {bottom[0] * 1e3:.6g} mm, {bottom[1]:.6g} N after a peak at "
-            f"{top[0] * 1e3:.6g} mm, {top[1]:.6g} N: must be at a larger travel and a smaller "
-            f"force, else nothing snaps."
+            f"valley at {to_unit(bottom[0], 'mm'):.6g} mm, {bottom[1]:.6g} N after a peak at "
+            f"{to_unit(top[0], 'mm'):.6g} mm, {top[1]:.6g} N: must be at a larger travel and a "
+            f"smaller force, else nothing snaps."
         )
     # As far as the force of the other corner; without stops, both ends go on straight.
     travel = (top[0] - drop / first, top[0], bottom[0], bottom[0] + drop / last)
@@ -367,8 +367,9 @@ def balloon(
     stretch = check.positive("stretch", stretch, "of the radius")
     if thickness > radius / 10:
         raise InputError(
-            f"thickness = {thickness * 1e3:.6g} mm: must be at most {radius * 1e2:.6g} mm, a tenth "
-            f"of the radius: the wall is taken for a membrane."
+            f"thickness = {to_unit(thickness, 'mm'):.6g} mm: must be at most "
+            f"{to_unit(0.1 * radius, 'mm'):.6g} mm, a tenth of the radius: the wall is taken for a "
+            "membrane."
         )
     if stretch <= 1:
         raise InputError(f"stretch = {stretch}: must be > 1, the largest radius over the first.")
@@ -460,14 +461,16 @@ def crease_lengths(
     half = math.pi / sides
     if deployed <= folded:
         raise InputError(
-            f"deployed = {deployed * 1e3:.6g} mm: must be more than folded = {folded * 1e3:.6g} mm."
+            f"deployed = {to_unit(deployed, 'mm'):.6g} mm: must be more than folded = "
+            f"{to_unit(folded, 'mm'):.6g} mm."
         )
     cosine = (deployed**2 - folded**2) / (4 * radius**2 * math.cos(half))
     if cosine > math.cos(half):
         most = math.hypot(folded, 2 * radius * math.cos(half))
         raise InputError(
-            f"deployed = {deployed * 1e3:.6g} mm: must be at most {most * 1e3:.6g} mm for this "
-            f"radius and folded height; there the mountain creases stand upright."
+            f"deployed = {to_unit(deployed, 'mm'):.6g} mm: must be at most "
+            f"{to_unit(most, 'mm'):.6g} mm for this radius and folded height; there the mountain "
+            "creases stand upright."
         )
     turn = math.acos(cosine)
     return (

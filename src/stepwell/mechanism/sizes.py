@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import InputError, Measure
+from stepwell.base import InputError, Measure, to_unit
 from stepwell.mechanism.band import Cubic, Table
 from stepwell.mechanism.element import Element
 
@@ -88,7 +88,7 @@ def length(name: str, value: Size, lever: float, band: int | None = None) -> Ite
     low, high = LENGTHS[0] * lever, LENGTHS[1] * lever
     size = _size(value)
     if size and not low <= size <= high:
-        why = f"is {_ratio(size / lever)} a lever of {lever * 1e3:.4g} mm"
+        why = f"is {_ratio(size / lever)} a lever of {to_unit(lever, 'mm'):.4g} mm"
         yield Slip(name, value, meant(value, low, high), "m", why, band)
 
 
@@ -101,7 +101,7 @@ def far(name: str, value: Size, lever: float) -> Iterator[Slip]:
 def above(name: str, value: float, most: float) -> Iterator[Slip]:
     """The slip of a tolerance or a reach [m] that is above a length of the mechanism."""
     if value > most:
-        why = f"is above {most * 1e3:.4g} mm"
+        why = f"is above {to_unit(most, 'mm'):.4g} mm"
         yield Slip(name, value, meant(value, 0.0, most), "m", why)
 
 
@@ -109,7 +109,7 @@ def lever_of(name: str, lever: float) -> Iterator[Slip]:
     """The slip of a lever [m]."""
     low, high = LEVERS
     if not low <= lever <= high:
-        why = f"levers are from {low * 1e3:g} mm to {high:g} m long"
+        why = f"levers are from {to_unit(low, 'mm'):g} mm to {high:g} m long"
         yield Slip(name, lever, meant(lever, low, high), "m", why)
 
 
@@ -209,7 +209,7 @@ def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
             most = (LENGTHS[1] / lever) ** power
             if abs(value) > most:
                 likely = value / STEP**power
-                why = f"bends a band far within a lever of {lever * 1e3:.4g} mm"
+                why = f"bends a band far within a lever of {to_unit(lever, 'mm'):.4g} mm"
                 yield Slip(name, value, likely if abs(likely) <= most else None, unit, why, index)
 
 
@@ -221,7 +221,7 @@ def _of_table(band: Band, law: Table, lever: float, index: int) -> Iterator[Slip
     if pull and not stretched:  # with extensions in another unit, the stiffness says nothing
         for slip in spring("tension", pull / far, index):
             likely = None if slip.meant is None else pull * _size(slip.meant) / (pull / far)
-            why = f"at {far * 1e3:.4g} mm it makes {pull / far:.3g} N/m, and {slip.why}"
+            why = f"at {to_unit(far, 'mm'):.4g} mm it makes {pull / far:.3g} N/m, and {slip.why}"
             yield slip._replace(value=pull, meant=likely, unit="N", why=why)
 
 

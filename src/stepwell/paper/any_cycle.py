@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import write_atomic
+from stepwell.base import to_unit, write_atomic
 from stepwell.design import Tolerances, design
 from stepwell.paper.claims import replaced
 from stepwell.paper.order import SPREAD, WANTED
@@ -75,8 +75,8 @@ def main(file: Path, pages: list[Path]) -> None:
     known = json.loads(file.read_text("utf-8")) if file.exists() else []
     rows = [
         next(
-            (r for r in known if (r["anchor_mm"], r["cells"]) == (anchor * 1e3, cells)),
-            {"anchor_mm": anchor * 1e3, "cells": cells, "shares": []},
+            (r for r in known if (r["anchor_mm"], r["cells"]) == (to_unit(anchor, "mm"), cells)),
+            {"anchor_mm": to_unit(anchor, "mm"), "cells": cells, "shares": []},
         )
         for anchor, cells in LENGTHS
     ]

@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from stepwell.base import Floats, bisected
+from stepwell.base import Floats, bisected, to_unit
 from stepwell.concave import certify, simple
 from stepwell.files import preset
 from stepwell.mechanism import Cell, Chain
@@ -204,9 +204,9 @@ def eq_5_sign() -> Finding:
     printed, ours = (moved + sign * 2 * r * math.sin(limit) for sign in (-1, 1))
     return judged(
         abs(printed) < 1e-12 * r,
-        f"+2 sin θc: u = {abs(ours) * 1e3:.0f} mm there",
+        f"+2 sin θc: u = {to_unit(abs(ours), 'mm'):.0f} mm there",
         otherwise=f"The paper starts at θ = -θc with u = 0. There the printed sign gives "
-        f"u = {printed * 1e3:.0f} mm, a plus gives {abs(ours) * 1e3:.0f} mm.",
+        f"u = {to_unit(printed, 'mm'):.0f} mm, a plus gives {to_unit(abs(ours), 'mm'):.0f} mm.",
     )
 
 

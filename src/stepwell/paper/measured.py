@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from pathlib import Path
 
 from stepwell import lab
+from stepwell.base import to_unit
 from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
 
 MISSING = (
@@ -90,7 +91,8 @@ def measured_falling(data: Recorded) -> Finding:
     """The measured force of a unit cell falls from state 0 to state 1."""
     tests = data.comparison.cells
     rising = [
-        f"{test.series.name} by {height * 1e3:.0f} mN from {start * 1e3:.1f} to {end * 1e3:.1f} mm"
+        f"{test.series.name} by {to_unit(height, 'mN'):.0f} mN from {to_unit(start, 'mm'):.1f} to "
+        f"{to_unit(end, 'mm'):.1f} mm"
         for test in tests
         for start, end, height in test.rises
     ]

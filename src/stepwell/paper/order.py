@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from stepwell.base import to_unit
 from stepwell.concave import certify, simple
 from stepwell.design import Design, Tolerances, design
 from stepwell.mechanism import Band, Cell, Chain
@@ -185,7 +186,7 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
     found = [most_cells(make, anchor) for anchor in ANCHORS]
     counts = [len(one.chain) for one in found]
     each = ", ".join(
-        f"{count} cells (anchors ±{anchor * 1e3:g} mm, {100 * one.yield_.share:.2f} %)"
+        f"{count} cells (anchors ±{to_unit(anchor, 'mm'):g} mm, {100 * one.yield_.share:.2f} %)"
         for count, anchor, one in zip(counts, ANCHORS, found, strict=True)
     )
     return judged(

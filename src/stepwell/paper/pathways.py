@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from stepwell.base import Bools, Floats, InputError
+from stepwell.base import Bools, Floats, InputError, to_unit
 from stepwell.concave import certify, simple
 from stepwell.design import transition_map
 from stepwell.files import preset
@@ -115,12 +115,12 @@ def large_qx_directed() -> Finding:
         _listed(shares),
         note="Shares of directed designs in bands of q_x of 5 mm.",
         otherwise=f"Shares of directed designs in bands of q_x of 5 mm, 0 to 20 mm. True from "
-        f"q_x = 10 mm on, the inner cell's own, where the share is least (at {least * 1e3:.1f} mm) "
-        f"and from where it rises to {column[-1]:.2f}; but it rises as well towards small q_x, to "
-        f"{column[0]:.2f}. Of the designs below 10 mm {below:.0%} are directed, of those above "
-        f"{above:.0%}. What q_x decides is the sense: directed designs are counterclockwise below "
-        f"10 mm ({left[1]:.0%} of all there, clockwise {left[0]:.0%}) and clockwise above "
-        f"({right[0]:.0%}, counterclockwise {right[1]:.0%}).",
+        "q_x = 10 mm on, the inner cell's own, where the share is least (at "
+        f"{to_unit(least, 'mm'):.1f} mm) and from where it rises to {column[-1]:.2f}; but it rises "
+        f"as well towards small q_x, to {column[0]:.2f}. Of the designs below 10 mm {below:.0%} "
+        f"are directed, of those above {above:.0%}. What q_x decides is the sense: directed "
+        f"designs are counterclockwise below 10 mm ({left[1]:.0%} of all there, clockwise "
+        f"{left[0]:.0%}) and clockwise above ({right[0]:.0%}, counterclockwise {right[1]:.0%}).",
     )
 
 
@@ -201,7 +201,11 @@ def undirected_boundary() -> Finding:
     )
 
 
-@claim("Figs. 2D to 2G", "near (no number)", f"{_NEAR * 1e3:g} mm of 40 mm (our reading of near)")
+@claim(
+    "Figs. 2D to 2G",
+    "near (no number)",
+    f"{to_unit(_NEAR, 'mm'):g} mm of 40 mm (our reading of near)",
+)
 def directed_snaps() -> Finding:
     """Directed pathways snap near 11 while loading and near 00 while unloading."""
     worst = 0.0
@@ -216,7 +220,10 @@ def directed_snaps() -> Finding:
                 otherwise="One snap while loading and one while unloading were expected.",
             )
         worst = max(worst, *loading, *unloading)
-        parts.append(f"{loading[0] * 1e3:.2f} and {unloading[0] * 1e3:.2f} mm {pathway.label}")
+        parts.append(
+            f"{to_unit(loading[0], 'mm'):.2f} and {to_unit(unloading[0], 'mm'):.2f} mm "
+            f"{pathway.label}"
+        )
     shown = paper_map()
     far = np.maximum(shown.full_stroke - shown.snap_loading, shown.snap_unloading)[shown.directed]
     lone = max(*_distances(monostable_pair(), 1), *_distances(monostable_pair(), -1))
@@ -224,11 +231,11 @@ def directed_snaps() -> Finding:
         worst <= _NEAR,
         "; ".join(parts),
         note=f"Stroke left to 11 while loading, to 00 while unloading. Over the whole map the "
-        f"farther of the two snaps is {np.median(far) * 1e3:.1f} mm away in the median and up to "
-        f"{np.max(far) * 1e3:.1f} mm, beyond {_NEAR * 1e3:g} mm in {np.mean(far > _NEAR):.0%} of "
-        f"the directed designs; with the monostable outer cell (0, -15) it is "
-        f"{lone * 1e3:.2f} mm.",
-        otherwise=f"A snap is {worst * 1e3:.2f} mm from its corner.",
+        f"farther of the two snaps is {to_unit(np.median(far), 'mm'):.1f} mm away in the median "
+        f"and up to {to_unit(np.max(far), 'mm'):.1f} mm, beyond {to_unit(_NEAR, 'mm'):g} mm in "
+        f"{np.mean(far > _NEAR):.0%} of the directed designs; with the monostable outer cell (0, "
+        f"-15) it is {to_unit(lone, 'mm'):.2f} mm.",
+        otherwise=f"A snap is {to_unit(worst, 'mm'):.2f} mm from its corner.",
     )
 
 
@@ -243,7 +250,7 @@ def _distances(cycle: Cycle, direction: int) -> list[float]:
 
 
 def _claim(pathway: Pathway) -> Claim:
-    q = ", ".join(f"{part * 1e3:g}" for part in outer_anchor(pathway))
+    q = ", ".join(f"{to_unit(part, 'mm'):g}" for part in outer_anchor(pathway))
     return Claim(
         f"pathway-{pathway.label.replace(' ', '-')}",
         f"With q = (10, 0) mm inside and ({q}) mm outside, two cells run {pathway.label}.",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell import files
+from stepwell.base import from_unit, to_unit
 from stepwell.design import Reprogramming, reprogram
 from stepwell.mechanism import Chain
 from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
@@ -79,14 +80,15 @@ def _turned_round(q_out: float) -> Finding:
     return decided(
         [place >= PRESSED - ABOUT for place in places.values()],
         "turned round from "
-        + ", ".join(f"{place * 1e3:.1f} mm ({label})" for label, place in places.items())
+        + ", ".join(f"{to_unit(place, 'mm'):.1f} mm ({label})" for label, place in places.items())
         + " on",
         f"By the order of the end forces ({needed['two bands'].method}). {NOT_SAID} With p_in at "
-        f"{PRESSED * 1e3:g} mm the pair is turned round for q_out up to "
-        f"{largest_outer(1.25) * 1e3:.2f} mm with 5/4 and {largest_outer() * 1e3:.2f} mm with two "
-        f"bands. On the way two bands pull at the anchor with up to {push.largest:.2f} N, and the "
-        f"antenna spends {push.work_0 * 1e3:.2f} mJ. Statics of the pair alone; on the floor "
-        f"`antennas-paper-numbers` finds a little less.",
+        f"{to_unit(PRESSED, 'mm'):g} mm the pair is turned round for q_out up to "
+        f"{to_unit(largest_outer(1.25), 'mm'):.2f} mm with 5/4 and "
+        f"{to_unit(largest_outer(), 'mm'):.2f} mm with two bands. On the way two bands pull at the "
+        f"anchor with up to {push.largest:.2f} N, and the antenna spends "
+        f"{to_unit(push.work_0, 'mJ'):.2f} mJ. Statics of the pair alone; on the floor "
+        "`antennas-paper-numbers` finds a little less.",
     )
 
 
@@ -96,7 +98,7 @@ def _claim(q_mm: int, source: str) -> Claim:
         f"With q_out = ({q_mm}, 0) mm, p_in at (-11, 0) mm makes the pair run counterclockwise.",
         source,
         f"{BACKWARD} at about -11 mm",
-        f"{ABOUT * 1e3:g} mm",
+        f"{to_unit(ABOUT, 'mm'):g} mm",
         partial(_turned_round, q_mm * 1e-3),
     )
 
@@ -144,7 +146,7 @@ def wall_ahead(angle: float, clear: float = 0.28) -> Arena:
 
 def cylinder_ahead(offset: float) -> Arena:
     """A cylinder of 50 mm across, 360 mm ahead and `offset` [m] to the left of the heading."""
-    return Arena((), [Cylinder((0.36, offset))], title=f"Cylinder {offset * 1e3:g} mm off")
+    return Arena((), [Cylinder((0.36, offset))], title=f"Cylinder {to_unit(offset, 'mm'):g} mm off")
 
 
 def _pressed(design: Robot, moved: float) -> Robot:
@@ -181,16 +183,17 @@ def antennas_paper_numbers() -> Finding:
     reached = [_pressed(_with_bands(base, BANDS["two bands"]), moved) for moved in moves]
     turned = [trial.gaits[1] == BACKWARD for trial in sweep(reached, cycles=3).trials]
     free, pressed = found[BANDS["two bands"]]
+    least = min((m for m, t in zip(moves, turned, strict=True) if t), default=math.nan)
     return decided(
         [flips[ratio] for ratio in BANDS.values()],
         f"right leg pressed: {held}",
         f"{NOT_SAID} All else is the paper's and the assumed numbers that every robot shares. With "
         f"two inner bands it walks {free.advance:.2f} u_max forward and, pressed, turns "
         f"{abs(math.degrees(pressed.turn)):.0f}° a cycle, from "
-        f"{min((m for m, t in zip(moves, turned, strict=True) if t), default=math.nan) * 1e3:g} mm "
+        f"{to_unit(least, 'mm'):g} mm "
         f"of anchor displacement on; it takes an inner force {min(holding):g} to "
         f"{max(holding):g} times that of one band. `robot-antennas` has two bands and stops at "
-        f"{math.hypot(*antenna.moves) * 1e3:g} mm.",
+        f"{to_unit(math.hypot(*antenna.moves), 'mm'):g} mm.",
     )
 
 
@@ -212,12 +215,12 @@ def antennas_turn_away() -> Finding:
         f"right leg: free {turned[-1]}, left antenna pressed {BACKWARD}",
         note=f"With our design `robot-explorer`: q_out = 14 mm and 5/4. A cylinder 40 mm off the "
         f"way presses its antenna back by {math.degrees(pressed.swing):.0f}°, which moves the "
-        f"anchor by {pressed.moved * 1e3:.1f} mm, and for {turned.count(BACKWARD)} cycles the leg "
-        f"steps backward. A wall met at {WALLS_DEG[4]}° presses it by "
-        f"{math.degrees(touched.swing):.0f}° and {touched.moved * 1e3:.1f} mm: the leg goes "
-        f"{' or '.join(sorted(idle))}, and the robot turns away by the push of the other one. The "
-        f"{math.hypot(*full.moves) * 1e3:g} mm of a full swing of {math.degrees(full.swing):.0f}° "
-        f"are not reached, for before that it has turned away.",
+        f"anchor by {to_unit(pressed.moved, 'mm'):.1f} mm, and for {turned.count(BACKWARD)} cycles "
+        f"the leg steps backward. A wall met at {WALLS_DEG[4]}° presses it by "
+        f"{math.degrees(touched.swing):.0f}° and {to_unit(touched.moved, 'mm'):.1f} mm: the leg "
+        f"goes {' or '.join(sorted(idle))}, and the robot turns away by the push of the other one. "
+        f"The {to_unit(math.hypot(*full.moves), 'mm'):g} mm of a full swing of "
+        f"{math.degrees(full.swing):.0f}° are not reached, for before that it has turned away.",
         otherwise="Our design does not do it either.",
     )
 
@@ -253,7 +256,9 @@ def antennas_walls() -> Finding:
 def antennas_cylinder() -> Finding:
     """It avoids a cylinder of 50 mm from many offsets."""
     sets = OFFSETS_MM, OTHER_OFFSETS_MM
-    return _obstacles(([cylinder_ahead(mm / 1e3) for mm in each] for each in sets), 160.0)
+    return _obstacles(
+        ([cylinder_ahead(from_unit(mm, "mm")) for mm in each] for each in sets), 160.0
+    )
 
 
 @claim("ours", "away", "8 of 9 or better")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell import files
+from stepwell.base import to_unit
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.robot import TOLERANCE, Robot
 from stepwell.sequences import Pathway
@@ -203,9 +204,9 @@ def robot_forward_loss() -> Finding:
     return judged(
         loss.snap > loss.whole / 2,
         f"{loss.start:.2f} u_max at the start, {loss.snap:.3f} in the snap near 11",
-        otherwise=f"A cycle falls {loss.whole:.2f} u_max short. In the last {NEAR * 1e3:g} mm "
-        f"before 11 the foot is in the air and carries {loss.airborne:.2f} N, so no snap there "
-        f"can cost a step. It slips at the start instead: "
+        otherwise=f"A cycle falls {loss.whole:.2f} u_max short. In the last "
+        f"{to_unit(NEAR, 'mm'):g} mm before 11 the foot is in the air and carries "
+        f"{loss.airborne:.2f} N, so no snap there can cost a step. It slips at the start instead: "
         f"the weight opens the outer cell by {loss.opened:.0%} of its travel, until the T-foot "
         f"carries it, and the foot, whose load falls to {loss.carried:.2f} N from the "
         f"{loss.stood:.2f} N at which it grips, slides back until the outer cell shuts again. What "

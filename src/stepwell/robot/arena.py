@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, Vec2, check, require
+from stepwell.base import ByValue, InputError, Vec2, check, require, to_unit
 from stepwell.robot.fit import of_arena, refuse_slips
 
 # Declared before any run: what a start or a layout may differ by.
@@ -155,8 +155,8 @@ class Arena(ByValue):
         gap = self.clearance(*self.start)
         if gap <= 0:
             raise InputError(
-                f"start = ({self.start[0] * 1e3:.6g}, {self.start[1] * 1e3:.6g}) mm lies "
-                f"{-gap * 1e3:.3g} mm inside an obstacle; move it."
+                f"start = ({to_unit(self.start[0], 'mm'):.6g}, {to_unit(self.start[1], 'mm'):.6g}) "
+                f"mm lies {to_unit(-gap, 'mm'):.3g} mm inside an obstacle; move it."
             )
 
     def clearance(self, x: float, y: float) -> float:

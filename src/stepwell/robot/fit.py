@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stepwell.base import to_unit
 from stepwell.mechanism import Slip, SlipError, sizes
 
 if TYPE_CHECKING:
@@ -37,9 +38,9 @@ def _legs(robot: Robot) -> Iterator[str]:
         length = robot.foot.span + a.chain.full_stroke + robot.blocks.length
         if apart < robot.blocks.width and abs(a.at[0] - b.at[0]) < length:
             yield (
-                f"legs {a.name!r} and {b.name!r} collide: their feet are {apart * 1e3:.6g} mm "
-                f"apart sideways and their blocks {robot.blocks.width * 1e3:.6g} mm wide; move "
-                f"one of them sideways."
+                f"legs {a.name!r} and {b.name!r} collide: their feet are "
+                f"{to_unit(apart, 'mm'):.6g} mm apart sideways and their blocks "
+                f"{to_unit(robot.blocks.width, 'mm'):.6g} mm wide; move one of them sideways."
             )
     for leg in robot.legs:
         for point in robot.body.supports:
@@ -48,8 +49,9 @@ def _legs(robot: Robot) -> Iterator[str]:
             across = abs(point[1] - leg.at[1])
             if across < near and leg.at[0] - swept - near < point[0] < leg.at[0] + near:
                 yield (
-                    f"leg {leg.name!r}: its foot runs into the support at ({point[0] * 1e3:.6g}, "
-                    f"{point[1] * 1e3:.6g}) mm; move either sideways by {near * 1e3:.6g} mm."
+                    f"leg {leg.name!r}: its foot runs into the support at "
+                    f"({to_unit(point[0], 'mm'):.6g}, {to_unit(point[1], 'mm'):.6g}) mm; move "
+                    f"either sideways by {to_unit(near, 'mm'):.6g} mm."
                 )
 
 
@@ -58,21 +60,22 @@ def _reach(robot: Robot) -> Iterator[str]:
         widest = robot.foot.span + leg.chain.cells[-1].full_travel
         if widest >= 2 * robot.foot.link:
             yield (
-                f"leg {leg.name!r}: its pivots open to {widest * 1e3:.6g} mm and two links of "
-                f"{robot.foot.link * 1e3:.6g} mm reach {2e3 * robot.foot.link:.6g} mm; use longer "
-                f"links, a smaller span or a shorter lever."
+                f"leg {leg.name!r}: its pivots open to {to_unit(widest, 'mm'):.6g} mm and two "
+                f"links of {to_unit(robot.foot.link, 'mm'):.6g} mm reach "
+                f"{to_unit(2.0 * robot.foot.link, 'mm'):.6g} mm; use longer links, a smaller span "
+                "or a shorter lever."
             )
         elif robot.foot.below >= float(
             robot.foot.depth(0.0) - robot.foot.depth(widest - robot.foot.span)
         ):
             yield (
-                f"leg {leg.name!r}: its foot stands {robot.foot.below * 1e3:.6g} mm below the "
-                f"supports and cannot be lifted off the floor; let the feet stand less deep."
+                f"leg {leg.name!r}: its foot stands {to_unit(robot.foot.below, 'mm'):.6g} mm below "
+                f"the supports and cannot be lifted off the floor; let the feet stand less deep."
             )
     if robot.pivot_height <= 0:
         yield (
-            f"foot.below = {robot.foot.below * 1e3:.6g} mm: puts the supports above the pivots; "
-            f"must be < {float(robot.foot.depth(0.0)) * 1e3:.6g} mm."
+            f"foot.below = {to_unit(robot.foot.below, 'mm'):.6g} mm: puts the supports above the "
+            f"pivots; must be < {to_unit(float(robot.foot.depth(0.0)), 'mm'):.6g} mm."
         )
 
 
@@ -82,12 +85,15 @@ def _strokes(robot: Robot) -> Iterator[str]:
         return
     least = min(strokes.values())
     if max(strokes.values()) - least > SAME:
-        each = ", ".join(f"{name!r} {stroke * 1e3:.6g} mm" for name, stroke in strokes.items())
+        each = ", ".join(
+            f"{name!r} {to_unit(stroke, 'mm'):.6g} mm" for name, stroke in strokes.items()
+        )
         yield f"legs share one actuator but not one full stroke: {each}; make them equal."
     if robot.drive.amplitude > least + SAME:
         yield (
-            f"drive.amplitude = {robot.drive.amplitude * 1e3:.6g} mm: must be <= {least * 1e3:.6g} "
-            f"mm, the full stroke of the legs' chains; a longer one pushes against their stops."
+            f"drive.amplitude = {to_unit(robot.drive.amplitude, 'mm'):.6g} mm: must be <= "
+            f"{to_unit(least, 'mm'):.6g} mm, the full stroke of the legs' chains; a longer one "
+            "pushes against their stops."
         )
 
 
@@ -97,15 +103,16 @@ def _standing(robot: Robot) -> Iterator[str]:
         corner = np.asarray([x, y])
         others = supports[~np.all(supports == corner, axis=1)]
         if len(others) < len(supports) - 1:
-            yield f"body.supports: ({x * 1e3:.6g}, {y * 1e3:.6g}) mm stands there twice."
+            at = f"({to_unit(x, 'mm'):.6g}, {to_unit(y, 'mm'):.6g}) mm"
+            yield f"body.supports: {at} stands there twice."
             return
     centre = np.asarray(robot.body.centre[:2])
     gap = _inside(supports, centre)
     if gap <= 0:
         yield (
-            f"body.centre = ({centre[0] * 1e3:.6g}, {centre[1] * 1e3:.6g}) mm lies "
-            f"{-gap * 1e3:.3g} mm outside its supports: it falls over when the feet lift; move "
-            f"the mass or a support."
+            f"body.centre = ({to_unit(centre[0], 'mm'):.6g}, {to_unit(centre[1], 'mm'):.6g}) mm "
+            f"lies {to_unit(-gap, 'mm'):.3g} mm outside its supports: it falls over when the feet "
+            f"lift; move the mass or a support."
         )
 
 
@@ -197,7 +204,7 @@ def _lengths(where: str, part: object, names: tuple[str, ...], size: float) -> I
 
 
 def _of_stroke(name: str, value: sizes.Size, size: float) -> Iterator[Slip]:
-    why = f"is far off the stroke of its legs, {size * 1e3:.4g} mm"
+    why = f"is far off the stroke of its legs, {to_unit(size, 'mm'):.4g} mm"
     for slip in sizes.length(name, value, size):
         yield slip._replace(why=why)
 
@@ -218,12 +225,12 @@ def of_arena(arena: Arena) -> Iterator[Slip]:
     low, high = FARTHEST
     reach = math.hypot(*farthest)
     if reach and not low <= reach <= high:
-        why = f"arenas reach from {low * 1e3:g} mm to {high:g} m"
+        why = f"arenas reach from {to_unit(low, 'mm'):g} mm to {high:g} m"
         yield Slip("the farthest point", farthest, sizes.meant(farthest, low, high), "m", why)
     low, high = THICKNESS
     thick = [(f"wall[{i}].thickness", wall.thickness) for i, wall in enumerate(arena.walls)]
     thick += [(f"cylinder[{i}].radius", one.radius) for i, one in enumerate(arena.cylinders)]
     for name, value in thick:
         if not low <= value <= high:
-            why = f"what stands in an arena is from {low * 1e3:g} mm to {high:g} m thick"
+            why = f"what stands in an arena is from {to_unit(low, 'mm'):g} mm to {high:g} m thick"
             yield Slip(name, value, sizes.meant(value, low, high), "m", why)

@@ -10,7 +10,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Vec2, check, require
+from stepwell.base import ByValue, Floats, InputError, Vec2, check, require, to_unit
 from stepwell.mechanism import Chain
 
 
@@ -246,13 +246,14 @@ class Foot(ByValue):
         check.fields(self, check.finite, below="m")
         if self.below < 0:
             raise InputError(
-                f"below = {self.below * 1e3:.6g} mm: must be >= 0; feet above the plane of the "
-                f"supports never touch the floor."
+                f"below = {to_unit(self.below, 'mm'):.6g} mm: must be >= 0; feet above the plane "
+                f"of the supports never touch the floor."
             )
         if self.span >= 2 * self.link:
             raise InputError(
-                f"span = {self.span * 1e3:.6g} mm: must be < {2e3 * self.link:.6g} mm, the two "
-                f"links stretched out; use longer links."
+                f"span = {to_unit(self.span, 'mm'):.6g} mm: must be < "
+                f"{to_unit(2.0 * self.link, 'mm'):.6g} mm, the two links stretched out; use longer "
+                "links."
             )
 
     def depth(self, travel: ArrayLike) -> Floats:

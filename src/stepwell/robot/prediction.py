@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, Vec2, bisected
+from stepwell.base import ByValue, Drawn, Floats, Vec2, bisected, to_unit
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
 from stepwell.robot.rounds import ROUNDING, Round, gait, go_round, go_rounds, rounds, stances_beside
@@ -142,7 +142,7 @@ class Push(ByValue):
         sense = "forward" if self.step > 0 else "backward"
         return (
             f"Push({sense} while {'loading' if self.loading else 'unloading'}: gains "
-            f"{self.gain * 1e3:.3g} of {self.step * 1e3:.3g} mm, up to a drag of "
+            f"{to_unit(self.gain, 'mm'):.3g} of {to_unit(self.step, 'mm'):.3g} mm, up to a drag of "
             f"{self.largest_drag:.3g} N)"
         )
 
@@ -171,8 +171,8 @@ class Flip(ByValue):
 
     def __repr__(self):
         return (
-            f"Flip({self.antenna} at {self.displacement * 1e3:.3g} mm ("
-            f"{self.earliest * 1e3:.3g}..{self.latest * 1e3:.3g}), "
+            f"Flip({self.antenna} at {to_unit(self.displacement, 'mm'):.3g} mm ("
+            f"{to_unit(self.earliest, 'mm'):.3g}..{to_unit(self.latest, 'mm'):.3g}), "
             f"{math.degrees(self.swing):.3g}°: {self.leg} {self.before} → {self.gait})"
         )
 
@@ -230,7 +230,7 @@ class LegPrediction(ByValue):
         near = f", near {self.nearest or self.alternatives[0]}" if self.near_boundary else ""
         return (
             f"LegPrediction({self.name} {self.gait}{near}: d/u_max {self.advance:.2f}, margin "
-            f"{self.margin * 1e3:.3g} ± {self.uncertainty * 1e3:.3g} mN)"
+            f"{to_unit(self.margin, 'mN'):.3g} ± {to_unit(self.uncertainty, 'mN'):.3g} mN)"
         )
 
 
@@ -340,7 +340,7 @@ class Prediction(ByValue, Drawn):
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
         # The depths at which all legs keep their gaits.
         lows, highs = zip(*self.depths, strict=True)
-        least, most = 1e3 * max(lows), 1e3 * min(highs)
+        least, most = to_unit(max(lows), "mm"), to_unit(min(highs), "mm")
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
             f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
@@ -409,8 +409,8 @@ def too_soft(robot: Robot) -> str:
         return ""
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs go from "
-        f"{found[0].turns.back * 1e3:.1f} to {found[0].turns.out * 1e3:.1f} mm of "
-        f"{robot.drive.amplitude * 1e3:g} mm"
+        f"{to_unit(found[0].turns.back, 'mm'):.1f} to {to_unit(found[0].turns.out, 'mm'):.1f} mm "
+        f"of {to_unit(robot.drive.amplitude, 'mm'):g} mm"
     )
     firsts = tuple(one.first for one in found)
     if gaits == tuple(one.gait() for one in firsts):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue, Drawn, InputError, Vec2, require
+from stepwell.base import ByValue, Drawn, InputError, Vec2, require, to_unit
 from stepwell.robot.arena import Arena, Floor
 from stepwell.robot.fit import of_robot, problems, refuse_slips
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg
@@ -244,6 +244,6 @@ class Robot(ByValue, Drawn):
         legs = ", ".join(leg.name for leg in self.legs)
         antennas = f", {len(self.antennas)} antennas" if self.antennas else ""
         return (
-            f"Robot({title}legs {legs}{antennas}, {self.mass * 1e3:.0f} g, "
-            f"{self.drive.amplitude * 1e3:g} mm in {self.drive.period:g} s)"
+            f"Robot({title}legs {legs}{antennas}, {to_unit(self.mass, 'g'):.0f} g, "
+            f"{to_unit(self.drive.amplitude, 'mm'):g} mm in {self.drive.period:g} s)"
         )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, brief
+from stepwell.base import ByValue, Floats, InputError, brief, to_unit
 from stepwell.robot import Prediction, Robot, known_depths, predicted_gaits, too_soft
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import LOADED, Walk, walk
@@ -101,8 +101,8 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
     near = 0.2 * min(robot.legs[index].chain.full_travels)
     if abs(least - low) > near or abs(most - high) > near:
         yield (
-            f"the carriage went from {least * 1e3:.1f} to {most * 1e3:.1f} mm where statics takes "
-            f"it from {low * 1e3:.1f} to {high * 1e3:.1f} mm"
+            f"the carriage went from {to_unit(least, 'mm'):.1f} to {to_unit(most, 'mm'):.1f} mm "
+            f"where statics takes it from {to_unit(low, 'mm'):.1f} to {to_unit(high, 'mm'):.1f} mm"
         )
     others = {*leg.alternatives, *([leg.nearest] if leg.margin < leg.uncertainty else [])}
     if any(_same_cycle(walked, other) for other in others):
@@ -110,8 +110,8 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
     shallow, deep = prediction.depths[index]
     if not shallow < robot.foot.below < deep:
         yield (
-            f"feet stand {robot.foot.below * 1e3:.2f} mm deep, and statics is sure of {leg.name} "
-            f"from {shallow * 1e3:.2f} to {deep * 1e3:.2f} mm only"
+            f"feet stand {to_unit(robot.foot.below, 'mm'):.2f} mm deep, and statics is sure of "
+            f"{leg.name} from {to_unit(shallow, 'mm'):.2f} to {to_unit(deep, 'mm'):.2f} mm only"
         )
 
 
@@ -119,8 +119,8 @@ def _unknown(prediction: Prediction) -> str:
     """What is said where no reason was found: how sure the prediction is."""
     least = min(prediction.legs, key=lambda leg: leg.margin - leg.uncertainty)
     return (
-        f"no reason found; of the {least.margin * 1e3:.3g} mN that change the predicted gait of "
-        f"{least.name}, statics does not know {least.uncertainty * 1e3:.3g} mN"
+        f"no reason found; of the {to_unit(least.margin, 'mN'):.3g} mN that change the predicted "
+        f"gait of {least.name}, statics does not know {to_unit(least.uncertainty, 'mN'):.3g} mN"
     )
 
 
@@ -165,7 +165,7 @@ class Convergence(ByValue):
 
     def __repr__(self):
         most = max(row.off for row in self.rows)
-        steps = ", ".join(f"{row.time_step * 1e3:g}" for row in self.rows)
+        steps = ", ".join(f"{to_unit(row.time_step, 'ms'):g}" for row in self.rows)
         advance = [row.advance for row in self.rows]
         return (
             f"Convergence(time steps {steps} ms: d/u_max {min(advance):.3f} to "

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, brief, number, told_in
+from stepwell.base import ByValue, Floats, Measure, brief, number, to_unit, told_in
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.state import Problem, moved
@@ -91,7 +91,11 @@ class Event(ByValue):
             f"cell {c + 1} {a * factor:.4g}→{b * factor:.4g} {unit}"
             for c, a, b in zip(self.cells, self.before, self.after, strict=True)
         )
-        what = f", releases {self.released * 1e3:.4g} mJ" if self.kind is EventKind.SNAP else ""
+        what = (
+            f", releases {to_unit(self.released, 'mJ'):.4g} mJ"
+            if self.kind is EventKind.SNAP
+            else ""
+        )
         way = "loading" if self.direction > 0 else "unloading"
         return f"{self.kind.name} at {number(self.stroke * factor)} {unit} {way}: {moves}{what}"
 

@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from stepwell.base import Floats, StepwellError, told_in
+from stepwell.base import Floats, StepwellError, to_unit, told_in
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics.following.certificate import ENERGY, EQUILIBRIUM, STABILITY, STROKE
 from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, RUNS_AWAY, STALLED
@@ -102,7 +102,7 @@ _BROKEN = {
 
 def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: float) -> NoReturn:
     """Raise StaticsError for a computed path that breaks its own certificate at `drive`."""
-    what = _BROKEN[promise].format(by=by, mJ=by * 1e3, scale=scale)
+    what = _BROKEN[promise].format(by=by, mJ=to_unit(by, "mJ"), scale=scale)
     raise StaticsError(
         f"no answer: at {_drive(chain, drive)} {what}, so the result would break its own "
         f"certificate. Its numbers are too far apart for double precision: look for a step in a "
@@ -139,8 +139,9 @@ def advice_on_tie(
         )
     if not isinstance(other, Element):
         way = (
-            f"Move an anchor of {names[1]} by more than {_anchor_step(other, force) * 1e3:.2g} mm "
-            f"to set them one percent of its peak force apart"
+            f"Move an anchor of {names[1]} by more than "
+            f"{to_unit(_anchor_step(other, force), 'mm'):.2g} mm to set them one percent of its "
+            "peak force apart"
         )
     elif abs(force) > 0.01 * other.largest_force:
         way = f"Scale the forces of {names[1]} by more than one percent"

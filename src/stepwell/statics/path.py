@@ -23,6 +23,7 @@ from stepwell.base import (
     check,
     in_measure,
     need,
+    to_unit,
     told_in,
     variables,
     write_csv,
@@ -455,5 +456,5 @@ class Path(ByValue, Drawn):
         more = " → …" if len(self.turning_points) > 6 else ""
         return (
             f"Path({len(self.chain)} cells, {turns}{more} {drive.sign}: {snaps} snaps, "
-            f"dissipates {self.dissipated * 1e3:.4g} mJ)"
+            f"dissipates {to_unit(self.dissipated, 'mJ'):.4g} mJ)"
         )

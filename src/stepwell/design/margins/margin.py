@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import REACH, ByValue, Drawn, Floats, brief
+from stepwell.base import REACH, ByValue, Drawn, Floats, brief, to_unit
 from stepwell.concave import SortedChain
 from stepwell.design.margins.nearest import nearest, nearest_proved, sequence
 from stepwell.design.margins.numbers import (
@@ -78,8 +78,8 @@ class Change(ByValue):
         if isinstance(self.move, tuple):
             x, y = self.move
             return (
-                f"anchor: {self.distance * 1e3:.4g} mm "
-                f"(move q by ({x * 1e3:+.4g}, {y * 1e3:+.4g}) mm)"
+                f"anchor: {to_unit(self.distance, 'mm'):.4g} mm "
+                f"(move q by ({to_unit(x, 'mm'):+.4g}, {to_unit(y, 'mm'):+.4g}) mm)"
             )
         of = " of the largest force" if self.parameter == "friction" else ""
         return f"{self.parameter}: {self.move * 100:+.4g} %{of}"
@@ -163,9 +163,13 @@ class Margin(ByValue, Drawn):
         for parameter in dict.fromkeys(change.parameter for change in self.changes):
             least = float(np.min(self._distances(parameter)))
             words = "anchors" if parameter == "anchor" else parameter.replace("_", " ")
-            far = f"{least * 1e3:.4g} mm" if parameter == "anchor" else f"{least * 100:.4g} %"
+            far = (
+                f"{to_unit(least, 'mm'):.4g} mm"
+                if parameter == "anchor"
+                else f"{least * 100:.4g} %"
+            )
             if math.isinf(least):
-                nowhere = f"more than {self.reach * 1e3:.4g} mm"
+                nowhere = f"more than {to_unit(self.reach, 'mm'):.4g} mm"
                 far = nowhere if parameter == "anchor" else f"no change of {words}"
             told.append(f"{words} {far}")
         return f"Margin({self.method}: {', '.join(told)}, gap {self.gap:.3g})"

@@ -21,6 +21,7 @@ from stepwell.base import (
     Vec2,
     need,
     signed,
+    to_unit,
     told_in,
     variables,
     write_csv,
@@ -109,7 +110,8 @@ class Resistance(ByValue):
     def __str__(self):
         if not len(self.peak):
             return "no way"
-        work = f"work {self.work_0 * 1e3:.4g} mJ at state 0, {self.work_1 * 1e3:.4g} mJ at state 1"
+        work_0, work_1 = to_unit(self.work_0, "mJ"), to_unit(self.work_1, "mJ")
+        work = f"work {work_0:.4g} mJ at state 0, {work_1:.4g} mJ at state 1"
         if self.largest > 0:
             return f"push with up to {self.largest:.4g} N; {work}"
         return f"the band itself pulls it there; {work}"
@@ -278,16 +280,17 @@ class Reprogramming(ByValue):
             return f"no value of {self.by} that was looked at makes it {wanted} ({self.method})"
         if math.isinf(self.distance):
             return (
-                f"no displacement of {self.by} up to {self.reach * 1e3:.4g} mm makes it {wanted} "
-                f"({self.method})"
+                f"no displacement of {self.by} up to {to_unit(self.reach, 'mm'):.4g} mm makes it "
+                f"{wanted} ({self.method})"
             )
         if self.distance == 0 and self.after == self.before:
             return f"it does {self.before} already"
         becomes = f"{self.before} -> {self.after} ({self.method})"
         if isinstance(self.displacement, tuple):
-            x, y = (signed(part * 1e3) for part in self.displacement)
+            x, y = (signed(to_unit(part, "mm")) for part in self.displacement)
             lines = [
-                f"move {self.by} by ({x}, {y}) mm, {self.distance * 1e3:.4g} mm: {becomes}",
+                f"move {self.by} by ({x}, {y}) mm, {to_unit(self.distance, 'mm'):.4g} mm: "
+                f"{becomes}",
                 str(self.resistance),
             ]
         else:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Advised, ByValue, Floats, InputError, bisected
+from stepwell.base import Advised, ByValue, Floats, InputError, bisected, to_unit
 from stepwell.concave import Simple, SortedChain, certified, concave_disc, end_force_field
 from stepwell.design.plane import Box, narrowed
 from stepwell.design.switches import Switches, are_relays, switching_forces
@@ -177,7 +177,7 @@ class Robustness(ByValue):
 
     def __str__(self):
         names = self.chain.names
-        text = f"all anchors may be off by {self.radius * 1e3:.4g} mm at once"
+        text = f"all anchors may be off by {to_unit(self.radius, 'mm'):.4g} mm at once"
         if not math.isnan(self.share):
             text = f"all {self.chain.measure.force}s may be off by {self.share * 100:.4g} % at once"
         if self.meeting is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, Floats, InputError, bisected
+from stepwell.base import Bools, Floats, InputError, bisected, to_unit
 from stepwell.concave import Simple, concave_disc, concave_line
 
 
@@ -94,7 +94,7 @@ _TIE = 1e-9  # of the distance, what rounding may make of two that are equal
 
 def resolution(ways: Displacements, small: bool) -> str:
     """What `nearest_found` can miss, in words."""
-    fine = f"then bisection to {_RESOLUTION * 1e3:g} mm"
+    fine = f"then bisection to {to_unit(_RESOLUTION, 'mm'):g} mm"
     if ways.dimensions == 2 and not small:
         return (
             f"asked at {_DIRECTIONS} places on each of {_DOUBLINGS + 1} rings, every one twice as "
@@ -104,8 +104,8 @@ def resolution(ways: Displacements, small: bool) -> str:
     pitch = ways.reach / _STEPS[ways.dimensions]
     where = "on rings" if ways.dimensions == 2 else "on the line"
     return (
-        f"asked at places {where} every {pitch * 1e3:.3g} mm, closer around the start; a region "
-        f"that lies between them is not seen; {fine}"
+        f"asked at places {where} every {to_unit(pitch, 'mm'):.3g} mm, closer around the start; a "
+        f"region that lies between them is not seen; {fine}"
     )
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, Measure, Shown, StepwellError, told_in
+from stepwell.base import ByValue, Drawn, Floats, Measure, Shown, StepwellError, to_unit, told_in
 from stepwell.concave import TIED, SortedChain
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
@@ -127,11 +127,16 @@ class Design(ByValue, Drawn):
                 continue
             (x, y), band = cell.bands[0].q, cell.bands[0]
             px, py = band.p
-            inner = f"p ({px * 1e3 + 0.0:.3f}, {py * 1e3 + 0.0:.3f}) mm, " if placed else ""
+            inner = (
+                f"p ({to_unit(px, 'mm') + 0.0:.3f}, {to_unit(py, 'mm') + 0.0:.3f}) mm, "
+                if placed
+                else ""
+            )
             lines.append(
-                f"{name}: {inner}q ({x * 1e3:.3f}, {y * 1e3:.3f}) mm, k {band.stiffness:.4g} N/m, "
-                f"ℓ0 {band.rest_length * 1e3:.4g} mm, r {cell.lever * 1e3:.4g} mm: "
-                f"F0 {cell.force_0:.4f} N, F1 {cell.force_1:.4f} N"
+                f"{name}: {inner}q ({to_unit(x, 'mm'):.3f}, {to_unit(y, 'mm'):.3f}) mm, k "
+                f"{band.stiffness:.4g} N/m, ℓ0 {to_unit(band.rest_length, 'mm'):.4g} mm, r "
+                f"{to_unit(cell.lever, 'mm'):.4g} mm: F0 {cell.force_0:.4f} N, F1 "
+                f"{cell.force_1:.4f} N"
             )
         low, high = self.yield_.interval
         lines.append(
@@ -149,7 +154,9 @@ class Design(ByValue, Drawn):
             scales = ", ".join(f"{cell.force_scale:.4g}" for cell in self.chain.elements)
             share = self.yield_.share * 100
             return f"Design({short(self.sequence)}: force scales {scales}, yield {share:.4g} %)"
-        places = ", ".join(f"({x * 1e3:.4g}, {y * 1e3:.4g})" for x, y in self.anchors.tolist())
+        places = ", ".join(
+            f"({to_unit(x, 'mm'):.4g}, {to_unit(y, 'mm'):.4g})" for x, y in self.anchors.tolist()
+        )
         return (
             f"Design({short(self.sequence)}: q {places} mm, yield {self.yield_.share * 100:.4g} %)"
         )
@@ -243,7 +250,8 @@ def nothing_works(
             )
             why = (
                 f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
-                f"{largest * 1e3:.4g} mN, and more than {needed * 1e3:.2g} mN is needed)"
+                f"{to_unit(largest, 'mN'):.4g} mN, and more than {to_unit(needed, 'mN'):.2g} mN is "
+                "needed)"
             )
             advice = "allow more places or other bands"
     return Impossible(

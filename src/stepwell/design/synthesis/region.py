@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, InputError, Vec2
+from stepwell.base import Bools, ByValue, Floats, InputError, Vec2, to_unit
 from stepwell.design.plane import Box
 from stepwell.mechanism import Band, Law, Linear
 
@@ -62,7 +62,7 @@ class Stock(ByValue):
         spread = "" if self.spread is None else f", ±{self.spread * 100:.3g} %"
         law = "" if isinstance(self.law, Linear) else f", {type(self.law).__name__}"
         return (
-            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={self.rest_length * 1e3:.4g} mm"
+            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={to_unit(self.rest_length, 'mm'):.4g} mm"
             f"{spread}{law})"
         )
 
@@ -107,8 +107,8 @@ class AnchorBox(Box):
 
     def __repr__(self):
         return (
-            f"AnchorBox(x {self.left * 1e3:.4g}..{self.right * 1e3:.4g}, "
-            f"y {self.bottom * 1e3:.4g}..{self.top * 1e3:.4g} mm)"
+            f"AnchorBox(x {to_unit(self.left, 'mm'):.4g}..{to_unit(self.right, 'mm'):.4g}, "
+            f"y {to_unit(self.bottom, 'mm'):.4g}..{to_unit(self.top, 'mm'):.4g} mm)"
         )
 
 
@@ -175,7 +175,9 @@ class AnchorPolygon(ByValue):
         return first, np.roll(first, -1, axis=0)
 
     def __repr__(self):
-        corners = ", ".join(f"({x * 1e3:.4g}, {y * 1e3:.4g})" for x, y in self.corners)
+        corners = ", ".join(
+            f"({to_unit(x, 'mm'):.4g}, {to_unit(y, 'mm'):.4g})" for x, y in self.corners
+        )
         return f"AnchorPolygon({corners} mm)"
 
 
@@ -205,10 +207,10 @@ def told(regions: Sequence[Region], holes: float | None, free: str = "q") -> str
         box = region.bounds
         kind = "" if isinstance(region, AnchorBox) else f"a polygon of {len(region.corners)} in "
         places.append(
-            f"{kind}x {box.left * 1e3:.4g} to {box.right * 1e3:.4g} mm, "
-            f"y {box.bottom * 1e3:.4g} to {box.top * 1e3:.4g} mm"
+            f"{kind}x {to_unit(box.left, 'mm'):.4g} to {to_unit(box.right, 'mm'):.4g} mm, "
+            f"y {to_unit(box.bottom, 'mm'):.4g} to {to_unit(box.top, 'mm'):.4g} mm"
         )
-    pitch = "anywhere" if holes is None else f"in holes {holes * 1e3:.4g} mm apart"
+    pitch = "anywhere" if holes is None else f"in holes {to_unit(holes, 'mm'):.4g} mm apart"
     return f"{_FREE[free]} {pitch} at {' or '.join(dict.fromkeys(places))}"
 
 
@@ -225,7 +227,7 @@ def lattice(region: Region, pitch: float) -> Floats:
     ny = math.floor((box.top - box.bottom + _EDGE) / pitch) + 1
     if nx * ny > _MOST_PLACES:
         raise InputError(
-            f"pitch = {pitch * 1e3:.4g} mm makes {nx} x {ny} places: must make at most "
+            f"pitch = {to_unit(pitch, 'mm'):.4g} mm makes {nx} x {ny} places: must make at most "
             f"{_MOST_PLACES:,}."
         )
     x, y = box.left + pitch * np.arange(nx), box.bottom + pitch * np.arange(ny)

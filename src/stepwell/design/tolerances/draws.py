@@ -7,7 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import REACH, USUAL_ANCHOR, USUAL_STIFFNESS, ByValue, Floats, InputError, told_in
+from stepwell.base import (
+    REACH,
+    USUAL_ANCHOR,
+    USUAL_STIFFNESS,
+    ByValue,
+    Floats,
+    InputError,
+    to_unit,
+    told_in,
+)
 from stepwell.concave import in_disc, in_discs
 from stepwell.design.parameters import WAY
 from stepwell.design.switches import switching_forces
@@ -75,9 +84,9 @@ class Tolerances(ByValue):
         if self.mobility > 1:
             travel += f", mobilities up to {self.mobility:.4g} times apart"
         return (
-            f"Tolerances(anchors ±{self.anchor * 1e3:.4g} mm, stiffness {self.stiffness:.3g}, "
-            f"rest length {self.rest_length:.3g}, levers ±{self.lever * 1e3:.4g} mm, friction "
-            f"+{self.friction:.3g} N{travel})"
+            f"Tolerances(anchors ±{to_unit(self.anchor, 'mm'):.4g} mm, stiffness "
+            f"{self.stiffness:.3g}, rest length {self.rest_length:.3g}, levers "
+            f"±{to_unit(self.lever, 'mm'):.4g} mm, friction +{self.friction:.3g} N{travel})"
         )
 
 
@@ -147,7 +156,7 @@ def frictionless(tolerances: Tolerances, chain: Chain) -> str:
         unit, factor = told_in(chain.measure.force_unit)
         beside = f"switching forces of {least * factor:.3g} {unit}"
     else:
-        beside = f"forces F0 and F1 of {least * 1e3:.3g} mN"
+        beside = f"forces F0 and F1 of {to_unit(least, 'mN'):.3g} mN"
     return (
         f"without any friction, beside {beside} and more: give "
         f"the cells or the tolerances some if yours has it"

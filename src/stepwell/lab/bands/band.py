@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, need
+from stepwell.base import ByValue, Drawn, Floats, need, to_unit
 from stepwell.lab.bands.halves import (
     REACH,
     Estimate,
@@ -105,7 +105,7 @@ class BandTest(ByValue, Drawn):
         return float(stroke), float(force)
 
     def __repr__(self):
-        low, high = (1e3 * edge for edge in self.window)
+        low, high = (to_unit(edge, "mm") for edge in self.window)
         return (
             f"BandTest(samples {', '.join(map(str, self.samples))}, cycles {self.cycles[0]} to "
             f"{self.cycles[1]}, {low:g} to {high:g} mm)"
@@ -393,4 +393,4 @@ def _listed(numbers: list[int]) -> str:
 
 
 def _mm(edges: tuple[float, float]) -> str:
-    return f"{edges[0] * 1e3:.4g} to {edges[1] * 1e3:.4g}"
+    return f"{to_unit(edges[0], 'mm'):.4g} to {to_unit(edges[1], 'mm'):.4g}"

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, brief
+from stepwell.base import ByValue, Floats, InputError, brief, to_unit
 from stepwell.lab.bands.band import BandTest, stiffness
 from stepwell.lab.bands.halves import REACH, Estimate, of_samples, student, taut
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
@@ -211,18 +211,18 @@ class Choice(ByValue):
         onset = (candidate or self.chosen).fitted.onset
         if self.gauge is not None:
             return (
-                f"Rest length {(self.gauge + onset) * 1e3:.4g} mm: the length at stroke 0, "
-                f"{self.gauge * 1e3:.4g} mm, and the onset of the force law."
+                f"Rest length {to_unit(self.gauge + onset, 'mm'):.4g} mm: the length at stroke 0, "
+                f"{to_unit(self.gauge, 'mm'):.4g} mm, and the onset of the force law."
             )
         lengths = [c for c in self.candidates if c.law.needs_length]
         implied = ", ".join(
-            f"{c.fitted.length * 1e3:.3g} mm by the {c.law.name} law" for c in lengths
+            f"{to_unit(c.fitted.length, 'mm'):.3g} mm by the {c.law.name} law" for c in lengths
         )
         return (
             f"The rest length cannot be identified from these recordings: they hold the "
             f"displacement of the grips, not the length of the band. Give the length at stroke 0, "
-            f"to which an onset of {onset * 1e3:.4g} mm is added. (What the curvature alone would "
-            f"imply is no measurement: {implied}.)"
+            f"to which an onset of {to_unit(onset, 'mm'):.4g} mm is added. (What the curvature "
+            f"alone would imply is no measurement: {implied}.)"
         )
 
     @property
@@ -231,7 +231,7 @@ class Choice(ByValue):
         if self.folds == NOTHING:
             line, richest = self.candidates[0], min(self.candidates, key=lambda c: c.fitted.rmse)
             leaves = [
-                f"{one.law.name} leaves {one.fitted.rmse * 1e3:.2g} mN"
+                f"{one.law.name} leaves {to_unit(one.fitted.rmse, 'mN'):.2g} mN"
                 for one in dict.fromkeys((line, self.chosen, richest))
             ]
             return (

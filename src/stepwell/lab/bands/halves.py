@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, brief
+from stepwell.base import Bools, ByValue, Floats, brief, to_unit
 from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import (
@@ -258,10 +258,10 @@ def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
     few = bool(inside) and min(inside) < _FEW
     if not used or (over and not few):
         return WINDOW, ""
-    usual = f"the usual {low * 1e3:g} to {high * 1e3:g} mm"
+    usual = f"the usual {to_unit(low, 'mm'):g} to {to_unit(high, 'mm'):g} mm"
     why = f"{usual} hold few readings" if over else f"the stroke does not reach over {usual}"
     found = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
-    shown = " to ".join(f"{edge * 1e3:.4g}" for edge in found)
+    shown = " to ".join(f"{to_unit(edge, 'mm'):.4g}" for edge in found)
     return found, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
 
 

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError
+from stepwell.base import ByValue, Floats, InputError, to_unit
 from stepwell.lab.recordings.curve import rms
 
 # Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
@@ -108,7 +108,7 @@ class Fitted(ByValue):
 
     def __repr__(self):
         numbers = ", ".join(f"{name} {value:.4g}" for name, value in self.values.items())
-        return f"Fitted({self.law.name}: {numbers}; leaves {self.rmse * 1e3:.3g} mN)"
+        return f"Fitted({self.law.name}: {numbers}; leaves {to_unit(self.rmse, 'mN'):.3g} mN)"
 
 
 def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None) -> Fitted:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, brief, content_of, told_in
+from stepwell.base import ByValue, Floats, InputError, Measure, brief, content_of, to_unit, told_in
 from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
 from stepwell.lab.recordings.text import parse_pair
 
@@ -44,7 +44,7 @@ class Curve(ByValue):
         return np.interp(stroke, self.stroke, self.force)
 
     def __repr__(self):
-        low, high = self.stroke[0] * 1e3, self.stroke[-1] * 1e3
+        low, high = to_unit(self.stroke[0], "mm"), to_unit(self.stroke[-1], "mm")
         return f"Curve({len(self.runs)} runs, {low:.4g} to {high:.4g} mm)"
 
 

@@ -8,6 +8,7 @@ from itertools import chain, pairwise
 
 import numpy as np
 
+from stepwell.base import to_unit
 from stepwell.lab.recordings.recording import Recording, run_number, spikes, stem_of
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
@@ -46,8 +47,8 @@ def unusable(recording: Recording) -> str:
     farthest = float(np.max(at_once, initial=0.0))
     if len(recording) >= 100 and farthest > LEAP * reach:
         return (
-            f"its stroke leaps by {farthest * 1e3:.4g} mm from one row to the next: two runs in "
-            f"one file, or rows that are lost or not in order"
+            f"its stroke leaps by {to_unit(farthest, 'mm'):.4g} mm from one row to the next: two "
+            f"runs in one file, or rows that are lost or not in order"
         )
     return ""
 
@@ -97,9 +98,17 @@ def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
     for recording, span, speed, force in zip(repeats, spans, speeds, off, strict=True):
         source, others = recording.source, "where the others have"
         if span < SHORT * usual_span:
-            yield source, f"stroke of {span * 1e3:.4g} mm {others} {usual_span * 1e3:.4g} mm"
+            yield (
+                source,
+                f"stroke of {to_unit(span, 'mm'):.4g} mm {others} {to_unit(usual_span, 'mm'):.4g} "
+                "mm",
+            )
         if abs(speed - usual_speed) > 0.05 * usual_speed:
-            yield source, f"{speed * 1e3:.3g} mm/s {others} {usual_speed * 1e3:.3g} mm/s"
+            yield (
+                source,
+                f"{to_unit(speed, 'mm/s'):.3g} mm/s {others} {to_unit(usual_speed, 'mm/s'):.3g} "
+                "mm/s",
+            )
         if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
             yield source, f"mean force {force:+.2g} N beside the median run"
 
@@ -119,7 +128,7 @@ def _numbered(family: list[Recording]) -> list[tuple[int, Recording]]:
 def _start(recording: Recording) -> Iterator[str]:
     first = float(recording.stroke[0])
     if abs(first) > LATE:
-        yield f"starts late, at a stroke of {first * 1e3:.4g} mm"
+        yield f"starts late, at a stroke of {to_unit(first, 'mm'):.4g} mm"
     if np.ptp(recording.stroke) == 0:
         yield "the stroke never changes"
 
@@ -138,7 +147,7 @@ def _clock(recording: Recording) -> Iterator[str]:
 def _spikes(recording: Recording) -> Iterator[str]:
     at = np.flatnonzero(spikes(recording.force))
     if len(at):
-        first = f"{recording.stroke[at[0]] * 1e3:.4g} mm"
+        first = f"{to_unit(recording.stroke[at[0]], 'mm'):.4g} mm"
         told = (
             f"1 sample, at {first}, is" if len(at) == 1 else f"{len(at)} samples, from {first}, are"
         )
@@ -155,14 +164,15 @@ def _ends(recording: Recording) -> Iterator[str]:
     if np.sum(settled) >= 10 and np.ptp(gone) >= 10 * SETTLE:
         level = float(np.median(force[settled]))
         if abs(force[0] - level) > 0.15 * float(np.ptp(force)):
-            yield f"the force takes {SETTLE * 1e3:g} mm or so to settle: slack in the rig, or a jam"
+            settles = f"{to_unit(SETTLE, 'mm'):g} mm"
+            yield f"the force takes {settles} or so to settle: slack in the rig, or a jam"
     last, before = left < END, (left >= END) & (left < 6 * END)
     if len(recording) >= 100 and np.sum(last) >= 4 and np.sum(before) >= 10:
         course = np.polyfit(u[before], force[before], 1)
         noise = float(np.std(force[before] - np.polyval(course, u[before])))
         off = float(force[-1] - np.polyval(course, u[-1]))
         if abs(off) > max(8 * noise, 0.05 * float(np.ptp(force))):
-            end = f"{END * 1e3:g} mm: end stop?"
+            end = f"{to_unit(END, 'mm'):g} mm: end stop?"
             yield f"the force leaves its course by {off:+.2g} N in the last {end}"
 
 

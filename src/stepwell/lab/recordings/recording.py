@@ -11,7 +11,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Vec2, printable
+from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Vec2, printable, to_unit
 
 
 class LabError(InputError):
@@ -151,8 +151,8 @@ class Recording(ByValue, Drawn):
 
     def __repr__(self):
         return (
-            f"Recording({self.name!r}, {len(self)} samples, {self.stroke[0] * 1e3:.4g} to "
-            f"{self.stroke[-1] * 1e3:.4g} mm, {self.direction})"
+            f"Recording({self.name!r}, {len(self)} samples, {to_unit(self.stroke[0], 'mm'):.4g} to "
+            f"{to_unit(self.stroke[-1], 'mm'):.4g} mm, {self.direction})"
         )
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepwell.base import to_unit
 from stepwell.mechanism import Chain, Element, balloon, kresling
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.others.pairs import next_state, straight
@@ -163,8 +164,9 @@ def countersnap() -> Finding:
     pulled = _snaps(counter, (0.0, 0.0105))[0]
     return judged(
         snap.after[0] < snap.before[0] and pulled.force_after > pulled.force_before,
-        f"{1e3 * snap.before[0]:.4g} to {1e3 * snap.after[0]:.4g} mm at {snap.drive:.3g} N; at a "
-        f"prescribed length from {pulled.force_before:.3g} to {pulled.force_after:.3g} N",
+        f"{to_unit(snap.before[0], 'mm'):.4g} to {to_unit(snap.after[0], 'mm'):.4g} mm at "
+        f"{snap.drive:.3g} N; at a prescribed length from {pulled.force_before:.3g} to "
+        f"{pulled.force_after:.3g} N",
         note="A curve that crosses itself, of our own making; the paper's three building blocks "
         "and their curves were out of our reach as numbers.",
     )
@@ -190,10 +192,10 @@ def countersnaps_in_parallel() -> Finding:
     """Side by side such elements switch one by one, and each changes the stiffness."""
     elements = [replace(straight(_CROSSING), travel_scale=1.0 + 0.02 * k) for k in range(_BESIDE)]
     snaps = _snaps(Chain((Element.side_by_side(elements),)), (0.0, 0.0110))
+    places = ", ".join(f"{to_unit(snap.drive, 'mm'):.4g}" for snap in snaps)
     return judged(
         len(snaps) == len(elements),
-        f"{len(snaps)} snaps of {len(elements)} elements, at "
-        f"{', '.join(f'{1e3 * snap.drive:.4g}' for snap in snaps)} mm",
+        f"{len(snaps)} snaps of {len(elements)} elements, at {places} mm",
         note="A prescribed length, so that none feels the others.",
     )
 
@@ -247,7 +249,8 @@ def kresling_pair() -> Finding:
         f"{told[0]}, and {told[1]} with the folds exchanged",
         note="The fold that takes less force goes first both ways, so that the pair goes through "
         "all four states in a circle, and the next cycle is the same. Truss model of Yasuda and "
-        f"Yang 2015; deployed heights {1e3 * WEAK:g} and {1e3 * STRONG:g} mm are ours.",
+        f"Yang 2015; deployed heights {to_unit(WEAK, 'mm'):g} and {to_unit(STRONG, 'mm'):g} mm are "
+        "ours.",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from stepwell.base import to_unit
 from stepwell.mechanism import Chain, Element
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.statics import Event, EventKind
@@ -86,7 +87,8 @@ def trilinear_branches() -> Finding:
         worst <= _SAME,
         f"{looked} branches, N = {_listed(LENGTHS)}: ends and forces the same",
         note=f"N C n ways to choose the springs of a branch all have the same. Peak {PEAK[1]:g} N, "
-        f"valley {VALLEY[1]:g} N, k = {STIFFNESS:g} N/m, Δ = {1e3 * transformation():g} mm.",
+        f"valley {VALLEY[1]:g} N, k = {STIFFNESS:g} N/m, Δ = {to_unit(transformation(), 'mm'):g} "
+        "mm.",
         otherwise=f"A branch or its end is off by {worst:.2g} of its size.",
     )
 
@@ -101,11 +103,11 @@ def trilinear_hard_device() -> Finding:
             snaps = _snap(chain, n, +1), _snap(chain, n + 1, -1)
             one_by_one &= all(map(_single, snaps))
             worst = max(worst, abs(sum(snap.released for snap in snaps) - each) / each)
-        told.append(f"{1e3 * each:.4g} mJ a spring of {cells}")
+        told.append(f"{to_unit(each, 'mJ'):.4g} mJ a spring of {cells}")
     cycle = Chain((spring(),) * _CYCLED).cycle()
     one_by_one &= len(cycle.snaps) == 2 * _CYCLED and all(map(_single, cycle.snaps))
     worst = max(worst, abs(cycle.dissipated - hysteresis(_CYCLED)) / hysteresis(_CYCLED))
-    soft = 1e3 * transformation() * (PEAK[1] - VALLEY[1])
+    soft = to_unit(transformation() * (PEAK[1] - VALLEY[1]), "mJ")
     return judged(
         worst <= _SAME and one_by_one,
         ", ".join(told),
@@ -133,7 +135,8 @@ def trilinear_soft_device() -> Finding:
         )
     return judged(
         worst <= _SAME,
-        f"{1e3 * transformation() * (PEAK[1] - VALLEY[1]):g} mJ a spring, N = {_listed(LENGTHS)}",
+        f"{to_unit(transformation() * (PEAK[1] - VALLEY[1]), 'mJ'):g} mJ a spring, N = "
+        f"{_listed(LENGTHS)}",
         note="No spring feels another, so the chain is N times one spring.",
         otherwise=f"Off by {worst:.2g}.",
     )
@@ -159,8 +162,8 @@ def trilinear_spinodal() -> Finding:
     )
     return judged(
         right and falling == 1,
-        f"1 + k/κ = {edge:g}: {below} lose {1e3 * lost[below]:.3g} mJ, "
-        f"{above} lose {1e3 * lost[above]:.3g} mJ; {falling} in the fall",
+        f"1 + k/κ = {edge:g}: {below} lose {to_unit(lost[below], 'mJ'):.3g} mJ, "
+        f"{above} lose {to_unit(lost[above], 'mJ'):.3g} mJ; {falling} in the fall",
         note="The same number from both sides: where the chain is stiff enough to hold the "
         "spring that falls, and where the hysteresis above vanishes.",
     )
