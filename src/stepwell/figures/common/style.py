@@ -11,11 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.typing import ColorType, LineStyleType
 
+from stepwell.base import UNITS
 from stepwell.figures.common.words import families
 from stepwell.sequences import Pathway
 
-# Millimetres in a metre, millijoules in a joule.
-MM = MJ = 1e3
+# Millimetres in a metre, millijoules in a joule, millinewtons in a newton.
+MM, MJ, MN = (UNITS[unit].per_si for unit in ("mm", "mJ", "mN"))
 # Widths of one and of two columns of a journal page [mm].
 COLUMN = 85.0
 PAGE = 180.0

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 
-from stepwell.base import Floats, InputError, Measure
+from stepwell.base import Floats, InputError, Measure, to_unit
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
@@ -344,9 +344,9 @@ def snap_motion(
         # It rests from then on.
         time, travel = np.append(time, until), np.vstack([travel, travel[-1]])
         for i in np.flatnonzero(moved):
-            ax.plot(time * 1e3, travel[:, i] * y.factor, color=colours[i], **look)
+            ax.plot(to_unit(time, "ms"), travel[:, i] * y.factor, color=colours[i], **look)
     ax.set(xlabel="Time [ms]", ylabel=y.label)
-    ax.set_xlim(0.0, until * 1e3)
+    ax.set_xlim(0.0, to_unit(until, "ms"))
     ax.margins(y=0.08)
     # Those that lie in the frame, which they do not widen.
     ax.set_ylim(ax.get_ylim())

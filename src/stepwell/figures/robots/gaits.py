@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from stepwell.simulation import Sweep
 
 
-_MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
 # Where names stand over the bars.
 _HIGH_ROW, _HIGH_HEAD, _OVER, _NARROW = 9.0, 9.0, 0.33, 130.0
@@ -94,15 +93,15 @@ def prediction(prediction: Prediction) -> Figure:
 
 def _margins(ax: Axes, found: Prediction) -> None:
     legs = found.legs
-    ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
+    ends = [value * style.MN for leg in legs for value in (leg.margin, leg.uncertainty)]
     most = _limit(ends)
     colours = leg_colours(found.robot)
     for i, leg in enumerate(legs):
         colour = colours[leg.name]
         look = {"color": style.pale(style.FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
         tall = 0.4 if _is_narrow() else 0.8
-        ax.barh(i, leg.uncertainty * _MN, height=tall, zorder=1, **look)
-        reach = leg.margin * _MN if math.isfinite(leg.margin) else most
+        ax.barh(i, leg.uncertainty * style.MN, height=tall, zorder=1, **look)
+        reach = leg.margin * style.MN if math.isfinite(leg.margin) else most
         ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
         if math.isfinite(leg.margin):
             (dot,) = ax.plot(reach, i, "o", color=colour, markersize=5.0, zorder=3)
