@@ -64,9 +64,11 @@ def same(a: Any, b: Any) -> bool:
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
-    if isinstance(a, tuple | list) and type(a) is type(b):
+    if type(a) is not type(b):
+        return bool(a == b)
+    if isinstance(a, tuple | list):
         return len(a) == len(b) and all(map(same, a, b))
-    if is_dataclass(a) and type(a) is type(b) and not isinstance(a, ByValue):
+    if is_dataclass(a) and not isinstance(a, ByValue):
         return same(_held(a), _held(b))
     return bool(a == b)
 

@@ -107,21 +107,7 @@ class _Rectangle(NamedTuple):
 
 def drawn(text: str, name: str) -> Arena:
     """The arena that a map shows; its origin is the map's lower left corner."""
-    lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
-    while lines and not lines[0]:
-        lines.pop(0)
-    size = _size(lines[0] if lines else "", name)
-    rest = lines[1:]
-    title = ""
-    if rest and rest[0].startswith("title "):
-        title = rest.pop(0).removeprefix("title ").strip()[:200]
-        title = "".join(letter for letter in title if letter.isprintable())
-    skipped = len(lines) - len(rest)
-    while rest and not rest[-1]:
-        rest.pop()
-    while rest and not rest[0]:
-        rest.pop(0)
-        skipped += 1
+    size, title, rest, skipped = _map_parts(text, name)
     problems = _problems(rest, skipped)
     if problems:
         raise DesignError(name, problems)
@@ -147,6 +133,26 @@ def drawn(text: str, name: str) -> Arena:
         return replace(made, unusual=False)
     except ValueError as error:
         raise DesignError(name, str(error).split("\n")) from None
+
+
+def _map_parts(text: str, name: str) -> tuple[Decimal, str, list[str], int]:
+    """The side of a square [mm], the title, the rows, and how many lines stand above them."""
+    lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
+    while lines and not lines[0]:
+        lines.pop(0)
+    size = _size(lines[0] if lines else "", name)
+    rest = lines[1:]
+    title = ""
+    if rest and rest[0].startswith("title "):
+        title = rest.pop(0).removeprefix("title ").strip()[:200]
+        title = "".join(letter for letter in title if letter.isprintable())
+    skipped = len(lines) - len(rest)
+    while rest and not rest[-1]:
+        rest.pop()
+    while rest and not rest[0]:
+        rest.pop(0)
+        skipped += 1
+    return size, title, rest, skipped
 
 
 def _size(line: str, name: str) -> Decimal:

@@ -361,19 +361,7 @@ def _check(
             f"command's results. Name another folder, or replace them with --force (in Python "
             f"force=True)."
         )
-    owned = _owned(target)
-    theirs = [
-        name
-        for name in new
-        if os.path.lexists(target / name)
-        and _digest_of(target / name) not in (*owned.get(name, ()), new[name])
-    ]
-    theirs += [
-        name
-        for name in (MANIFEST, UNFINISHED)
-        if os.path.lexists(target / name) and _note(target / name) is None
-    ]
-    if theirs:
+    if theirs := _others(target, new):
         named = ", ".join(map(printable, theirs[:_MOST_NAMED])) + (
             f" and {len(theirs) - _MOST_NAMED} more" if len(theirs) > _MOST_NAMED else ""
         )
@@ -383,6 +371,22 @@ def _check(
             f"replaced. Name another folder, move {it} away, or "
             f"replace {it} with --force (in Python force=True)."
         )
+
+
+def _others(target: Path, new: Mapping[str, str | None]) -> list[str]:
+    """The files in the way that Stepwell did not write, or that were changed since."""
+    owned = _owned(target)
+    changed = [
+        name
+        for name in new
+        if os.path.lexists(target / name)
+        and _digest_of(target / name) not in (*owned.get(name, ()), new[name])
+    ]
+    return changed + [
+        name
+        for name in (MANIFEST, UNFINISHED)
+        if os.path.lexists(target / name) and _note(target / name) is None
+    ]
 
 
 def _names(command: str, names: Iterable[str] | None) -> frozenset[str]:

@@ -80,6 +80,25 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> Sources:
 
     Of several paths that mean a number, the one that means the fewest numbers counts.
     """
+    said, problems = _said_of(robot, lists)
+    of: dict[Steps, str] = {}
+    for steps, every in said.items():
+        narrowest = min((one.size for one in every), default=0)
+        found = [one for one in every if one.size == narrowest]
+        one, *others = found or [_Said(0, schema.ASSUMED, "")]
+        of[steps] = one.label
+        problems += [
+            f"{other.where}: {one.label} has that too; keep one of them."
+            for other in others
+            if other.label != one.label
+        ]
+    return Sources(of, list(dict.fromkeys(problems)))
+
+
+def _said_of(
+    robot: Robot, lists: Mapping[str, Sequence[str]]
+) -> tuple[dict[Steps, list[_Said]], list[str]]:
+    """Of every number of a robot the paths that mean it, and the paths that mean none."""
     numbers = [steps for steps, value in leaves(tree_of(robot)) if is_number(value)]
     said: dict[Steps, list[_Said]] = {steps: [] for steps in numbers}
     problems: list[str] = []
@@ -96,18 +115,7 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> Sources:
                 continue
             for steps, _ in found:
                 said[steps].append(_Said(len(found), label, where))
-    of: dict[Steps, str] = {}
-    for steps, every in said.items():
-        narrowest = min((one.size for one in every), default=0)
-        found = [one for one in every if one.size == narrowest]
-        one, *others = found or [_Said(0, schema.ASSUMED, "")]
-        of[steps] = one.label
-        problems += [
-            f"{other.where}: {one.label} has that too; keep one of them."
-            for other in others
-            if other.label != one.label
-        ]
-    return Sources(of, list(dict.fromkeys(problems)))
+    return said, problems
 
 
 T = TypeVar("T")

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import PurePath
+from typing import NamedTuple
 
 import numpy as np
 
@@ -201,13 +202,32 @@ def sort_series(
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}
     gaps = missing(recordings)
+    groups, told = _grouped(
+        [r for r in recordings if not (r.source in used or is_baseline(r.name))],
+        designs,
+        as_designed,
+    )
+    series: list[Series] = []
+    for (_, stem, unloading), runs in groups.items():
+        setup = None if as_designed else setup_of(stem + "_1")
+        found, lines = _series(_Group(stem, setup, unloading, runs, own, gaps), designs)
+        series += found
+        told += lines
+    if not series:
+        lines = "; ".join(told[:3]) or "no recording in it"
+        raise LabError("data", f"no series to compare: {lines}.")
+    return Sorted(tuple(series), (*told, *_baseline_lines(series, own, gaps)))
+
+
+def _grouped(
+    recordings: Sequence[Recording], designs: Sequence[Chain], as_designed: bool
+) -> tuple[dict[tuple[str, str, bool], list[Recording]], list[str]]:
+    """The halves of recordings by folder, stem and direction, and why others are left out."""
     groups: dict[tuple[str, str, bool], list[Recording]] = defaultdict(list)
     told: list[str] = []
     tension: dict[str, int] = defaultdict(int)
     for recording in recordings:
-        if recording.source in used or is_baseline(recording.name):
-            continue
-        setup = setup_of(recording.name)
+        setup = None if as_designed else setup_of(recording.name)
         nameless = setup is None and not as_designed
         if nameless and TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
@@ -217,7 +237,7 @@ def sort_series(
             told.append(
                 f"{recording.source}: left out, its name tells no configuration: give a design"
             )
-        elif setup is not None and setup.marked and not as_designed:
+        elif setup is not None and setup.marked:
             told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
         elif why := unusable(recording):
             told.append(f"{recording.source}: left out, {why}")
@@ -229,64 +249,83 @@ def sort_series(
         f"{group}: {count} tension tests left out; `stepwell lab band` reads them"
         for group, count in tension.items()
     ]
-    series: list[Series] = []
-    for (_, stem, unloading), runs in groups.items():
-        setup = None if as_designed else setup_of(stem + "_1")
-        found, lines = _series(stem, setup, unloading, runs, own, designs, gaps)
-        series += found
-        told += lines
-    if not series:
-        lines = "; ".join(told[:3]) or "no recording in it"
-        raise LabError("data", f"no series to compare: {lines}.")
+    return groups, told
+
+
+def _baseline_lines(
+    series: Sequence[Series], own: Sequence[Recording], gaps: dict[str, str]
+) -> list[str]:
+    """What is odd about the baselines of series, and which baselines no series uses."""
     families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
-    told += [f"baseline {line}" for runs in families.values() for line in _odd_lines(runs, gaps)]
+    odd = [f"baseline {line}" for runs in families.values() for line in _odd_lines(runs, gaps)]
     taken = {recording.source for one in series for recording in one.baseline}
-    told += [
+    return odd + [
         f"{source}: a baseline that no series uses (other stroke or direction)"
         for source in dict.fromkeys(r.source for r in own if r.source not in taken)
     ]
-    return Sorted(tuple(series), tuple(told))
 
 
-def _series(
-    stem: str,
-    setup: Setup | None,
-    unloading: bool,
-    runs: list[Recording],
-    baselines: list[Recording],
-    designs: Sequence[Chain],
-    gaps: dict[str, str],
-) -> tuple[list[Series], list[str]]:
-    """The series of one stem, and a line for every run that is in none."""
-    base: list[Recording] = []
+class _Group(NamedTuple):
+    """Runs of one stem and one direction, what their names say, and all baselines."""
 
-    def series_of(name: str, chain: Chain, bands: int, mine: list[Recording], *told: str) -> Series:
+    stem: str
+    setup: Setup | None
+    unloading: bool
+    runs: list[Recording]
+    baselines: list[Recording]
+    gaps: dict[str, str]
+
+    def base(self, run: Recording) -> list[Recording]:
+        """The baselines that fit a run."""
+        return _matching(run, self.unloading, self.baselines)
+
+    def series(
+        self,
+        name: str,
+        chain: Chain,
+        bands: int,
+        mine: list[Recording],
+        base: list[Recording],
+        told: Sequence[str] = (),
+    ) -> Series:
+        """A series of runs of the group."""
         odd = [
             f"{PurePath(source).stem}: not in the mean, its force is {why}"
             for source, why in _damaged(mine, chain.full_stroke).items()
         ]
         return Series(
-            f"{name}, {'unloading' if unloading else 'loading'}",
-            stem if setup is None else setup.code,
+            f"{name}, {'unloading' if self.unloading else 'loading'}",
+            self.stem if self.setup is None else self.setup.code,
             chain,
             bands,
-            unloading,
+            self.unloading,
             tuple(mine),
             tuple(base),
-            (*_used_lines(mine, base, gaps), *odd, *told),
+            (*_used_lines(mine, base, self.gaps), *odd, *told),
         )
 
-    if setup is None:
-        if len(designs) != 1:
-            raise LabError(
-                runs[0].source,
-                f"its name tells no configuration, and {len(designs)} designs are given: give the "
-                f"one that was tested.",
-            )
-        whole, left_out = _over_stroke(runs, designs[0])
-        base += _matching(whole[0], unloading, baselines) if whole else []
-        told = "configuration: as the design says"
-        return [series_of(stem, designs[0], 1, whole, told)] if whole else [], left_out
+
+def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list[str]]:
+    """The series of one stem, and a line for every run that is in none."""
+    if group.setup is not None:
+        return _series_of_names(group, group.setup, designs)
+    if len(designs) != 1:
+        raise LabError(
+            group.runs[0].source,
+            f"its name tells no configuration, and {len(designs)} designs are given: give the "
+            f"one that was tested.",
+        )
+    whole, left_out = _over_stroke(group.runs, designs[0])
+    if not whole:
+        return [], left_out
+    told, base = ["configuration: as the design says"], group.base(whole[0])
+    return [group.series(group.stem, designs[0], 1, whole, base, told)], left_out
+
+
+def _series_of_names(
+    group: _Group, setup: Setup, designs: Sequence[Chain]
+) -> tuple[list[Series], list[str]]:
+    """The series of one stem whose names give the anchors, one for each count of bands."""
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
@@ -294,31 +333,37 @@ def _series(
     slack = [k for k, cell in enumerate(cells, 1) if all(np.allclose(b.d, 0.0) for b in cell.bands)]
     if slack:
         listed = ", ".join(map(str, slack))
-        rather = _rather(cells, slack[0] - 1, unloading, runs)
+        rather = _rather(cells, slack[0] - 1, group.unloading, group.runs)
         return [], [
             f"{run.source}: left out, by its name p and q of cell {listed} are one point, where a "
             f"band pulls nowhere{rather}: rename the file, or give the design and --as-designed"
-            for run in runs
+            for run in group.runs
         ]
-    runs, left_out = _over_stroke(runs, Chain(cells))
+    runs, left_out = _over_stroke(group.runs, Chain(cells))
     if not runs:
         return [], left_out
-    base += _matching(runs[0], unloading, baselines)
-    single = series_of("", Chain(cells), 1, runs)
+    base = group.base(runs[0])
+    single = group.series("", Chain(cells), 1, runs, base)
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
-        told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
-        if ratio < 0:
-            told.append("it pushes where the model pulls: check the sign of the force")
-        for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
-            # Near where one more or one less would be taken.
-            if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
-                told.append(f"{counted_bands(other)} may be too: check how many were on")
-        if 0 <= ratio < _WEAK:
-            told.append("that is weak for a band: check which one was on")
         chain = Chain([_with_bands(cell, bands) for cell in cells])
-        found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
+        name, told = f"{setup.code}, {counted_bands(bands)}", _band_lines(bands, ratio)
+        found.append(group.series(name, chain, bands, mine, base, told))
     return found, left_out
+
+
+def _band_lines(bands: int, ratio: float) -> list[str]:
+    """How many bands were judged to be on, by the force over that of one, and what is doubtful."""
+    told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
+    if ratio < 0:
+        told.append("it pushes where the model pulls: check the sign of the force")
+    for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
+        # Near where one more or one less would be taken.
+        if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
+            told.append(f"{counted_bands(other)} may be too: check how many were on")
+    if 0 <= ratio < _WEAK:
+        told.append("that is weak for a band: check which one was on")
+    return told
 
 
 def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:

@@ -138,16 +138,23 @@ def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tupl
     found = every if len(every) < 2 else named or every
     if len(found) == 1:
         return found[0]
+    raise _not_one(roles, names, units, found)
+
+
+def _not_one(
+    roles: dict[str, Measure], names: list[str], units: list[str], found: list[tuple[int, str]]
+) -> InputError:
+    """Why there is no one column in a unit of these roles: several were found, or none."""
     words = " or ".join("travel" if role == "stroke" else role for role in roles)
     if found:
         both = ", ".join(repr(names[k][:40]) for k, _ in found)
-        raise InputError(f"columns {both} may each be the {words}: leave one of them.")
+        return InputError(f"columns {both} may each be the {words}: leave one of them.")
     for k, name in enumerate(names):
         for role in roles:
             if _is_called(name, role):
                 _factor(role, name, units[k])
     shown = ", ".join(name[:40] for name in names if name) or "none"
-    raise InputError(
+    return InputError(
         f"no column for the {words} (columns: {shown}): name the columns and their "
         f"units, as in {_PAIR}; they must be {_PAIRS}."
     )

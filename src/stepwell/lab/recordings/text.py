@@ -131,13 +131,7 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
         fields = [split(line, delimiter) for line in lines]
         start = next((n for n, row in enumerate(fields[:_HEADER_AT_MOST]) if _some(row)), 0)
         width = len(fields[start])
-        whole = [row for row in fields[start:] if len(row) == width]
-        kept = [
-            k
-            for k in range(width)
-            if 2 * sum(_is_number(r[k]) or bool(_MISSING.fullmatch(r[k])) for r in whole)
-            > len(whole)
-        ]
+        kept = _numeric([row for row in fields[start:] if len(row) == width], width)
         if not start or not 2 <= len(kept) < width:
             continue
         above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
@@ -148,6 +142,16 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
         ]
         return cut, (f"column {notes} holds words: not read",)
     return lines, ()
+
+
+def _numeric(rows: list[list[str]], width: int) -> list[int]:
+    """The columns of which more than half of the fields are numbers or missing numbers."""
+    return [
+        k
+        for k in range(width)
+        if 2 * sum(_is_number(row[k]) or bool(_MISSING.fullmatch(row[k])) for row in rows)
+        > len(rows)
+    ]
 
 
 def _is_number(field: str) -> bool:
