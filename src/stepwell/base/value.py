@@ -63,7 +63,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, Mapping) and isinstance(b, Mapping):
-        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+        return _same_mappings(a, b)
     if type(a) is not type(b):
         return bool(a == b)
     if isinstance(a, tuple | list):
@@ -71,6 +71,10 @@ def same(a: Any, b: Any) -> bool:
     if is_dataclass(a) and not isinstance(a, ByValue):
         return same(_held(a), _held(b))
     return bool(a == b)
+
+
+def _same_mappings(a: Mapping[Any, Any], b: Mapping[Any, Any]) -> bool:
+    return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
 
 
 def is_array(value: Any) -> TypeGuard[np.ndarray[Any, Any]]:

@@ -329,11 +329,7 @@ def _commit(
     sync_folder(target)
     (target / MANIFEST).unlink(missing_ok=True)
     sync_folder(target)
-    for name in sorted(mine):
-        place = target / name
-        place.parent.mkdir(parents=True, exist_ok=True)
-        os.replace(draft / name, place)
-        sync_folder(place.parent)
+    _put(draft, target, mine)
     for name in sorted(old.keys() - new.keys()):
         if _digest_of(target / name) in old[name]:
             (target / name).unlink()
@@ -341,6 +337,15 @@ def _commit(
     os.replace(draft / MANIFEST, target / MANIFEST)
     sync_folder(target)
     (target / UNFINISHED).unlink()
+
+
+def _put(draft: Path, target: Path, names: Iterable[str]) -> None:
+    """Move files of a draft to their places."""
+    for name in sorted(names):
+        place = target / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(draft / name, place)
+        sync_folder(place.parent)
 
 
 def _check(

@@ -142,11 +142,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
     heads = [rest[0] for rest in rests if rest]
     if not heads:
         return f"{_NONE}: {_shown(before)} is one number, leave out what follows."
-    options: dict[str, Token] = {}
-    for head in heads:
-        options[_shown([_token(head)])] = _token(head)
-    more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
-    options |= {key: key for key in more}
+    options = _options(heads, before)
     near = nearest_word(wrong.strip(".[]"), options)
     if near:
         meant = [*before, options[near], *tokens[k + 1 :]]
@@ -155,6 +151,13 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
         return f"{_NONE}. Did you mean {_shown(meant)}?"
     after = f" after {_shown(before)}" if before else ""
     return f"{_NONE}. Known{after}: {', '.join(options)}."
+
+
+def _options(heads: Iterable[str | Item], before: list[Token]) -> dict[str, Token]:
+    """How a path can go on, each as it is shown."""
+    options: dict[str, Token] = {_shown([_token(head)]): _token(head) for head in heads}
+    more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
+    return options | {key: key for key in more}
 
 
 def _token(step: str | Item) -> str | int:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import (
+    Bools,
     ByValue,
     Floats,
     InputError,
@@ -307,71 +308,29 @@ def population(
 
     Source: Del Moral, Doucet and Jasra 2006.
     """
-    random = np.random.default_rng(draws.seed)
-    parts = draws.columns
-
-    def tried(row: Floats) -> _Tried:
-        tell()
-        price = holes.price(row[parts:]) if holes.columns else 0.0
-        try:
-            chain = draws.built(draws.shaped(row[None, :parts].copy())[0])
-            if holes.columns:
-                chain = holes.moved(chain, holes.shifts(row[parts:]))
-            return _Tried(chain, observed.misfit(chain.cycle()), price)
-        except StepwellError:
-            return _Tried(None, math.inf, price)
-
-    even, made, fits = np.zeros((0, parts + holes.columns)), list[_Tried](), np.zeros(0, bool)
-    for _ in range(_ROUNDS):
-        more = random.random((n, parts + holes.columns))
-        even, made = np.concatenate([even, more]), made + [tried(row) for row in more]
-        fits = np.isfinite([one.misfit for one in made])
-        if np.sum(fits) >= _PLENTY * n:
-            break
+    crowd = _Crowd(draws, holes, observed, tell, np.random.default_rng(draws.seed))
+    fits = crowd.begin(n)
     if not np.any(fits):
         return None
-    likely = np.exp([-one.price for one in made])
-    whole = np.array([one.chain is not None for one in made])
-    before = [one.chain for one in made if one.chain is not None]
+    likely = np.exp([-one.price for one in crowd.made])
+    whole = np.array([one.chain is not None for one in crowd.made])
+    before = [one.chain for one in crowd.made if one.chain is not None]
     share, fit = float(np.sum(likely[fits]) / np.sum(likely)), np.flatnonzero(fits)
-
-    def take(places: Ints) -> None:
-        nonlocal even, made
-        even, made = even[places], [made[k] for k in places]
-
-    take(fit[np.arange(n) % len(fit)])
-    counts, far = 0.0, 1.0
+    crowd.take(fit[np.arange(n) % len(fit)])
+    counts = 0.0
     steps = STEPS * (_MORE if len(fit) < _FAMILY * n else 1)
     for generation in range(_GENERATIONS):
-        worse = np.array([one.worse for one in made])
+        worse = np.array([one.worse for one in crowd.made])
         more = 1.0 - counts if generation == _GENERATIONS - 1 else _more(worse, 1.0 - counts)
         counts += more
-        take(_chosen(np.exp(np.min(worse) - worse) ** more, random))
-        spread = np.std(even, axis=0)
-        spread[parts:] = 0.0
-        for _ in range(steps):
-            there = _within(even + far * spread * random.standard_normal(even.shape))
-            if holes.columns:
-                luck, other = random.random(n), random.random((n, holes.columns))
-                one = np.arange(holes.columns) == random.integers(holes.columns, size=(n, 1))
-                new = (luck < 2 * _REHOOKED)[:, None] & (one | (luck < _REHOOKED)[:, None])
-                there[:, parts:][new] = other[new]
-            luck, taken = random.random(n), 0
-            for k in range(n):
-                one = tried(there[k])
-                if luck[k] < math.exp(min(0.0, counts * (made[k].worse - one.worse))):
-                    made[k], even[k] = one, there[k]
-                    taken += 1
-            far = min(max(far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
+        crowd.take(_chosen(np.exp(np.min(worse) - worse) ** more, crowd.random))
+        crowd.walk(counts, steps)
         if counts >= 1.0:
             break
-    cells = len(holes.anchors)
     return Population(
-        [one.chain for one in made if one.chain is not None],
-        np.array([one.misfit for one in made]),
-        np.array([holes.shifts(row[parts:]) for row in even])
-        if holes.columns
-        else np.zeros((n, cells, 2)),
+        [one.chain for one in crowd.made if one.chain is not None],
+        np.array([one.misfit for one in crowd.made]),
+        crowd.shifts(),
         before,
         likely[whole] / np.sum(likely[whole]),
         share,
@@ -390,6 +349,86 @@ class _Tried(NamedTuple):
     def worse(self) -> float:
         """Minus the logarithm of how likely it is, given what was seen."""
         return self.misfit + self.price
+
+
+class _Crowd:
+    """Builds and the even numbers (n, columns) that they are made of, first draws, then holes."""
+
+    def __init__(
+        self,
+        draws: Draws,
+        holes: Holes,
+        observed: Observed,
+        tell: Callable[[], None],
+        random: np.random.Generator,
+    ):
+        self.draws, self.holes, self.observed = draws, holes, observed
+        self.tell, self.random = tell, random
+        self.even = np.zeros((0, draws.columns + holes.columns))
+        self.made: list[_Tried] = []
+        self.far = 1.0  # of a step, over the spread of the builds
+
+    def tried(self, row: Floats) -> _Tried:
+        """The build of one row, and how badly it fits what was seen."""
+        self.tell()
+        parts, holes = self.draws.columns, self.holes
+        price = holes.price(row[parts:]) if holes.columns else 0.0
+        try:
+            chain = self.draws.built(self.draws.shaped(row[None, :parts].copy())[0])
+            if holes.columns:
+                chain = holes.moved(chain, holes.shifts(row[parts:]))
+            return _Tried(chain, self.observed.misfit(chain.cycle()), price)
+        except StepwellError:
+            return _Tried(None, math.inf, price)
+
+    def shifts(self) -> Floats:
+        """Where wrong holes have moved the anchors of each build (n, anchors, 2) [m]."""
+        if not self.holes.columns:
+            return np.zeros((len(self.even), len(self.holes.anchors), 2))
+        return np.array([self.holes.shifts(row[self.draws.columns :]) for row in self.even])
+
+    def begin(self, n: int) -> Bools:
+        """Draw until enough fit; which of all fit."""
+        fits = np.zeros(0, bool)
+        for _ in range(_ROUNDS):
+            more = self.random.random((n, self.even.shape[1]))
+            self.even = np.concatenate([self.even, more])
+            self.made += [self.tried(row) for row in more]
+            fits = np.isfinite([one.misfit for one in self.made])
+            if np.sum(fits) >= _PLENTY * n:
+                break
+        return fits
+
+    def take(self, places: Ints) -> None:
+        """Go on with the builds at these places; one may be there several times."""
+        self.even, self.made = self.even[places], [self.made[k] for k in places]
+
+    def walk(self, counts: float, steps: int) -> None:
+        """Some steps at random; what was seen `counts` so much, from 0 to 1."""
+        n = len(self.made)
+        spread = np.std(self.even, axis=0)
+        spread[self.draws.columns :] = 0.0
+        for _ in range(steps):
+            there = self.neighbours(spread)
+            luck, taken = self.random.random(n), 0
+            for k in range(n):
+                one = self.tried(there[k])
+                if luck[k] < math.exp(min(0.0, counts * (self.made[k].worse - one.worse))):
+                    self.made[k], self.even[k] = one, there[k]
+                    taken += 1
+            self.far = min(max(self.far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
+
+    def neighbours(self, spread: Floats) -> Floats:
+        """A place near each build; some anchors hook into another hole."""
+        n, columns = len(self.even), self.holes.columns
+        step = self.far * spread * self.random.standard_normal(self.even.shape)
+        there = _within(self.even + step)
+        if columns:
+            luck, other = self.random.random(n), self.random.random((n, columns))
+            one = np.arange(columns) == self.random.integers(columns, size=(n, 1))
+            new = (luck < 2 * _REHOOKED)[:, None] & (one | (luck < _REHOOKED)[:, None])
+            there[:, self.draws.columns :][new] = other[new]
+        return there
 
 
 def _more(misfits: Floats, most: float) -> float:

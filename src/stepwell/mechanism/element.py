@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -438,35 +438,35 @@ def _refuse_loose_ends(element: Element) -> None:
                 )
 
 
-def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:
-    """Runs of rows on which the force does not fall, and stops; `turns` has `signs` by sheet."""
+def _stretches(rises: Ints) -> Iterator[tuple[int, int]]:
+    """First row and end of each run of rows that do not fall; a run between two falls is empty."""
+    falls = np.flatnonzero(rises < 0)
+    return zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True)
+
+
+def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints) -> Iterator[Phase]:
+    """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
     below, above = element.stopped
-    found: list[Phase] = []
-    for number, sheet in enumerate(element.laws):
-        forces, rises = turns[number]
-        joints = np.append(sheet.rows[:, 0], sheet.end)
-        # What holds it at either end: a stop, or a curve that goes on rising.
-        ends_low = sheet.below is None and sheet.begin == element.low
-        ends_high = sheet.above is None and sheet.end == element.high
-        n, at = len(rises), 0
-        while at <= n:
-            last = at
-            while last < n and rises[last] >= 0:
-                last += 1
-            first, final = at == 0 and ends_low, last == n and ends_high
-            holds = bool(np.any(rises[at:last] > 0)) or (first and below) or (final and above)
-            if holds:
-                open_low, open_high = first and not below, final and not above
-                found.append(
-                    Phase(
-                        number,
-                        -np.inf if open_low else float(joints[at]),
-                        np.inf if open_high else float(joints[last]),
-                        -np.inf if first else float(forces[at]),
-                        np.inf if final else float(forces[last]),
-                    )
-                )
-            at = last + 1
+    sheet = element.laws[number]
+    joints = np.append(sheet.rows[:, 0], sheet.end)
+    # What holds it at either end: a stop, or a curve that goes on rising.
+    low = 0 if sheet.below is None and sheet.begin == element.low else None
+    high = len(rises) if sheet.above is None and sheet.end == element.high else None
+    for at, last in _stretches(rises):
+        first, final = at == low, last == high
+        if np.any(rises[at:last] > 0) or (first and below) or (final and above):
+            yield Phase(
+                number,
+                -np.inf if first and not below else float(joints[at]),
+                np.inf if final and not above else float(joints[last]),
+                -np.inf if first else float(forces[at]),
+                np.inf if final else float(forces[last]),
+            )
+
+
+def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:
+    """The phases of all sheets; `turns` has `signs` by sheet."""
+    found = [phase for i, turn in enumerate(turns) for phase in _phases_of_sheet(element, i, *turn)]
     if len(found) > _MOST_PHASES:
         raise InputError(
             f"the force turns so often that there are {len(found)} stretches on which it rises: "

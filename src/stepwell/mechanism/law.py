@@ -294,18 +294,8 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     sin_limit[is_lever] = [math.sin(cell.limit) for cell in levers]
     full[is_lever] = travel_of(sin_limit[is_lever], lever[is_lever], sin_limit[is_lever])
 
-    held = [cell.band for cell in levers]
-    own = np.zeros(n, int)
-    own[is_lever] = [1 if isinstance(one, Band) else len(one) for one in held]
-    flat = [b for one in held for b in ((one,) if isinstance(one, Band) else one)]
-    band = np.empty((len(flat), 4))
-    band[:, :2] = _rows_of(2, [b.q for b in flat]) - _rows_of(2, [b.p for b in flat])
-    band[:, 2], band[:, 3] = [b.stiffness for b in flat], [b.rest_length for b in flat]
-    # Most bands share one law, so each law is asked once for its rows.
-    laws_of = [b.law for b in flat]
-    known = dict(zip(map(id, laws_of), laws_of, strict=True))
-    pieces = {name: law.pieces() for name, law in known.items()}
-    curves = list(map(pieces.__getitem__, map(id, laws_of)))
+    own, (counts, flat, band, curves) = np.zeros(n, int), _of_bands(levers)
+    own[is_lever] = counts
     band_rows = _starts(list(map(len, curves)))
 
     # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
@@ -324,15 +314,9 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     rows = np.concatenate(curves + [loads for _, loads in packs])
     friction = np.array([cell.friction for cell in cells])
 
-    # An open end: straight on, as far as any force of the chain can pull it.
-    low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
-    if low.any() or high.any():
+    if np.isinf(table[:, [LOW, HIGH]]).any():
         reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
-        first, last = starts[:-1][low], starts[1:][high] - 1
-        rows[first] = before(rows[first + 1], -reach)
-        table[low, LOW] = rows[first, 0]
-        end, force, slope = rows[last, :3].T
-        table[high, HIGH] = end + np.maximum((reach - force) / slope, 1e-3 * full[cell_of[high]])
+        _extend(table, rows, starts, full[cell_of], reach)
     laws = Laws(
         lever=lever,
         sin_limit=sin_limit,
@@ -350,6 +334,36 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     ends[table[now, BELOW] >= 0, BEFORE] = -np.inf
     ends[table[now, ABOVE] >= 0, BEYOND] = np.inf
     return laws, Sheets(ends, now, table)
+
+
+def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, list[Floats]]:
+    """Of lever cells the counts of bands, all bands, and of each band its numbers and its law.
+
+    The numbers are q - p, stiffness and rest length (bands, 4), the law its rows.
+    """
+    held = [(cell.band,) if isinstance(cell.band, Band) else cell.band for cell in levers]
+    bands = list(flatten.from_iterable(held))
+    band = np.empty((len(bands), 4))
+    band[:, :2] = _rows_of(2, [b.q for b in bands]) - _rows_of(2, [b.p for b in bands])
+    band[:, 2], band[:, 3] = [b.stiffness for b in bands], [b.rest_length for b in bands]
+    # Most bands share one law, so each law is asked once for its rows.
+    laws_of = [b.law for b in bands]
+    known = dict(zip(map(id, laws_of), laws_of, strict=True))
+    pieces = {name: law.pieces() for name, law in known.items()}
+    return list(map(len, held)), bands, band, list(map(pieces.__getitem__, map(id, laws_of)))
+
+
+def _extend(table: Floats, rows: Floats, starts: Ints, full: Floats, reach: float) -> None:
+    """Lead open ends of sheets straight on, as far as any force of the chain can pull them.
+
+    `full` is the travel of the cell of each sheet [m], `reach` a force [N].
+    """
+    low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
+    first, last = starts[:-1][low], starts[1:][high] - 1
+    rows[first] = before(rows[first + 1], -reach)
+    table[low, LOW] = rows[first, 0]
+    end, force, slope = rows[last, :3].T
+    table[high, HIGH] = end + np.maximum((reach - force) / slope, 1e-3 * full[high])
 
 
 def _of_load(load: Load | None) -> tuple[tuple[float, ...], Floats]:

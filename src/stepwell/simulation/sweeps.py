@@ -166,12 +166,7 @@ def sweep(
     values = dict(values or {})
     if cycles < 1:
         raise InputError(f"cycles = {cycles}: must be >= 1.")
-    for name, numbers in values.items():
-        if len(numbers) != len(robots):
-            raise InputError(
-                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
-                f"robot."
-            )
+    _require_one_a_robot(values, len(robots))
     require("robots", len(robots), "these are")
     threads = threads or cores()
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
@@ -188,6 +183,14 @@ def sweep(
         if progress is not None:
             progress(len(found), len(robots))
     return Sweep(values, tuple(found[i] for i in range(len(robots))))
+
+
+def _require_one_a_robot(values: Mapping[str, Sequence[float]], robots: int) -> None:
+    for name, numbers in values.items():
+        if len(numbers) != robots:
+            raise InputError(
+                f"values[{name!r}] has {len(numbers)} numbers: must have {robots}, one a robot."
+            )
 
 
 def walked(

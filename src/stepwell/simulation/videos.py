@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -72,13 +72,7 @@ def video(
         VideoError: neither EGL nor OSMesa works here, or more frames than the limit.
     """
     targets = tuple(Path(file) for file in files)
-    for target in targets:
-        if target.suffix.lower() not in _ENCODERS:
-            raise InputError(f"{target}: must end in .mp4 or .gif.")
-    if width % 2 or height % 2 or width < 16 or height < 16:
-        raise InputError(f"width, height = {width}, {height}: must be even and at least 16.")
-    if speed is not None and not speed > 0:
-        raise InputError(f"speed = {speed}: must be > 0.")
+    _require_usable(targets, width, height, speed)
     walk = result.walk if isinstance(result, Maze) else result
     if len(walk.time) < 2:
         raise InputError("the run has no samples to show.")
@@ -98,6 +92,16 @@ def video(
     for target, encoder in zip(targets, encoders, strict=True):
         write_atomic(target, encoder.finish())
     return targets
+
+
+def _require_usable(targets: Iterable[Path], width: int, height: int, speed: float | None) -> None:
+    for target in targets:
+        if target.suffix.lower() not in _ENCODERS:
+            raise InputError(f"{target}: must end in .mp4 or .gif.")
+    if width % 2 or height % 2 or width < 16 or height < 16:
+        raise InputError(f"width, height = {width}, {height}: must be even and at least 16.")
+    if speed is not None and not speed > 0:
+        raise InputError(f"speed = {speed}: must be > 0.")
 
 
 def _chosen(walk: Walk, fps: int, speed: float) -> NDArray[np.intp]:

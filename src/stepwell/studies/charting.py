@@ -58,16 +58,7 @@ def charted(
     Raises:
         ValueError: another study, one of which nothing is done, or tolerances of what stays.
     """
-    designs = study.designs
-    if not isinstance(designs, Blocks) or study.what != "atlas":
-        raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
-    done = study.done_chunks()
-    if not done:
-        raise InputError(f"{study.folder}: no block is done yet.")
-    if tolerances.friction or tolerances.travel or tolerances.lever:
-        raise InputError(
-            "tolerances: lever, friction and travel must be 0: cells of an atlas have one travel."
-        )
+    designs, done = _require_blocks(study, tolerances), study.done_chunks()
     chain = study.subject
     assert isinstance(chain, Chain)
     drive = str(study.given.get("drive", "stroke"))
@@ -108,6 +99,18 @@ def charted(
         possible=None if allowed is None else len(allowed),
         space_proved=proved_space(chain, tuple(designs.axes)),
     )
+
+
+def _require_blocks(study: Study, tolerances: Tolerances) -> Blocks:
+    if not isinstance(study.designs, Blocks) or study.what != "atlas":
+        raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
+    if not study.done_chunks():
+        raise InputError(f"{study.folder}: no block is done yet.")
+    if tolerances.friction or tolerances.travel or tolerances.lever:
+        raise InputError(
+            "tolerances: lever, friction and travel must be 0: cells of an atlas have one travel."
+        )
+    return study.designs
 
 
 _COUNTS = ("told", "not_proved", "ties", "wakes")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,19 +89,24 @@ def decided(study: Study) -> tuple[Decided, ...]:
             continue
         values, common = study.values(name, chunks), ""
         if unit == TEXT:
-            words = [str(one) for one in values]
-            if name == PROBLEM:
-                words = [one.partition(":")[0] for one in words]
-            counts = Counter(one for one in words if one)
-            common = max(sorted(counts), key=counts.__getitem__, default="")
-            # A design without a problem has none; of any other column it has nothing to say.
-            told = np.array([name == PROBLEM or one != "" for one in words])
-            values = np.array([one == common for one in words], float)
+            values, known, common = _of_text(name, values)
         else:
-            told = np.isfinite(values)
-        if one := _decided(name, common, values, told, varied):
+            known = np.isfinite(values)
+        if one := _decided(name, common, values, known, varied):
             found.append(one)
     return tuple(found)
+
+
+def _of_text(column: str, values: Any) -> tuple[Floats, np.ndarray, str]:
+    """Whether each text is the most frequent one, which designs have a text, and that text."""
+    words = [str(one) for one in values]
+    if column == PROBLEM:
+        words = [one.partition(":")[0] for one in words]
+    counts = Counter(one for one in words if one)
+    common = max(sorted(counts), key=counts.__getitem__, default="")
+    # A design without a problem has none; an empty text in any other column is missing.
+    known = np.array([column == PROBLEM or one != "" for one in words])
+    return np.array([one == common for one in words], float), known, common
 
 
 def _decided(

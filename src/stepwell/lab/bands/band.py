@@ -175,20 +175,7 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     Raises:
         LabError: no kind is in the majority, or the bands do not pull.
     """
-    runs: list[Run] = []
-    for loop in test.used:
-        stroke, force = _pulling([loop], test.window)
-        if len(stroke) < 2:
-            stroke, force = _inside([loop], test.window)
-        k = _slope(stroke, force)
-        if math.isnan(k):
-            raise LabError(
-                loop.source,
-                f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
-                f"another window, or drop sample {loop.sample}.",
-            )
-        runs.append(Run(loop.sample, loop.cycle, loop.source, k))
-    usual, *others = kinds(runs)
+    usual, *others = kinds(_runs(test))
     if usual.stiffness <= 0:
         raise LabError(
             listed([run.source for run in usual.runs]),
@@ -217,6 +204,24 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
         f"not used: {differ}. Another kind, or a broken run: {todo}"
     )
     return apart, (warning, *slips)
+
+
+def _runs(test: BandTest) -> list[Run]:
+    """The stiffness of every loading half that is used."""
+    runs: list[Run] = []
+    for loop in test.used:
+        stroke, force = _pulling([loop], test.window)
+        if len(stroke) < 2:
+            stroke, force = _inside([loop], test.window)
+        k = _slope(stroke, force)
+        if math.isnan(k):
+            raise LabError(
+                loop.source,
+                f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
+                f"another window, or drop sample {loop.sample}.",
+            )
+        runs.append(Run(loop.sample, loop.cycle, loop.source, k))
+    return runs
 
 
 def _todo(kept: set[int], odd: list[int]) -> str:

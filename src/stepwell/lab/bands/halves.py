@@ -147,26 +147,48 @@ def loops_of(
         else:
             by_sample[sample].append(recording)
             numbers[recording.source] = number
-    kept = [recording for files in by_sample.values() for recording in files]
-    gauges = [recording.gauge for recording in kept if recording.gauge is not None]
-    gauge = sum(gauges) / len(gauges) if gauges and len(gauges) == len(kept) else None
-    if gauges and gauge is None:
-        told.append("some files hold the length of the band and some do not: it is not used")
+    gauge, lines = _gauge([recording for files in by_sample.values() for recording in files])
+    told += lines
     loops: list[Hysteresis] = []
     for sample, files in sorted(by_sample.items()):
-        cycles = [list(_cycles(recording)) for recording in files]
-        named = _named([numbers[r.source] for r in files], [len(found) for found in cycles])
-        cycle = 0
-        for recording, found, number in zip(files, cycles, named, strict=True):
+        loops_here = _loops_of_sample(sample, files, [numbers[r.source] for r in files])
+        for recording, found in zip(files, loops_here, strict=True):
             if not found:
                 told.append(f"{recording.source}: left out, it has no loading half")
-            cycle = cycle if number is None else number - 1
-            for parts in found:
-                cycle += 1
-                loops.append(Hysteresis(sample, cycle, recording.source, *parts, recording.steps))
+            loops += found
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
             told += [f"{recording.source}: {line}" for line in lines]
     return tuple(loops), gauge, tuple(told)
+
+
+def _gauge(recordings: list[Recording]) -> tuple[float | None, list[str]]:
+    """The mean length at stroke 0, where every file has one, and what is to be told of it."""
+    gauges = [recording.gauge for recording in recordings if recording.gauge is not None]
+    if not gauges:
+        return None, []
+    if len(gauges) < len(recordings):
+        return None, ["some files hold the length of the band and some do not: it is not used"]
+    return sum(gauges) / len(gauges), []
+
+
+def _loops_of_sample(
+    sample: int, files: list[Recording], numbers: list[int | None]
+) -> list[list[Hysteresis]]:
+    """The numbered cycles in each file of a sample; `numbers` are those of the files' names."""
+    cycles = [list(_cycles(recording)) for recording in files]
+    named = _named(numbers, [len(found) for found in cycles])
+    loops: list[list[Hysteresis]] = []
+    cycle = 0
+    for recording, found, number in zip(files, cycles, named, strict=True):
+        first = cycle if number is None else number - 1
+        cycle = first + len(found)
+        loops.append(
+            [
+                Hysteresis(sample, first + k, recording.source, *parts, recording.steps)
+                for k, parts in enumerate(found, 1)
+            ]
+        )
+    return loops
 
 
 def _sorted(

@@ -129,19 +129,26 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
         return lines, ()
     for delimiter in (";", "\t", ","):
         fields = [split(line, delimiter) for line in lines]
-        start = next((n for n, row in enumerate(fields[:_HEADER_AT_MOST]) if _some(row)), 0)
+        start = _begin(fields)
         width = len(fields[start])
         kept = _numeric([row for row in fields[start:] if len(row) == width], width)
         if not start or not 2 <= len(kept) < width:
             continue
         above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
         notes = ", ".join(repr(above[k][:_SHOWN]) for k in range(width) if k not in kept)
-        cut = [
-            delimiter.join(row[k] for k in kept) if len(row) == width else line
-            for row, line in zip(fields, lines, strict=True)
-        ]
+        rows = zip(fields, lines, strict=True)
+        cut = [_cut(row, kept, delimiter) if len(row) == width else line for row, line in rows]
         return cut, (f"column {notes} holds words: not read",)
     return lines, ()
+
+
+def _begin(rows: list[list[str]]) -> int:
+    """The first row some fields of which are numbers; 0 where there is none."""
+    return next((n for n, row in enumerate(rows[:_HEADER_AT_MOST]) if _some(row)), 0)
+
+
+def _cut(row: list[str], kept: list[int], delimiter: str) -> str:
+    return delimiter.join(row[k] for k in kept)
 
 
 def _numeric(rows: list[list[str]], width: int) -> list[int]:
