@@ -444,14 +444,20 @@ def _stretches(rises: Ints) -> Iterator[tuple[int, int]]:
     return zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True)
 
 
+def _outer_rows(element: Element, sheet: Sheet, rows: int) -> tuple[int | None, int | None]:
+    """The rows of a sheet at the ends of the element: a stop, or a curve that goes on rising."""
+    return (
+        0 if sheet.below is None and sheet.begin == element.low else None,
+        rows if sheet.above is None and sheet.end == element.high else None,
+    )
+
+
 def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints) -> Iterator[Phase]:
     """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
     below, above = element.stopped
     sheet = element.laws[number]
     joints = np.append(sheet.rows[:, 0], sheet.end)
-    # What holds it at either end: a stop, or a curve that goes on rising.
-    low = 0 if sheet.below is None and sheet.begin == element.low else None
-    high = len(rises) if sheet.above is None and sheet.end == element.high else None
+    low, high = _outer_rows(element, sheet, len(rises))
     for at, last in _stretches(rises):
         first, final = at == low, last == high
         if np.any(rises[at:last] > 0) or (first and below) or (final and above):
