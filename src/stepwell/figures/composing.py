@@ -146,9 +146,7 @@ def compose(
         ValueError: no panel or too many, a width or height that they cannot have, other letters.
     """
     titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
-    count = sum(1 if callable(one) else len(one) for one in given)
-    if not 0 < count <= MOST_PANELS:
-        raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
+    count = _count(given)
     if letters not in LETTERS:
         raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
     panel = sheet.Panel(lettered=count > 1 and letters != "none")
@@ -171,6 +169,13 @@ def compose(
     if legend:
         legends.below(figure, legend, len(legend))
     return figure
+
+
+def _count(panels: Sequence[sheet.Draw | Sequence[sheet.Draw]]) -> int:
+    count = sum(1 if callable(one) else len(one) for one in panels)
+    if not 0 < count <= MOST_PANELS:
+        raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
+    return count
 
 
 def _draw_row(
@@ -209,8 +214,7 @@ def _rows(
     each = (width - _BETWEEN * (most - 1)) / most
     found: list[list[sheet.Draw]] = []
     free = 0
-    for draw in panels:
-        assert callable(draw)
+    for draw in filter(callable, panels):
         alone = columns is None and not _may_share(draw, each, panel)
         if alone or not free:
             found.append([])

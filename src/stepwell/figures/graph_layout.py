@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
@@ -319,16 +320,11 @@ class Layout:
         self._cells, last = cells, reduced.last
         self._lines = self._count_lines(last)
         shown, self._column = reduced.shown, reduced.levels
-        column = self._column
-        # All but those between two columns need a place of their own.
-        whole = [label for label in shown if column[label] % 1 == 0]
-        if size is not None:
-            whole = ["".join(digits) for digits in product("01", repeat=cells)]
-            column = {label: label.count("1") for label in whole} | dict(column)
+        whole, column = self._whole(shown, full=size is not None)
         # A smooth way is better short than a snap.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
         y = heights(column, whole, joined, stay=size is not None)
-        most = max(list(column.values()).count(k) for k in range(last + 1))
+        most = max(Counter(column.values())[k] for k in range(last + 1))
         tallest = max(2 * self.half(label)[1] for label in shown)
         pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
         if high is not None:
@@ -341,6 +337,17 @@ class Layout:
         }
         for k in range(last):
             self._spread([label for label in shown if column[label] == k + 0.5])
+
+    def _whole(self, shown: Sequence[str], *, full: bool) -> tuple[list[str], Mapping[str, float]]:
+        """Labels that need a place of their own, and the column of every label.
+
+        The former are all but those between two columns; on a sheet of a given size those of every
+        graph of as many cells of two phases, shown or not.
+        """
+        if not full:
+            return [label for label in shown if self._column[label] % 1 == 0], self._column
+        whole = ["".join(digits) for digits in product("01", repeat=self._cells)]
+        return whole, {label: label.count("1") for label in whole} | dict(self._column)
 
     def _count_lines(self, last: int) -> int:
         """In how many lines a name is written, so that boxes leave room between columns."""

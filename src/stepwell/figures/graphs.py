@@ -159,43 +159,48 @@ class _Drawing:
             ax.plot(*curve[len(curve) // 4], "o", **look, zorder=level + 0.6)
 
     def _draw_node(self, ax: Axes, label: str) -> None:
-        (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
+        x, y = self.layout.at[label]
         known = label in self.reachable
         if "-" in label and not self.layout.named:
             colour = style.INK if known else style.FAINT
             ax.plot(x, y, "o", markersize=2 * DOT / 25.4 * 72, color=colour, zorder=8, gid="half")
             return
-        ends = (self.strokes[0][0], self.strokes[-1][-1]) if self.strokes else ()
-        garden, bold = label in self.gardens, label in self.in_loop
-        if "-" not in label:
-            shape = "square,pad=0" if garden else "round,pad=0,rounding_size=1.2"
-            ax.add_patch(
-                FancyBboxPatch(
-                    (x - half, y - high),
-                    2 * half,
-                    2 * high,
-                    boxstyle=shape,
-                    facecolor=style.YELLOW if label in ends else _FILL if known else "white",
-                    edgecolor=style.ORANGE if garden else style.INK if known else style.FAINT,
-                    linewidth=1.3 if bold or garden else 0.7,
-                    linestyle="-" if known else _ASIDE,
-                    zorder=8,
-                    gid="garden" if garden else "state" if known else "unreachable",
-                )
-            )
+        name, boxed = self.layout.name(label), "-" not in label
+        if boxed:
+            self._draw_box(ax, label)
         text = ax.text(
             x,
             y,
-            self.layout.name(label),
+            name,
             ha="center",
-            va="center_baseline" if "\n" not in self.layout.name(label) else "center",
+            va="center_baseline" if "\n" not in name else "center",
             linespacing=1.05,
-            fontweight="bold" if bold and "-" not in label else "normal",
-            color=style.INK if known and "-" not in label else _GREY,
+            fontweight="bold" if boxed and label in self.in_loop else "normal",
+            color=style.INK if boxed and known else _GREY,
             zorder=9,
         )
-        if "-" in label:
+        if not boxed:
             text.set_bbox(style.on_white())
+
+    def _draw_box(self, ax: Axes, label: str) -> None:
+        (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
+        known, garden = label in self.reachable, label in self.gardens
+        ends = (self.strokes[0][0], self.strokes[-1][-1]) if self.strokes else ()
+        shape = "square,pad=0" if garden else "round,pad=0,rounding_size=1.2"
+        ax.add_patch(
+            FancyBboxPatch(
+                (x - half, y - high),
+                2 * half,
+                2 * high,
+                boxstyle=shape,
+                facecolor=style.YELLOW if label in ends else _FILL if known else "white",
+                edgecolor=style.ORANGE if garden else style.INK if known else style.FAINT,
+                linewidth=1.3 if garden or label in self.in_loop else 0.7,
+                linestyle="-" if known else _ASIDE,
+                zorder=8,
+                gid="garden" if garden else "state" if known else "unreachable",
+            )
+        )
 
     def _draw_turns(self, ax: Axes) -> None:
         """Numbers at the turning points of the program."""

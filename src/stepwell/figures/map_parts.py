@@ -109,7 +109,7 @@ class Key:
         width, height: of all rows [mm].
     """
 
-    def __init__(self, rows: list[Row], width: float):
+    def __init__(self, rows: Sequence[Row], width: float):
         most = int((width - _SAMPLE - 1.0) / _CHARACTER)
         self._rows = [(row, wrapped(row.text, most)) for row in rows]
         lines = sum(len(text) for _, text in self._rows)

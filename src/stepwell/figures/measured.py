@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
@@ -380,6 +381,20 @@ def calibration(result: Calibration) -> Figure:
     left = sheet.place(
         figure, 24.0, 11.0 + below, 52.0 if beside else page - 30.0, tall - 11.0 - head
     )
+    _draw_errors(left, result, geometries)
+    legends.above(left, columns=columns, columnspacing=1.0)
+    start = _RIGHT if beside else 12.0
+    bottom = 11.0 + (tall - 11.0 - head - side) / 2 if beside else 9.0
+    right = sheet.place(figure, start, bottom, side, side)
+    image = _draw_correlations(right, result, (1.15 if beside else 1.0) * side)
+    bar = sheet.place(figure, start + side + 3.0, bottom, 2.5, side)
+    figure.colorbar(image, cax=bar)
+    bar.set_ylabel("Correlation [1]")
+    return figure
+
+
+def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float, float]]) -> None:
+    """A row for every geometry: hollow marks for the fit, full ones for the prediction."""
     for n, (bands, pair) in enumerate(result.kinds):
         colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
         at = [
@@ -392,37 +407,29 @@ def calibration(result: Calibration) -> Figure:
         name = f"{'pairs' if pair else 'cells'}, {bands_words(bands)}"
         style = {"linestyle": "none", "marker": mark, "markersize": 4.0, "color": colour}
         fit, left_out = np.array(result.fit_error)[at], np.array(result.left_out_error)[at]
-        left.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)
-        left.plot(left_out, rows, label=f"{name}, left out", **style)
-    left.set_yticks(range(len(geometries)), [*map(mm_pair, geometries)])
-    left.set(xlabel="RMSE [$kr$]", ylabel="$d = q - p$ [mm]")
-    left.set_xlim(left=0.0)
-    left.grid(axis="y", color=FAINT, linewidth=0.3)
-    left.invert_yaxis()
-    legends.above(left, columns=columns, columnspacing=1.0)
+        ax.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)
+        ax.plot(left_out, rows, label=f"{name}, left out", **style)
+    ax.set_yticks(range(len(geometries)), [*map(mm_pair, geometries)])
+    ax.set(xlabel="RMSE [$kr$]", ylabel="$d = q - p$ [mm]")
+    ax.set_xlim(left=0.0)
+    ax.grid(axis="y", color=FAINT, linewidth=0.3)
+    ax.invert_yaxis()
 
+
+def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesImage:
+    """A square of colours with the values below the diagonal; `letters` is shared by a row's."""
     names = [_symbol(p.name) for p in result.parameters]
-    start = _RIGHT if beside else 12.0
-    bottom = 11.0 + (tall - 11.0 - head - side) / 2 if beside else 9.0
-    right = sheet.place(figure, start, bottom, side, side)
-    image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
+    image = ax.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
+    look = {"ha": "center", "va": "center", "fontsize": min(7.0, letters / len(names))}
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
-            dark = abs(value) > 0.6
-            look: dict[str, Any] = {
-                "ha": "center",
-                "va": "center",
-                "color": "white" if dark else INK,
-            }
-            size = min(7.0, (1.15 if beside else 1.0) * side / len(names))
-            right.text(j, i, _hundredths(float(value)), fontsize=size, **look, gid="correlation")
-    right.set_xticks(range(len(names)), names)
-    right.set_yticks(range(len(names)), names)
-    right.tick_params(length=0)
-    bar = sheet.place(figure, start + side + 3.0, bottom, 2.5, side)
-    figure.colorbar(image, cax=bar)
-    bar.set_ylabel("Correlation [1]")
-    return figure
+            colour = "white" if abs(value) > 0.6 else INK
+            text = _hundredths(float(value))
+            ax.text(j, i, text, color=colour, gid="correlation", **look)
+    ax.set_xticks(range(len(names)), names)
+    ax.set_yticks(range(len(names)), names)
+    ax.tick_params(length=0)
+    return image
 
 
 def _hundredths(value: float) -> str:

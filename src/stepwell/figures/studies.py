@@ -93,8 +93,8 @@ def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
         sign = "" if abs(one.trend) < 0.1 else " +" if one.trend > 0 else " -"
         colour = "white" if one.share > _DARK else style.INK
         percent = f"{100 * one.share:.0f} %" if one.share >= 0.005 else "< 1 %"
-        look = {"ha": "center", "va": "center_baseline", "color": colour, "gid": "share"}
-        ax.text(x, y, minus(percent + sign), **look)
+        look: dict[str, Any] = {"ha": "center", "va": "center_baseline", "gid": "share"}
+        ax.text(x, y, minus(percent + sign), color=colour, **look)
     edge = {"edgecolor": "white", "linewidth": 1.5, "zorder": 0}
     ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1.0, 1.0, facecolor=face, **edge))
 
@@ -156,7 +156,8 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         ax = sheet.place(figure, left, bottom, wide, _TALL)
         own = colours.get(one.name, {})
         if len(varied) == 2:
-            _plane(ax, *varied.values(), one, own)
+            x, y = varied.values()
+            _plane(ax, x, y, one, own)
         else:
             by = varied[deciding.get(name, next(iter(study.varied)))]
             _over(ax, by, one, own)

@@ -342,14 +342,7 @@ def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None)
 def _curves(
     cells: Sequence[Cell | Element], curve: Curve, ax: Axes | None, label: str, *, ends: bool
 ) -> Figure:
-    if not cells:
-        raise InputError("cells is empty: give one cell or more.")
-    levers = [cell for cell in cells if isinstance(cell, Cell)]
-    if len(levers) < len(cells):
-        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
-        raise InputError(
-            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
-        )
+    levers = _with_levers(cells)
     # Names beside each other where there is room, the marks in a row of their own.
     columns = 2 if page_width(style.COLUMN) >= _TWO else 1
     rows = math.ceil(len(levers) / columns)
@@ -360,19 +353,48 @@ def _curves(
     for cell, (colour, dashes) in zip(levers, looks, strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
         ax.plot(np.degrees(theta), curve(cell, theta), color=colour, linestyle=dashes)
-        shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
-        if abs(cell.peak_angle) < cell.limit:
-            shown.append((cell.peak_angle, _PEAK))
-        for angle, mark in shown:
-            at = np.array([angle])
-            look = _look(mark, colour) | {"clip_on": False, "gid": _GIDS[mark]}
-            ax.plot(np.degrees(at), curve(cell, at), mark, zorder=4, **look)
+        _mark(ax, cell, curve, colour, ends=ends)
     if ends:
         marks.zero_line(ax)
     ax.set(xlabel="Lever angle $\\theta$ [°]", ylabel=label)
     widest = math.degrees(max(cell.limit for cell in levers))
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
+    handles = [
+        legends.line(name, colour, linestyle=dashes)
+        for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
+    ]
+    legends.above(ax, handles, columns, lift=_explain_marks(ax, ends=ends), handlelength=2.6)
+    if own:
+        keep_inside(ax)
+    return figure
+
+
+def _with_levers(cells: Sequence[Cell | Element]) -> list[Cell]:
+    if not cells:
+        raise InputError("cells is empty: give one cell or more.")
+    levers = [cell for cell in cells if isinstance(cell, Cell)]
+    if len(levers) < len(cells):
+        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
+        raise InputError(
+            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
+        )
+    return levers
+
+
+def _mark(ax: Axes, cell: Cell, curve: Curve, colour: str, *, ends: bool) -> None:
+    """Mark the peak of a curve between the stops, and its two ends."""
+    shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
+    if abs(cell.peak_angle) < cell.limit:
+        shown.append((cell.peak_angle, _PEAK))
+    for angle, mark in shown:
+        at = np.array([angle])
+        look = _look(mark, colour) | {"clip_on": False, "gid": _GIDS[mark]}
+        ax.plot(np.degrees(at), curve(cell, at), mark, zorder=4, **look)
+
+
+def _explain_marks(ax: Axes, *, ends: bool) -> float:
+    """Add the legend of the marks; the room that it takes above the axes [mm]."""
     words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
     legends.above(
         ax,
@@ -387,15 +409,7 @@ def _curves(
     ax.add_artist(lower)
     # In mm, for the axes may have to make room for more rows.
     high = lower.get_window_extent().y1 - ax.get_window_extent().y1
-    over = 25.4 * high / sheet_of(ax).dpi + _BETWEEN
-    handles = [
-        legends.line(name, colour, linestyle=dashes)
-        for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
-    ]
-    legends.above(ax, handles, columns, lift=over, handlelength=2.6)
-    if own:
-        keep_inside(ax)
-    return figure
+    return 25.4 * high / sheet_of(ax).dpi + _BETWEEN
 
 
 def _look(mark: str, colour: str) -> dict[str, Any]:

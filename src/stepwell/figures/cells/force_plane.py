@@ -136,15 +136,10 @@ def force_plane(
     if gap is not None:
         _draw_gap(ax, gap, forces)
     ax.autoscale(False)
-    names = [switch.name for switch in switches]
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud, colours)
-        _frame_order(strip_ax, ax, half, orders[half], names, colours)
-    # In the colour of their dots and clouds, so that every outline has its owner.
-    named = zip(forces.tolist(), names, colours, strict=True)
-    labels = [Label(x, y, literal(name), colour) for (x, y), name, colour in named]
-    for text in beside(ax, labels, leaders=True):
-        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
+        _frame_order(strip_ax, ax, half, orders[half], switches)
+    _name_cells(ax, forces, switches)
     middle = {"ha": "center", "va": "center"}
     sheet.text_at(
         figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle
@@ -234,6 +229,14 @@ def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
         limit(min(low, middle - room), max(high, middle + room))
 
 
+def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
+    # In the colour of their dots and clouds, so that every outline has its owner.
+    named = zip(forces.tolist(), switches, strict=True)
+    labels = [Label(x, y, literal(one.name), one.colour) for (x, y), one in named]
+    for text in beside(ax, labels, leaders=True):
+        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
+
+
 def _draw_gap(ax: Axes, gap: _Gap, forces: Floats) -> None:
     """The narrowest step as a band across the plane."""
     band = ax.axvspan if gap.side == 0 else ax.axhspan
@@ -289,12 +292,11 @@ def _frame_order(
     main: Axes,
     side: int,
     order: Sequence[int],
-    names: Sequence[str],
-    colours: Sequence[str],
+    switches: Sequence[_Switch],
 ) -> None:
     """Ticks with the names of the rows; the forces are those of the plane."""
-    words = [literal(shortened(name, _NAME)) for name in names]
-    ends, in_order = (len(order) - 0.4, -0.6), [words[i] for i in order]
+    ends = len(order) - 0.4, -0.6
+    in_order = [literal(shortened(switches[i].name, _NAME)) for i in order]
     if side == 0:
         ax.set_ylim(ends)
         ax.set_xticks(main.get_xticks(), [])
@@ -310,7 +312,7 @@ def _frame_order(
         labels = ax.get_xticklabels()
     ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
     for label, cell in zip(labels, order, strict=True):
-        label.set(color=colours[cell], fontweight="bold")
+        label.set(color=switches[cell].colour, fontweight="bold")
 
 
 def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None, sign: str) -> list[Artist]:

@@ -158,17 +158,15 @@ class LinkageDrawing:
         room = 2 * self.reach + 0.25 * lever
         halves = [c.full_travel / 2 if isinstance(c, Cell) else 0.0 for c in chain.cells]
         # Nothing can come near a block beside an element.
-        self.spans = [a + b + (room if a and b else 0.0) for a, b in pairwise(halves)]
-        self.owner = np.array(
-            [i for i, cell in enumerate(chain.cells) if isinstance(cell, Cell) for _ in cell.bands],
-            int,
+        self.spans = [a + b + room * bool(a and b) for a, b in pairwise(halves)]
+        self.owner = np.repeat(
+            range(len(chain)), [len(c.bands) if isinstance(c, Cell) else 0 for c in chain.cells]
         )
         # The side of a symbol, and the shortest rods at it.
         self.box, self.rod = 1.5 * lever, 0.3 * lever
-        columns = zip(*reached, strict=True) if len(reached) else ((),) * len(chain)
         self.symbols = {
-            i: Symbol(cell, column)
-            for i, (cell, column) in enumerate(zip(chain.cells, columns, strict=True))
+            i: Symbol(cell, [travels[i] for travels in reached])
+            for i, cell in enumerate(chain.cells)
             if isinstance(cell, Element)
         }
 

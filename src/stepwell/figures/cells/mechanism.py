@@ -95,13 +95,7 @@ def arrange(
 ) -> Sheet:
     """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)
-    if len(chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
-            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
-        )
-    if not 0 < len(wanted) <= MOST_STATES:
-        raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
+    _refuse_many(chain, wanted)
     places = [_place(chain, state) for state in wanted]
     travels = [tuple(travel for travel, _ in place) for place in places]
     linkage = LinkageDrawing(chain, travels)
@@ -110,9 +104,7 @@ def arrange(
     left = min(left, -1.7 * linkage.reach)
     wide, high = (right - left) * style.MM, (top - bottom) * style.MM
 
-    strokes = [math.fsum(travel) for travel in travels]
-    ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
-
+    ways = _ways(travels)
     page = page_width(style.PAGE)
     # Cells, what a band's width means, and one that is slack.
     key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
@@ -157,6 +149,22 @@ def arrange(
         page,
         height,
     )
+
+
+def _refuse_many(chain: Chain, states: Sequence[State]) -> None:
+    if len(chain) > MOST_CELLS:
+        raise InputError(
+            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
+            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
+        )
+    if not 0 < len(states) <= MOST_STATES:
+        raise InputError(f"states has {len(states)} entries: must be 1 to {MOST_STATES}.")
+
+
+def _ways(travels: Sequence[Sequence[float]]) -> list[int]:
+    """Of every state but the first, whether the stroke grows to it, 1, or falls, -1."""
+    strokes = [math.fsum(travel) for travel in travels]
+    return [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:

@@ -43,9 +43,9 @@ def prediction(prediction: Prediction) -> Figure:
         the largest drag [N] beside the floor's; for each antenna that flips a leg the
         displacement of its anchor [mm], with the range it may lie in.
     """
-    pushes = [(leg, push) for leg in prediction.legs for push in leg.pushes]
+    pushes = sum(len(leg.pushes) for leg in prediction.legs)
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
-    panels += [(_drags, len(pushes))] if pushes else []
+    panels += [(_drags, pushes)] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
     page, narrow = sheet.page_width(style.PAGE), _is_narrow()
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
@@ -55,14 +55,7 @@ def prediction(prediction: Prediction) -> Figure:
     rows_of = [rows + 0.8 * narrow for _, rows in panels]
     height = top + sum(head + row * rows + _FOOT for rows in rows_of)
     figure = sheet.blank(page, height)
-    # Nothing is ever minus zero.
-    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
-    says = (
-        f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
-        f"turn {turn:.1f}° per cycle"
-    )
-    says = says.replace(", $d", ",\n$d") if narrow else says
-    words = "\n".join([*title, minus(says)])
+    words = "\n".join([*title, _result(prediction, ",\n" if narrow else ", ")])
     sheet.text_at(
         figure, 2.0 + sheet.indent(), height - 1.5, words, va="top", fontsize=8, weight="bold"
     )
@@ -78,9 +71,13 @@ def prediction(prediction: Prediction) -> Figure:
         bottom -= _FOOT
     shown = [text for ax in figure.axes for text in ax.texts]
     doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
-    if narrow:
-        return figure
-    # One width of names for all, so that the panels stand in line.
+    if not narrow:
+        _align(figure, page)
+    return figure
+
+
+def _align(figure: Figure, page: float) -> None:
+    """Give the names of all panels one width, so that their axes stand in line."""
     dpi = figure.dpi / 25.4
     boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
     names = max(box.width / dpi for box in boxes if box is not None)
@@ -88,7 +85,15 @@ def prediction(prediction: Prediction) -> Figure:
         at = ax.get_position()
         left = (2.0 + names) / page
         ax.set_position((left, at.y0, at.x1 - left, at.height))
-    return figure
+
+
+def _result(prediction: Prediction, after_motion: str) -> str:
+    # Nothing is ever minus zero.
+    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
+    return minus(
+        f"predicted: {prediction.motion.value}{after_motion}$d/u_\\mathrm{{max}}$ = {advance:.2f}, "
+        f"turn {turn:.1f}° per cycle"
+    )
 
 
 def _margins(ax: Axes, found: Prediction) -> None:
@@ -342,26 +347,35 @@ def axis_words(key: str) -> str:
     *path, last = key.split(".")
     name, *numbers = last.replace("]", "").split("[")
     unit = _UNIT.search(name)
-    word = name[: unit.start()] if unit else name
-    if numbers:
-        # The last number is a component, one before it counts.
-        count = [str(int(n) + 1) for n in numbers[:-1]]
-        axis = "xyz"[int(numbers[-1])]
-        words = f"${word}_{axis}$" if word in _SYMBOLS else " ".join([word, *count, f"${axis}$"])
-    else:
-        words = f"${word}$" if word in _SYMBOLS else _WORDS.get(word, word)
-    owners: list[str] = []
-    tables = iter(path)
-    for table in tables:
-        one = next(tables, "") if table in _NAMED else ""
-        kind = "" if table == "cell" and one != "*" else table
-        if table not in _UNNAMED:
-            owners.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
+    words = _quantity(name[: unit.start()] if unit else name, [int(n) for n in numbers])
+    owners = _owners(path)
     said = words if "$" in words else literal(words.replace("_", " "))
     said += (" of " if owners else "") + ", ".join(reversed(owners))
     sign = Quantity("", unit[1].replace("_per_", "/").replace("_", " ")).sign if unit else ""
     told = said if said.startswith("$") else said[0].upper() + said[1:]
     return told + (f" [{sign.replace('s2', 's²')}]" if sign else "")
+
+
+def _quantity(word: str, numbers: Sequence[int]) -> str:
+    """The last number is a component, one before it counts."""
+    if not numbers:
+        return f"${word}$" if word in _SYMBOLS else _WORDS.get(word, word)
+    *count, axis = numbers
+    if word in _SYMBOLS:
+        return f"${word}_{'xyz'[axis]}$"
+    return " ".join([word, *(str(n + 1) for n in count), f"${'xyz'[axis]}$"])
+
+
+def _owners(path: Sequence[str]) -> list[str]:
+    """The tables of a design file that a key is in, as text, the outermost first."""
+    found: list[str] = []
+    tables = iter(path)
+    for table in tables:
+        one = next(tables, "") if table in _NAMED else ""
+        kind = "" if table == "cell" and one != "*" else table
+        if table not in _UNNAMED:
+            found.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
+    return found
 
 
 def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None:

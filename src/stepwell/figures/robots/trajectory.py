@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
@@ -78,8 +78,6 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     """
     if not walks:
         raise InputError("walks is empty: give one walk or more, by name.")
-    for walk in walks.values():
-        refuse_empty(walk)
     boxes = [_extent(walk) for walk in walks.values()]
     widest = max(box[1] - box[0] for box in boxes)
     page = sheet.page_width(style.PAGE)
@@ -97,7 +95,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     key = _KEY + _ROW * (keys - 1)
     height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
     figure = sheet.blank(page, height)
-    rows: list[tuple[Axes, Axes, Axes]] = []
+    bars: list[tuple[Axes, Axes]] = []
     bottom = height - key
     shown = zip(walks.values(), names, named, boxes, tall, strict=True)
     for walk, lines, above, box, high in shown:
@@ -110,18 +108,26 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         moved = sheet.place(figure, left, under, bar, low)
         turned = sheet.place(figure, left + bar + _GAP, under, bar - 3.0, low)
         _bars(moved, turned, walk, bar)
-        rows.append((path, moved, turned))
-        for k, line in enumerate(reversed(lines)):
-            sheet.text_at(
-                figure, _LEFT, bottom + high + 1.8 + _LINE * k, literal(line), weight="bold"
-            )
+        bars.append((moved, turned))
+        _write(figure, bottom + high + 1.8, lines)
         bottom -= _BELOW + lower
-    for column in (1, 2):
-        most = max(row[column].get_ylim()[1] for row in rows)
-        for row in rows:
-            row[column].set_ylim(-most, most)
+    for column in zip(*bars, strict=True):
+        _share_limits(column)
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
+
+
+def _write(figure: Figure, bottom: float, lines: Sequence[str]) -> None:
+    """Lines of text in bold, the last one at this height [mm]."""
+    for k, line in enumerate(reversed(lines)):
+        sheet.text_at(figure, _LEFT, bottom + _LINE * k, literal(line), weight="bold")
+
+
+def _share_limits(panels: Sequence[Axes]) -> None:
+    """Give panels one vertical scale, symmetric around zero."""
+    most = max(ax.get_ylim()[1] for ax in panels)
+    for ax in panels:
+        ax.set_ylim(-most, most)
 
 
 def _name(name: str, walk: Walk, room: float) -> list[str]:
@@ -147,6 +153,7 @@ def _outline(walk: Walk, sample: int) -> list[Floats]:
 
 
 def _extent(walk: Walk) -> tuple[float, float, float, float]:
+    refuse_empty(walk)
     ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
     points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * style.MM])
     return limits(points, (0.0, 0.0, 0.0, 0.0))
