@@ -232,26 +232,58 @@ class Scaled:
     standing: str
 
 
+@dataclass(frozen=True, eq=False)
+class Allowed:
+    """What a chain of elements may be made of.
+
+    Attributes:
+        elements: those that can be had, each as often as it is needed.
+        force_scale, travel_scale: least and largest of each, times the element's own.
+        most_force: no switching force is larger [N].
+        tolerances: how far what is built may be from the drawing.
+    """
+
+    elements: Sequence[Element]
+    force_scale: Range
+    travel_scale: Range
+    most_force: float
+    tolerances: Tolerances
+
+    def __post_init__(self):
+        for i, one in enumerate(self.elements):
+            if not isinstance(one, Element):
+                raise InputError(f"elements[{i}] = {one!r}: must be an Element.")
+        Chain(self.elements)  # of one measure
+        for name in ("force_scale", "travel_scale"):
+            between: Range = getattr(self, name)
+            low, high = between
+            if not 0 < low <= high < math.inf:
+                raise InputError(
+                    f"{name} = {between!r}: must be (least, largest), both > 0 and finite, such as "
+                    f"(0.5, 2.0); (1.0, 1.0) leaves it as it is."
+                )
+        if not isinstance(self.tolerances, Tolerances):
+            raise InputError(
+                f"tolerances = {self.tolerances!r}: must be Tolerances(stiffness=0.05, ...)."
+            )
+        if not self.most_force > 0:
+            raise InputError(f"most_force = {self.most_force}: must be > 0.")
+
+    def scales(self, shapes: Sequence[int], orders: Ints) -> Scales | None:
+        """The scales that these elements may have with their switching forces in these orders."""
+        made = [self.elements[k] for k in shapes]
+        return Scales.of(made, orders, self.force_scale, self.most_force)
+
+
 def scaled(
-    goal: Goal,
-    elements: Sequence[Element],
-    force_scale: Range,
-    travel_scale: Range,
-    most_force: float,
-    actuator_stiffness: float,
-    tolerances: Tolerances,
-    seed: int,
-    progress: Progress | None,
+    goal: Goal, allowed: Allowed, actuator_stiffness: float, seed: int, progress: Progress | None
 ) -> Scaled:
     """The elements, their order along the chain and their scales that do what is wanted.
 
     Args:
         goal: what is wanted.
-        elements: those that can be had, each as often as it is needed.
-        force_scale, travel_scale: least and largest of each, times the element's own.
-        most_force: no switching force is larger [N].
+        allowed: elements and scales.
         actuator_stiffness: K [N/m].
-        tolerances: how far what is built may be from the drawing.
         seed: of what is random.
         progress: called with (done, total).
 
@@ -259,32 +291,17 @@ def scaled(
         Impossible: there is none, with the proof; or, and it says so, none was found.
         ValueError: no element has the phases that are wanted.
     """
-    sets = _fitting(goal, elements)
-    relays = actuator_stiffness == 0 and all(map(is_relay, elements))
+    sets = _fitting(goal, allowed.elements)
+    relays = actuator_stiffness == 0 and all(map(is_relay, allowed.elements))
     if not goal.orders:
         raise Impossible(goal.text, goal.why, proved=goal.never or relays)
     rng = np.random.default_rng(seed)
     count = math.prod(map(len, sets))
     whole = count <= _MOST_CHOICES
     choices = list(product(*sets) if whole else _some(sets, rng))
-    found: list[_Choice] = []
-    closest = -math.inf
-    total = len(goal.orders) * len(choices)
-    for done, (orders, shapes) in enumerate(product(goal.orders, choices)):
-        if progress is not None:
-            progress(done, total)
-        program = Scales.of([elements[k] for k in shapes], orders, force_scale, most_force)
-        gap = -math.inf if program is None else program.largest_gap
-        closest = max(closest, gap)
-        if program is None or not gap > LEAST:
-            continue
-        best = found[0].share if found and relays else 0.0
-        scales, share = program.surest(best)
-        if scales is not None:
-            found.append(_Choice(shapes, scales, share))
-            found.sort(key=lambda one: -one.share)
+    found, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
     for one in found[: 1 if relays else _ASKED]:
-        chain = _chain(goal, elements, one, actuator_stiffness)
+        chain = _chain(goal, allowed.elements, one, actuator_stiffness)
         if goal.done_by(chain):
             return Scaled(
                 chain,
@@ -298,12 +315,40 @@ def scaled(
             )
     proved = relays and whole and goal.complete and not found
     if not relays:
-        other = _at_random(
-            goal, elements, sets, force_scale, travel_scale, actuator_stiffness, tolerances, rng
-        )
+        other = _at_random(goal, allowed, sets, actuator_stiffness, rng)
         if other is not None:
             return other
-    raise _impossible(goal, elements, sets, force_scale, most_force, closest, proved, len(choices))
+    raise _impossible(goal, allowed, sets, closest, proved, len(choices))
+
+
+def _programmed(
+    goal: Goal,
+    allowed: Allowed,
+    choices: Sequence[tuple[int, ...]],
+    progress: Progress | None,
+    *,
+    best_only: bool,
+) -> tuple[list[_Choice], float]:
+    """Choices with scales by linear programming, the best first, and the largest smallest gap.
+
+    With `best_only`, choices that are worse than one found before may be left out.
+    """
+    found: list[_Choice] = []
+    closest = -math.inf
+    total = len(goal.orders) * len(choices)
+    for done, (orders, shapes) in enumerate(product(goal.orders, choices)):
+        if progress is not None:
+            progress(done, total)
+        program = allowed.scales(shapes, orders)
+        gap = -math.inf if program is None else program.largest_gap
+        closest = max(closest, gap)
+        if program is None or not gap > LEAST:
+            continue
+        scales, share = program.surest(found[0].share if found and best_only else 0.0)
+        if scales is not None:
+            found.append(_Choice(shapes, scales, share))
+            found.sort(key=lambda one: -one.share)
+    return found, closest
 
 
 def _fitting(goal: Goal, elements: Sequence[Element]) -> list[list[int]]:
@@ -347,12 +392,9 @@ def _named(goal: Goal, cells: Sequence[Element], stiffness: float) -> Chain:
 
 def _at_random(
     goal: Goal,
-    elements: Sequence[Element],
+    allowed: Allowed,
     sets: list[list[int]],
-    force_scale: Range,
-    travel_scale: Range,
     stiffness: float,
-    tolerances: Tolerances,
     rng: np.random.Generator,
 ) -> Scaled | None:
     """The surest of some random choices that do it by the engine; None where none does."""
@@ -363,10 +405,10 @@ def _at_random(
         looked_at += 1
         cells: list[Element] = []
         for fitting in sets:
-            one = elements[int(rng.choice(fitting))]
+            one = allowed.elements[int(rng.choice(fitting))]
             force, travel = (
                 float(np.exp(rng.uniform(*np.log(between))))
-                for between in (force_scale, travel_scale)
+                for between in (allowed.force_scale, allowed.travel_scale)
             )
             scales = one.force_scale * force, one.travel_scale * travel
             cells.append(replace(one, force_scale=scales[0], travel_scale=scales[1]))
@@ -380,7 +422,7 @@ def _at_random(
     wanted = goal.cycle or sorted(goal.states or ())
 
     def share(chain: Chain) -> float:
-        return yields(chain, tolerances, n=_MADE, wanted=wanted).share
+        return yields(chain, allowed.tolerances, n=_MADE, wanted=wanted).share
 
     return Scaled(
         max(done, key=share),
@@ -394,16 +436,15 @@ def _at_random(
 
 def _impossible(
     goal: Goal,
-    elements: Sequence[Element],
+    allowed: Allowed,
     sets: list[list[int]],
-    scale: Range,
-    most_force: float,
     closest: float,
     proved: bool,
     choices: int,
 ) -> Impossible:
     """Why no choice of elements and scales does it."""
-    pair = _clash(goal, elements, sets, scale, most_force)
+    elements, scale = allowed.elements, allowed.force_scale
+    pair = _clash(goal, allowed, sets)
     if pair is not None:
         a, b = pair
         why = (
@@ -440,27 +481,18 @@ def _impossible(
     )
 
 
-def _clash(
-    goal: Goal,
-    elements: Sequence[Element],
-    sets: list[list[int]],
-    scale: Range,
-    most_force: float,
-) -> tuple[int, int] | None:
+def _clash(goal: Goal, allowed: Allowed, sets: list[list[int]]) -> tuple[int, int] | None:
     """Two cells that cannot both have their places, whatever the others do; None where none."""
     if len(goal.orders) != 1:
         return None
     (only,) = goal.orders
     switches = Switches.of(goal.last)
     for a, b in combinations(range(len(sets)), 2):
-        # The switches of these two alone, numbered anew.
+        # The switches of these two alone, numbered from 0.
         kept = [t for t in range(len(switches)) if switches.cell[t] in (a, b)]
         wanted: list[list[int]] = only.tolist()
         orders = np.array([[kept.index(t) for t in row if t in kept] for row in wanted])
-        programs = (
-            Scales.of([elements[i], elements[j]], orders, scale, most_force)
-            for i, j in product(sets[a], sets[b])
-        )
+        programs = (allowed.scales(pair, orders) for pair in product(sets[a], sets[b]))
         if not any(one is not None and one.largest_gap > LEAST for one in programs):
             return a, b
     return None

@@ -15,7 +15,7 @@ from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
 from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.elements import Goal, Range, Scaled, scaled
+from stepwell.design.synthesis.elements import Allowed, Goal, Range, Scaled, scaled
 from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_LEVER,
@@ -129,45 +129,34 @@ def design(
     if elements:
         if within is not None or holes is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
-        _refuse_elements(elements, force_scale, travel_scale, tolerances, most_force, n)
+        allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
+        _refuse_count(n)
         goal = goal_of(sequence, states, cells)
-        ranges = force_scale, travel_scale
-        limits = most_force, actuator_stiffness
-        made = scaled(goal, elements, *ranges, *limits, tolerances, seed, progress)
-        return _of_elements(goal, made, elements, force_scale, tolerances, n, seed)
+        made = scaled(goal, allowed, actuator_stiffness, seed, progress)
+        return _of_elements(goal, made, allowed, n, seed)
     levers = [float(r) for r in np.atleast_1d(lever)]
-    _refuse(p, q, free, bands, levers, limit, tolerances, objective, most_force, n)
+    _refuse_anchors(p, q, free)
+    _refuse_sizes(bands, levers, limit)
+    _refuse_aims(tolerances, objective, bands, most_force)
+    _refuse_count(n)
     if within is None:
         within = usual_box(max(levers), free)
     fixed = q if free == "p" else p
     target, regions = _wanted(sequence, states, cells, within)
+    rule = Rule(
+        (float(fixed[0]), float(fixed[1])),
+        tuple(Kind(band, r, float(limit), unusual) for r in levers for band in bands),
+        tolerances,
+        float(most_force),
+        objective == "worst",
+        _round(regions),
+        free=free,
+    )
     if not unusual:
-        _refuse_slips(
-            fixed,
-            "q" if free == "p" else "p",
-            bands,
-            levers,
-            float(limit),
-            tolerances,
-            _round(regions),
-            holes,
-        )
-    sets = [[(band, r) for band in bands] for r in levers]
+        _refuse_slips(rule, holes)
     mixed = not equal_levers and len(levers) > 1
-    if mixed:
-        sets.insert(0, [kind for kinds in sets for kind in kinds])
-    rules = [
-        Rule(
-            (float(fixed[0]), float(fixed[1])),
-            tuple(Kind(band, r, float(limit), unusual) for band, r in kinds),
-            tolerances,
-            float(most_force),
-            objective == "worst",
-            _round(regions),
-            free=free,
-        )
-        for kinds in sets
-    ]
+    each = (rule.kinds[k : k + len(bands)] for k in range(0, len(rule.kinds), len(bands)))
+    rules = [rule] * mixed + [replace(rule, kinds=kinds) for kinds in each]
     tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
     if placed.found is None and holes is not None:
@@ -183,9 +172,10 @@ def design(
         found, quick = None, False
     result = cycle(chain)
     counted = _counted(target, chain, tolerances, str(result.sequence))
-    made = (QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE) if n is None else n
+    if n is None:
+        n = QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE
     widest = _widest(found, chain, bands, tolerances)
-    share = yields(chain, widest, n=made, seed=seed, wanted=counted)
+    share = yields(chain, widest, n=n, seed=seed, wanted=counted)
     tries.end()
     return Design(
         chain,
@@ -200,27 +190,19 @@ def design(
     )
 
 
-def _of_elements(
-    goal: Goal,
-    made: Scaled,
-    elements: Sequence[Element],
-    force_scale: Range,
-    tolerances: Tolerances,
-    n: int | None,
-    seed: int,
-) -> Design:
+def _of_elements(goal: Goal, made: Scaled, allowed: Allowed, n: int | None, seed: int) -> Design:
     """A chain of elements that does it, as a design with its yield."""
     chain = made.chain
     result = cycle(chain)
     counted: str | list[str] = str(result.sequence)
-    if goal.states is not None and not unsearchable(chain, tolerances.friction):
+    if goal.states is not None and not unsearchable(chain, allowed.tolerances.friction):
         counted = sorted(goal.states)
-    ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in elements]
-    low, high = force_scale
+    ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in allowed.elements]
+    low, high = allowed.force_scale
     return Design(
         chain,
         result,
-        yields(chain, tolerances, n=n, seed=seed, wanted=counted),
+        yields(chain, allowed.tolerances, n=n, seed=seed, wanted=counted),
         # All forces of an element grow together: a line from the least to the largest.
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
         None,
@@ -292,29 +274,26 @@ def _not_searched(target: Target, share: Yield) -> str:
     return f"; the yield counts those that make the drawing's cycle, because {why}"
 
 
-def _refuse(
-    p: tuple[float, float],
-    q: tuple[float, float],
-    free: str,
-    bands: Sequence[Stock],
-    levers: Sequence[float],
-    limit: float,
-    tolerances: Tolerances,
-    objective: str,
-    most_force: float,
-    n: int | None,
-) -> None:
+def _refuse_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -> None:
     for name, place in (("p", p), ("q", q)):
         if len(place) != 2 or not all(math.isfinite(x) for x in place):
             raise InputError(f"{name} = {place!r}: must be two finite numbers (x, y) [m].")
     if free not in _FREE:
         raise InputError(f"free = {free!r}: must be one of {_FREE}.")
+
+
+def _refuse_sizes(bands: Sequence[Stock], levers: Sequence[float], limit: float) -> None:
     if not bands or not all(isinstance(band, Stock) for band in bands):
         raise InputError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
     if not levers or not all(0 < r < math.inf for r in levers):
         raise InputError(f"lever = {levers}: must be > 0 and finite [m].")
     if not 0 < limit < math.pi / 2:
         raise InputError(f"limit = {limit} rad: must be between 0 and π/2.")
+
+
+def _refuse_aims(
+    tolerances: Tolerances, objective: str, bands: Sequence[Stock], most_force: float
+) -> None:
     if not isinstance(tolerances, Tolerances):
         raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
     if objective not in _OBJECTIVES:
@@ -326,53 +305,23 @@ def _refuse(
         )
     if not most_force > 0:
         raise InputError(f"most_force = {most_force} N: must be > 0.")
+
+
+def _refuse_count(n: int | None) -> None:
     if n is not None and n < 1:
         raise InputError(f"n = {n}: must be 1 mechanism or more.")
 
 
-def _refuse_elements(
-    elements: Sequence[Element],
-    force_scale: Range,
-    travel_scale: Range,
-    tolerances: Tolerances,
-    most_force: float,
-    n: int | None,
-) -> None:
-    for i, one in enumerate(elements):
-        if not isinstance(one, Element):
-            raise InputError(f"elements[{i}] = {one!r}: must be an Element.")
-    Chain(elements)  # of one measure
-    for name, between in (("force_scale", force_scale), ("travel_scale", travel_scale)):
-        low, high = between
-        if not 0 < low <= high < math.inf:
-            raise InputError(
-                f"{name} = {between!r}: must be (least, largest), both > 0 and finite, such as "
-                f"(0.5, 2.0); (1.0, 1.0) leaves it as it is."
-            )
-    if not isinstance(tolerances, Tolerances):
-        raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(stiffness=0.05, ...).")
-    if not most_force > 0:
-        raise InputError(f"most_force = {most_force}: must be > 0.")
-    if n is not None and n < 1:
-        raise InputError(f"n = {n}: must be 1 mechanism or more.")
-
-
-def _refuse_slips(
-    fixed: tuple[float, float],
-    name: str,
-    bands: Sequence[Stock],
-    levers: Sequence[float],
-    limit: float,
-    tolerances: Tolerances,
-    around: Box,
-    holes: float | None,
-) -> None:
+def _refuse_slips(rule: Rule, holes: float | None) -> None:
     """Raise SlipError for sizes that are far off the largest lever."""
+    name, around = "q" if rule.free == "p" else "p", rule.looked_at
+    levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
+    bands = list(dict.fromkeys(kind.band for kind in rule.kinds))
     lever = max(levers)
     corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
     found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
     if not found:
-        found += sizes.length(name, (float(fixed[0]), float(fixed[1])), lever)
+        found += sizes.length(name, rule.fixed, lever)
         far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
         found += far or sizes.length("within", corner, lever)
         found += sizes.length("holes", holes or 0.0, lever)
@@ -383,7 +332,8 @@ def _refuse_slips(
     if found:
         raise SlipError(tuple(found), _WAY)
     strongest = max(band.stiffness for band in bands) * lever
-    refuse_slips(tolerances, 2.0 * lever * math.sin(limit), strongest, _WAY)
+    travel = 2.0 * lever * math.sin(rule.kinds[0].limit)
+    refuse_slips(rule.tolerances, travel, strongest, _WAY)
 
 
 def _round(regions: tuple[Region, ...]) -> Box:
