@@ -12,7 +12,7 @@ from chains import concave_chain
 from sizes import examples
 from stepwell.design import Change, Method, proved_margin
 from stepwell.design.margins.margin import number_change
-from stepwell.design.margins.nearest import nearest
+from stepwell.design.margins.nearest import Aim, nearest
 from stepwell.design.margins.search import Displacements
 from stepwell.design.parameters import of_cell
 
@@ -215,7 +215,7 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
     now = chain.cycle().sequence
     ways = Displacements.of(None, False, 0.020)
     for number in range(2):
-        found = nearest(chain, None, now, of_cell(chain, number, "q"), None, ways)
+        found = nearest(Aim(chain, now, of_cell(chain, number, "q"), None), None, ways)
         assert found.method == "search"
         assert exact.anchors[number] - 1e-9 <= found.distance
         assert found.distance <= exact.anchors[number] + 1.5e-7

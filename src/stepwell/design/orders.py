@@ -332,20 +332,22 @@ def _clash(below: Below) -> tuple[int, int] | None:
     n = len(below)
     free = [[i != j and not below[i][j] and not below[j][i] for j in range(n)] for i in range(n)]
     for a, b in combinations(range(n), 2):
-        if not free[a][b]:
-            continue
-        seen, waiting = {(a, b)}, [(a, b)]
-        while waiting:
-            i, j = waiting.pop()
-            follows = [(k, j) for k in range(n) if k != i and free[k][j] and not free[k][i]]
-            follows += [(i, k) for k in range(n) if k != j and free[i][k] and not free[j][k]]
-            for pair in follows:
-                if pair not in seen:
-                    seen.add(pair)
-                    waiting.append(pair)
-        if (b, a) in seen:
+        if free[a][b] and (b, a) in _following(free, a, b):
             return a, b
     return None
+
+
+def _following(free: Below, a: int, b: int) -> set[tuple[int, int]]:
+    """Pairs of cells that F0 has in this order if it has a before b."""
+    n = len(free)
+    seen, waiting = {(a, b)}, [(a, b)]
+    while waiting:
+        i, j = waiting.pop()
+        follows = [(k, j) for k in range(n) if k != i and free[k][j] and not free[k][i]]
+        follows += [(i, k) for k in range(n) if k != j and free[i][k] and not free[j][k]]
+        waiting += (fresh := set(follows) - seen)
+        seen |= fresh
+    return seen
 
 
 def _realisers(below: Below) -> Iterator[Orders]:

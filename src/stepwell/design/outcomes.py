@@ -68,6 +68,7 @@ def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap,
     Returns:
         How many runs there are.
     """
+    # One function: its arrays serve all designs, and a step by itself would return six of them.
     n = len(base)
     cells = base.copy()
     # Both fall in the order of motion: F0 and -F1 by cell.

@@ -116,16 +116,8 @@ class Parameter(ByValue):
             designs.cells[:, self.cell],
             designs.bands[:, first : first + len(cell.bands)],
         )
-        anchor, _, axis = self.part.partition(".")
-        if anchor in ANCHORS:
-            for column in range(2) if not axis else [_AXES.index(axis)]:
-                to = values if axis else values[:, column]
-                was = getattr(cell.bands[0], anchor)[column]
-                for k, band in enumerate(cell.bands):
-                    spot = getattr(band, anchor)[column]
-                    here = to if spot == was else spot + (to - was)
-                    p, q = (here if end == anchor else getattr(band, end)[column] for end in "pq")
-                    bands[:, k, column] = q - p
+        if self.part.partition(".")[0] in ANCHORS:
+            self._put_anchors(bands, cell.bands, values)
         elif self.part in ("stiffness", "rest_length"):
             column = 2 + (self.part == "rest_length")
             old = [float(getattr(band, self.part)) for band in cell.bands]
@@ -139,6 +131,18 @@ class Parameter(ByValue):
             cells[:, FRICTION if self.part == "friction" else LEVER] = values
         sine = cells[:, SIN_LIMIT]
         cells[:, FULL] = travel_of(sine, cells[:, LEVER], sine)
+
+    def _put_anchors(self, out: Floats, bands: tuple[Band, ...], values: Floats) -> None:
+        """Write q - p [m] of a cell's bands, out (m, bands, ...), by values of an anchor."""
+        anchor, _, axis = self.part.partition(".")
+        for column in range(2) if not axis else [_AXES.index(axis)]:
+            to = values if axis else values[:, column]
+            was = getattr(bands[0], anchor)[column]
+            for k, band in enumerate(bands):
+                spot = getattr(band, anchor)[column]
+                here = to if spot == was else spot + (to - was)
+                p, q = (here if end == anchor else getattr(band, end)[column] for end in "pq")
+                out[:, k, column] = q - p
 
     def displaced(self, chain: Chain, move: ArrayLike) -> Chain:
         """The chain with this anchor moved by (dx, dy) [m]."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import REACH, ByValue, Drawn, Floats, brief, to_unit
 from stepwell.concave import SortedChain
-from stepwell.design.margins.nearest import nearest, nearest_proved, sequence
+from stepwell.design.margins.nearest import Aim, nearest, nearest_proved, sequence
 from stepwell.design.margins.numbers import (
     RESOLUTION,
     RESOLUTION_OF_FRICTION,
@@ -196,7 +196,7 @@ def margin(
             progress(done, len(asked))
         if part == "anchor":
             anchor = Parameter(f"{cell + 1}.q", cell, "q")
-            found = nearest(chain, forces, now, anchor, None, ways)
+            found = nearest(Aim(chain, now, anchor, None), forces, ways)
             changes.append(Change(chain, cell, part, *found))
         else:
             changes.append(number_change(chain, forces, now, cell, part))

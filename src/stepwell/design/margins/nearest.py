@@ -107,14 +107,7 @@ def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float,
             x += frame[0, 1] * v
             y += frame[1, 1] * v
         radius = math.sqrt(n) * half
-        held, inside = True, True
-        for k in range(len(side)):
-            value, _, _ = end_force(cell, side[k], cell.dx + x, cell.dy + y)
-            lack = up[k] * (force[k] - value)
-            inside = inside and lack < 0.0
-            if lack > 0.0:
-                bound = steepest(cell, side[k], cell.dx + x, cell.dy + y, radius)
-                held = held and lack <= radius * bound
+        held, inside = _holds(cell, side, force, up, x, y, radius)
         if not held:
             continue
         away = math.sqrt(u * u + v * v)
@@ -129,14 +122,35 @@ def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float,
                     known = min(known, best)
                     out[:] = found
             continue
-        # Halves that lead away from here wait below those that lead towards it.
-        to_u, to_v = -math.copysign(0.5 * half, u), -math.copysign(0.5 * half, v)
-        for i in range(4 if n == 2 else 2):
-            boxes[waiting, 0] = u + (to_u if i % 2 else -to_u)
-            boxes[waiting, 1] = (v + (to_v if i > 1 else -to_v)) if n == 2 else 0.0
-            boxes[waiting, 2] = 0.5 * half
-            waiting += 1
+        waiting = _halve(boxes, waiting, u, v, half, n)
     return best
+
+
+@kernel
+def _halve(boxes, waiting: int, u: float, v: float, half: float, n: int) -> int:
+    """Put the halves of a box in n directions on those that wait; how many wait then."""
+    # Halves that lead away from here wait below those that lead towards it.
+    to_u, to_v = -math.copysign(0.5 * half, u), -math.copysign(0.5 * half, v)
+    for i in range(4 if n == 2 else 2):
+        boxes[waiting, 0] = u + (to_u if i % 2 else -to_u)
+        boxes[waiting, 1] = (v + (to_v if i > 1 else -to_v)) if n == 2 else 0.0
+        boxes[waiting, 2] = 0.5 * half
+        waiting += 1
+    return waiting
+
+
+@kernel
+def _holds(cell: Simple, side, force, up, x: float, y: float, radius: float) -> tuple[bool, bool]:
+    """Whether a disc may hold a place that meets all conditions, and whether its middle does."""
+    held, inside = True, True
+    for k in range(len(side)):
+        value, _, _ = end_force(cell, side[k], cell.dx + x, cell.dy + y)
+        lack = up[k] * (force[k] - value)
+        inside = inside and lack < 0.0
+        if lack > 0.0:
+            bound = steepest(cell, side[k], cell.dx + x, cell.dy + y, radius)
+            held = held and lack <= radius * bound
+    return held, inside
 
 
 @kernel
@@ -157,24 +171,33 @@ def _settled(
                 continue
             if one_way and frame[0, 0] * at_x + frame[1, 0] * at_y < 0.0:
                 continue
-            in_x, in_y = 0.0, 0.0
-            meets = True
-            for k in range(len(side)):
-                value, fx, fy = end_force(cell, side[k], cell.dx + at_x, cell.dy + at_y)
-                most = _ROUNDING * cell.stiffness * cell.lever
-                meets = meets and up[k] * (force[k] - value) <= most
-                if k in (i, j):
-                    if frame.shape[1] == 1:
-                        along = fx * frame[0, 0] + fy * frame[1, 0]
-                        fx, fy = along * frame[0, 0], along * frame[1, 0]
-                    steep = math.sqrt(fx * fx + fy * fy)
-                    in_x += up[k] * fx / steep
-                    in_y += up[k] * fy / steep
+            meets, in_x, in_y = _inward(cell, side, force, up, frame, i, j, at_x, at_y)
             length = math.sqrt(in_x * in_x + in_y * in_y)
             if meets and length > 0.0:
                 best = away
                 out[0], out[1], out[2], out[3] = at_x, at_y, in_x / length, in_y / length
     return best < np.inf
+
+
+@kernel
+def _inward(
+    cell: Simple, side, force, up, frame, i: int, j: int, x: float, y: float
+) -> tuple[bool, float, float]:
+    """Whether all conditions are met at (x, y), and the way in from the curves of i and j."""
+    in_x, in_y = 0.0, 0.0
+    meets = True
+    for k in range(len(side)):
+        value, fx, fy = end_force(cell, side[k], cell.dx + x, cell.dy + y)
+        most = _ROUNDING * cell.stiffness * cell.lever
+        meets = meets and up[k] * (force[k] - value) <= most
+        if k in (i, j):
+            if frame.shape[1] == 1:
+                along = fx * frame[0, 0] + fy * frame[1, 0]
+                fx, fy = along * frame[0, 0], along * frame[1, 0]
+            steep = math.sqrt(fx * fx + fy * fy)
+            in_x += up[k] * fx / steep
+            in_y += up[k] * fy / steep
+    return meets, in_x, in_y
 
 
 @kernel
@@ -249,12 +272,55 @@ def sequence(chain: Chain) -> Sequence:
     return Sequence.full_cycle(forces.loading, forces.unloading)
 
 
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """What a displacement of an anchor has to do.
+
+    Attributes:
+        chain: any number of cells.
+        now: what it does.
+        anchor: a p or q of the chain.
+        wanted: what it has to do; None for anything else than now.
+    """
+
+    chain: Chain
+    now: Sequence
+    anchor: Parameter
+    wanted: Sequence | None
+
+    @property
+    def at_once(self) -> bool:
+        """Whether many displacements can be followed in one call."""
+        return not self.chain.elements and nominal(self.chain, 0) is not None
+
+    def met(self, done: Sequence) -> bool:
+        """Whether this is what is wanted."""
+        return done != self.now if self.wanted is None else done == self.wanted
+
+    def met_at(self, move: Floats) -> bool:
+        """Whether the chain with its anchor displaced by (2,) [m] does what is wanted."""
+        # A design that cannot be made, or that the engine cannot follow, does nothing.
+        try:
+            return self.met(sequence(self.anchor.displaced(self.chain, move)))
+        except (ValueError, StaticsError):
+            return False
+
+    def met_at_each(self, moves: Floats) -> Bools:
+        """The same of (m, 2) displacements [m] at once, where that is possible."""
+        designs = nominal(self.chain, len(moves))
+        assert designs is not None
+        self.anchor.put(designs, self.chain, np.array(self.anchor.value(self.chain)) + moves)
+        found = cycles_of(
+            lambda i: self.anchor.displaced(self.chain, moves[i]), len(moves), designs
+        )
+        done = map(self.met, found.sequences)
+        # A design without a number does nothing.
+        return np.array([*done, False])[np.maximum(found.number, -1)]
+
+
 def nearest(
-    chain: Chain,
+    aim: Aim,
     forces: SortedChain | None,
-    now: Sequence,
-    anchor: Parameter,
-    wanted: Sequence | None,
     ways: Displacements,
     progress: Callable[[int, int], None] | None = None,
 ) -> Nearest:
@@ -264,53 +330,30 @@ def nearest(
     it; else what the closed form says is checked, and a nearer one searched.
 
     Args:
-        chain: any number of cells.
+        aim: the chain, its anchor and what it has to do.
         forces: the chain in closed form, None where that is not proved.
-        now: what it does.
-        anchor: a p or q of the chain.
-        wanted: what it has to do; None for anything else than now.
         ways: where the anchor may go.
         progress: called with (done, total) places while the engine is asked.
     """
-    assert anchor.cell is not None
-
-    def does(move: Floats) -> bool:
-        # A design that cannot be made, or that the engine cannot follow, does nothing.
-        try:
-            done = sequence(anchor.displaced(chain, move))
-        except (ValueError, StaticsError):
-            return False
-        return done != now if wanted is None else done == wanted
-
-    def all_do(moves: Floats) -> Bools:
-        designs = nominal(chain, len(moves))
-        assert designs is not None
-        anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
-        found = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
-        done = [one != now if wanted is None else one == wanted for one in found.sequences]
-        # A design without a number does nothing.
-        return np.array([*done, False])[np.maximum(found.number, -1)]
-
     known, past, proved = None, None, False
     if forces is not None:
-        known, proved = _in_closed_form(forces, anchor, wanted, ways)
+        known, proved = _in_closed_form(forces, aim.anchor, aim.wanted, ways)
         # Where any other sequence will do, the closed form is proof enough.
-        if proved and wanted is None:
+        if proved and aim.wanted is None:
             return _proved(known)
         if known is not None:
-            past = next(filter(does, _just_past(known)), None)
+            past = next(filter(aim.met_at, _just_past(known)), None)
     method = Method.EXACT if proved else Method.SEARCH
     within = ways.reach if known is None or past is None else known.distance
     if not proved:
+        at_once = forces is None and aim.at_once
         found = nearest_found(
-            lambda u: does(ways.frame @ u),
+            lambda u: aim.met_at(ways.frame @ u),
             ways,
             within,
-            wanted is not None,
+            aim.wanted is not None,
             progress,
-            None
-            if forces or chain.elements or nominal(chain, 0) is None
-            else lambda us: all_do(us @ ways.frame.T),
+            (lambda us: aim.met_at_each(us @ ways.frame.T)) if at_once else None,
         )
         if found is not None and float(np.linalg.norm(found)) < within:
             move = ways.move(found)

@@ -27,7 +27,7 @@ from stepwell.base import (
     write_csv,
 )
 from stepwell.concave import SortedChain
-from stepwell.design.margins.nearest import Nearest, nearest
+from stepwell.design.margins.nearest import Aim, Nearest, nearest
 from stepwell.design.margins.numbers import (
     RESOLUTION,
     RESOLUTION_FINE,
@@ -342,7 +342,7 @@ def reprogram(
         found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
     else:
         forces = SortedChain.of(chain)
-        found = nearest(chain, forces, before, anchor, wanted, ways, progress)
+        found = nearest(Aim(chain, before, anchor, wanted), forces, ways, progress)
     after = anchor.displaced(chain, found.past) if math.isfinite(found.distance) else None
     return Reprogramming(
         chain,

@@ -139,16 +139,7 @@ def named(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain
 def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> Attempt:
     """The best choice from a lattice, or from all holes, by complete search where that is few."""
     different = list(dict.fromkeys(regions))
-    if holes is None:
-        share = _LOOK_AT_ALL / (len(rule.kinds) * len(different))
-        looked_at = [
-            _look_round(rule, region, min(_LOOK, max(_LOOK_LEAST, share))) for region in different
-        ]
-        pitch = max(pitch for pitch, _ in looked_at)
-        tables = [table for _, table in looked_at]
-    else:
-        pitch = holes
-        tables = [rule.everything(region, lattice(region, holes)) for region in different]
+    pitch, tables = _tables(rule, different, holes)
     owner = tuple(different.index(region) for region in regions)
     if not all(len(table.q) for table in tables):
         return Attempt(rule, orders, regions, holes, tables, owner, None, True, 0, pitch)
@@ -163,6 +154,18 @@ def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float |
         if holes is not None:
             best = search.renewed(best)
     return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
+
+
+def _tables(
+    rule: Rule, regions: Sequence[Region], holes: float | None
+) -> tuple[float, list[Candidates]]:
+    """The pitch [m] of the lattice or the holes, and the candidates of each region."""
+    if holes is not None:
+        return holes, [rule.everything(region, lattice(region, holes)) for region in regions]
+    share = _LOOK_AT_ALL / (len(rule.kinds) * len(regions))
+    places = min(_LOOK, max(_LOOK_LEAST, share))
+    pitches, tables = zip(*(_look_round(rule, region, places) for region in regions), strict=True)
+    return max(pitches), list(tables)
 
 
 def _look_round(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:

@@ -300,24 +300,25 @@ def scaled(
     whole = count <= _MOST_CHOICES
     choices = list(product(*sets) if whole else _some(sets, rng))
     found, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
+    complete = relays and whole and goal.complete
     for one in found[: 1 if relays else _ASKED]:
         chain = _chain(goal, allowed.elements, one, actuator_stiffness)
         if goal.done_by(chain):
             return Scaled(
                 chain,
                 len(choices),
-                relays and whole and goal.complete,
+                complete,
                 f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take "
                 f"elements, with their scales by linear programming; objective: the share by which "
                 f"all forces may be off at once with the order of the switching forces kept, "
                 f"{one.share * 100:.4g} %",
                 _RELAYS if relays else _FOLLOWS,
             )
-    proved = relays and whole and goal.complete and not found
     if not relays:
         other = _at_random(goal, allowed, sets, actuator_stiffness, rng)
         if other is not None:
             return other
+    proved = complete and not found
     raise _impossible(goal, allowed, sets, closest, proved, len(choices))
 
 

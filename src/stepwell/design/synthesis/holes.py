@@ -146,32 +146,41 @@ def _best_ends(gap, allowed, add: bool, out):
 
 
 @kernel
+def _next_below(ranks, depth: int, rank: int) -> int:
+    """Of the placed cells the one with the next rank below, -1 where there is none."""
+    found = -1
+    for k in range(depth):
+        if ranks[k] < rank and (found < 0 or ranks[k] > ranks[found]):
+            found = k
+    return found
+
+
+@kernel
+def _next_above(ranks, depth: int, rank: int) -> int:
+    """Of the placed cells the one with the next rank above, -1 where there is none."""
+    found = -1
+    for k in range(depth):
+        if ranks[k] > rank and (found < 0 or ranks[k] < ranks[found]):
+            found = k
+    return found
+
+
+@kernel
 def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, value, out):
     """Bounds of all that may follow from placing each candidate next, out (m,)."""
     rank = ranks[depth]
     # The placed cells next to it in F1, and what all other stretches between placed cells give.
-    below, above = -1, -1
-    for k in range(depth):
-        if ranks[k] < rank and (below < 0 or ranks[k] > ranks[below]):
-            below = k
-        if ranks[k] > rank and (above < 0 or ranks[k] < ranks[above]):
-            above = k
+    below, above = _next_below(ranks, depth, rank), _next_above(ranks, depth, rank)
     rest = 0.0 if add else np.inf
     for k in range(depth):
         # The stretch from k upwards, unless it is the one that is to be divided.
         if k != below:
-            after = -1
-            for j in range(depth):
-                if ranks[j] > ranks[k] and (after < 0 or ranks[j] < ranks[after]):
-                    after = j
+            after = _next_above(ranks, depth, ranks[k])
             if after < 0:
                 rest = _with(rest, edges[1, ranks[k], picks[k]], add)
             else:
                 rest = _with(rest, segments[ranks[k], ranks[after], picks[k], picks[after]], add)
-        first = True
-        for j in range(depth):
-            first = first and ranks[j] >= ranks[k]
-        if first and k != above:
+        if k != above and _next_below(ranks, depth, ranks[k]) < 0:
             rest = _with(rest, edges[0, ranks[k], picks[k]], add)
     for c in range(allowed.shape[1]):
         out[c] = -np.inf

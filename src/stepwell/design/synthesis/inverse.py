@@ -134,7 +134,7 @@ def design(
         goal = goal_of(sequence, states, cells)
         made = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _of_elements(goal, made, allowed, n, seed)
-    levers = [float(r) for r in np.atleast_1d(lever)]
+    levers = list(map(float, np.atleast_1d(lever)))
     _refuse_anchors(p, q, free)
     _refuse_sizes(bands, levers, limit)
     _refuse_aims(tolerances, objective, bands, most_force)
@@ -155,27 +155,20 @@ def design(
     if not unusual:
         _refuse_slips(rule, holes)
     mixed = not equal_levers and len(levers) > 1
-    each = (rule.kinds[k : k + len(bands)] for k in range(0, len(rule.kinds), len(bands)))
-    rules = [rule] * mixed + [replace(rule, kinds=kinds) for kinds in each]
+    rules = [rule] * mixed + _by_lever(rule, len(bands))
     tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
-    if placed.found is None and holes is not None:
-        # As drawn more cells are proved concave than within all tolerances.
-        placed = tries.placed([replace(rule, as_drawn=True) for rule in rules])
-    if placed.found is not None:
-        found = placed.found
-        chain, how = found.chain(actuator_stiffness, f"Designed for {target.text}"), ""
-        quick = not (found.rule.as_drawn or found.rule.bends)
+    found = placed.found
+    if found is not None:
+        chain = found.chain(actuator_stiffness, f"Designed for {target.text}")
+        how = _method(found, placed)
     else:
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
-        found, quick = None, False
     result = cycle(chain)
     counted = _counted(target, chain, tolerances, str(result.sequence))
-    if n is None:
-        n = QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE
     widest = _widest(found, chain, bands, tolerances)
-    share = yields(chain, widest, n=n, seed=seed, wanted=counted)
+    share = yields(chain, widest, n=n or _usual_count(found, counted), seed=seed, wanted=counted)
     tries.end()
     return Design(
         chain,
@@ -185,9 +178,21 @@ def design(
         holes,
         placed.candidates,
         found is not None and placed.complete,
-        how if found is None else _method(found, placed),
+        how,
         _standing(found) + _not_searched(target, share),
     )
+
+
+def _by_lever(rule: Rule, bands: int) -> list[Rule]:
+    """A rule for each lever by itself, of which kinds with all bands follow each other."""
+    starts = range(0, len(rule.kinds), bands)
+    return [replace(rule, kinds=rule.kinds[k : k + bands]) for k in starts]
+
+
+def _usual_count(found: Attempt | None, counted: str | tuple[str, ...]) -> int:
+    """How many mechanisms are made for the yield: more where end forces decide what they do."""
+    by_forces = found is not None and not (found.rule.as_drawn or found.rule.bends)
+    return QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
 
 
 def _of_elements(goal: Goal, made: Scaled, allowed: Allowed, n: int | None, seed: int) -> Design:

@@ -282,18 +282,10 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     """
     if seen.tied:
         return None
-    n = target.cells
-    same = tuple(range(n))
+    same = tuple(range(target.cells))
     if target.states is not None:
         assert seen.states is not None
-        if Counter(s.count("1") for s in seen.states) != Counter(
-            s.count("1") for s in target.states
-        ):
-            return None
-        for place in permutations(same) if alike else (same,):
-            if {"".join(s[k] for k in place) for s in seen.states} == target.states:
-                return place
-        return None
+        return _by_states(target.states, seen.states, alike)
     found = seen.sequence.orders
     if found is None:
         return None
@@ -304,6 +296,20 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
             place = tuple(which[k] for k in same)
         orders = (wanted.loading, wanted.unloading)
         if tuple(tuple(place[k] for k in order) for order in orders) == found:
+            return place
+    return None
+
+
+def _by_states(wanted: frozenset[str], seen: frozenset[str], alike: bool) -> tuple[int, ...] | None:
+    """Which cell has to be which wanted one for these states; None where no order of them will do.
+
+    The numbers of cells at 1 are compared first, since no order of the cells changes them.
+    """
+    if Counter(s.count("1") for s in seen) != Counter(s.count("1") for s in wanted):
+        return None
+    same = tuple(range(len(next(iter(wanted)))))
+    for place in permutations(same) if alike else (same,):
+        if {"".join(s[k] for k in place) for s in seen} == wanted:
             return place
     return None
 
@@ -379,16 +385,14 @@ class Tries:
 
     def placed(self, rules: list[Rule]) -> Placed:
         """The best choice by the objective that does what is wanted."""
-        target, attempts = self.target, list[Attempt]()
-        for rule in rules:
-            for orders in target.wish.orders:
-                self._tell()
-                attempts.append(look(rule, orders, self.regions, self.holes))
-        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
-        for k in range(min(_REFINED, len(attempts))):
-            self._tell()
-            attempts[k] = attempts[k].refined()
-        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
+        placed = self._placed(rules)
+        if placed.found is None and self.holes is not None:
+            # As drawn more cells are proved concave than within all tolerances.
+            placed = self._placed([replace(rule, as_drawn=True) for rule in rules])
+        return placed
+
+    def _placed(self, rules: list[Rule]) -> Placed:
+        target, attempts = self.target, self._attempts(rules)
         complete = target.wish.complete and self.holes is not None
         complete = complete and not any(rule.bends for rule in rules)
         complete = complete and all(attempt.complete for attempt in attempts)
@@ -405,6 +409,20 @@ class Tries:
         if missed:
             found, others = another(target, attempts, self.actuator_stiffness, self.seed)
         return Placed(found, attempts, complete and not missed, missed, others)
+
+    def _attempts(self, rules: list[Rule]) -> list[Attempt]:
+        """One for each rule and pair of orders, the first of them refined; the best first."""
+        attempts: list[Attempt] = []
+        for rule in rules:
+            for orders in self.target.wish.orders:
+                self._tell()
+                attempts.append(look(rule, orders, self.regions, self.holes))
+        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
+        for k in range(min(_REFINED, len(attempts))):
+            self._tell()
+            attempts[k] = attempts[k].refined()
+        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
+        return attempts
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that does it among what the closed form does not decide, and how it was found.
