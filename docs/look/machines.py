@@ -16,7 +16,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 from stepwell.files import preset_text
-from stepwell.studio.replay.page import filled
+from stepwell.studio.standalone import filled
 
 FOLDER = Path(__file__).resolve().parents[1] / "gallery"
 HERE = "<!-- machines: one card of each, made by docs/look/machines.py -->"

@@ -23,7 +23,7 @@ from stepwell import figures, files
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Program
 from stepwell.simulation import Walk
-from stepwell.studio.replay import replay
+from stepwell.studio.standalone import replay
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "gallery"

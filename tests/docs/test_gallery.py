@@ -23,8 +23,8 @@ from docs.pages import ROOT
 from sizes import SIZE
 from stepwell import files
 from stepwell.simulation import Walk
-from stepwell.studio.panels.motions._drawn import arrays_of, drawn
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import unpacked
+from stepwell.studio.motion import arrays_of, drawn
 
 LOOK = SimpleNamespace(**runpy.run_path(str(ROOT / "docs" / "look" / "machines.py")))
 PRESETS = list(files.presets())

@@ -123,7 +123,7 @@ def chain_shown(page: Page) -> Chain:
 
 def compare(page: Page) -> None:
     """Every number on the page with the one that Python gives."""
-    from stepwell.studio.panels.motions._drawn import drawn
+    from stepwell.studio.motion import drawn
 
     chain = chain_shown(page)
     cycle, margin = chain.cycle(), chain.margin()

@@ -15,7 +15,7 @@ from websockets import Origin
 from websockets.sync.client import ClientConnection, connect
 
 from stepwell.files import preset_text, tables_in
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import unpacked
 
 FORWARD = tables_in(preset_text("paper-forward"))
 

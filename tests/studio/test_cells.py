@@ -11,8 +11,7 @@ from stepwell.files import DesignError, loads_tables, preset_text, presets, tabl
 from stepwell.files.known import known_keys, new_cells
 from stepwell.mechanism import LIBRARY, Element
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Message
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import Message, unpacked
 
 
 def ask(kind: str, design: Any, leg: int = 0) -> Any:

@@ -12,9 +12,8 @@ from PIL import Image
 
 import stepwell as sw
 from stepwell.studio.answering import answered
-from stepwell.studio.replay import replay
-from stepwell.studio.wire import Message
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import Message, unpacked
+from stepwell.studio.standalone import replay
 from studio.pages import FORWARD
 
 

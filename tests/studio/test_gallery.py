@@ -14,9 +14,9 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
-from stepwell.studio.panels.motions._drawn import arrays_of, cells_of, drawn
-from stepwell.studio.wire import Ask, Design, Message, View, part
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import Message, part, unpacked
+from stepwell.studio.motion import arrays_of, cells_of, drawn
 from studio.pages import Answer
 
 CHAINS = [name for name in presets() if not name.startswith("robot-")]
@@ -127,7 +127,7 @@ def test_every_snap_of_the_path_is_seen(name: str):
 def test_a_robot_walks_as_its_simulation_does(name: str):
     pytest.importorskip("mujoco")
     from stepwell.simulation import walk
-    from stepwell.studio.panels.robots._scene import Scene
+    from stepwell.studio.scene import Scene
 
     robot = sw.preset(name)
     assert isinstance(robot, Robot)
@@ -144,19 +144,19 @@ def test_a_robot_walks_as_its_simulation_does(name: str):
 
 
 def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.MonkeyPatch):
-    from stepwell.studio.panels.designs import thumbnails
+    from stepwell.studio.panels import designs
 
     imported = builtins.__import__
 
     def none_of_it(name: str, *rest: Any, **more: Any) -> Any:
-        if name == "stepwell.simulation":
+        if name in ("stepwell.simulation", "stepwell.studio.scene"):
             raise ExtraError("not installed", name="mujoco")
         return imported(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", none_of_it)
     found: list[View] = []
-    monkeypatch.setattr(thumbnails, "names", lambda: ["robot-forward"])
-    thumbnails.answer(Design(None), Ask({}, lambda _done, _total: None, found.append))
+    monkeypatch.setattr(designs, "gallery_names", lambda: ["robot-forward"])
+    designs.answer_thumbnails(Design(None), Ask({}, lambda _done, _total: None, found.append))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)
     assert found[0].header["cells"] == cells_of(robot.legs[0].chain)

@@ -13,8 +13,8 @@ from stepwell.accounts import account
 from stepwell.design import USUAL, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Ask, Design, Message, View
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
 
 PLANE: dict[str, Any] = {
@@ -109,7 +109,7 @@ def test_what_no_closed_form_tells_is_followed_aside_coarse_first():
     keys = {**MAP, "pixels": [12, 10]}
     assert ask("map", slack, **keys).header["aside"] is True
     assert ask("border", slack, **PLANE).header["aside"] is True
-    from stepwell.studio.panels import answer
+    from stepwell.studio.answering import answer
 
     shown: list[View] = []
     last = answer("map_followed", Design(slack), Ask(keys, show=shown.append))
@@ -218,7 +218,7 @@ def test_a_wish_is_asked_within_bounds(keys: Any):
 
 
 def test_a_yield_shows_few_first_and_is_pythons():
-    from stepwell.studio.panels import answer
+    from stepwell.studio.answering import answer
 
     shown: list[View] = []
     last = answer("yield", Design(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))

@@ -1,7 +1,7 @@
 """What is exported from the page in a browser."""
 
 import stepwell as sw
-from stepwell.studio.replay import replay
+from stepwell.studio.standalone import replay
 from studio.browser import output
 
 from playwright.sync_api import Page, expect  # isort: skip

@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.robot import Robot
 from stepwell.simulation import Maze
-from stepwell.studio.replay import replay
+from stepwell.studio.standalone import replay
 from studio.browser import Opened, middle, number, output, served, settled, shown_as
 
 from playwright.sync_api import Page, expect  # isort: skip

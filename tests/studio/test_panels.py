@@ -14,8 +14,7 @@ from stepwell.files import DesignError, loads, loads_tables, preset_text, preset
 from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Message
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
 
 CHAINS = [name for name in presets() if not name.startswith("robot-")]

@@ -1,6 +1,8 @@
 """Messages between page and server: what is understood, and what is refused in words."""
 
+import ast
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,11 +10,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stepwell.crash import report
-from stepwell.studio import answering, session
-from stepwell.studio.answering import answered
-from stepwell.studio.panels import types
-from stepwell.studio.wire import Message, View, WireError, message_of, packed
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio import answering, panels, session
+from stepwell.studio.answering import answered, types
+from stepwell.studio.ask import View
+from stepwell.studio.message import Message, WireError, message_of, packed, unpacked
 from studio.pages import FORWARD
 
 JSON = st.recursive(
@@ -20,6 +21,17 @@ JSON = st.recursive(
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),
     max_leaves=12,
 )
+
+
+def test_every_type_has_a_function_that_answers_it_and_every_such_function_a_type():
+    found = {
+        (file.stem, node.name)
+        for file in Path(panels.__path__[0]).glob("*.py")
+        for node in ast.parse(file.read_text("utf-8")).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("answer")
+    }
+    assert found == {(file, f"answer_{kind}") for kind, file in answering._PANELS.items()}
+    assert {*types()} >= answering.LONG
 
 
 def test_a_message_is_read():

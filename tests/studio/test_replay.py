@@ -6,8 +6,8 @@ import pytest
 
 import stepwell as sw
 from stepwell.mechanism import Chain
-from stepwell.studio.panels.motions._drawn import drawn
-from stepwell.studio.replay import replay
+from stepwell.studio.motion import drawn
+from stepwell.studio.standalone import replay
 from studio.browser import Opened, number, opens, output, shown_as
 
 from playwright.sync_api import expect  # isort: skip

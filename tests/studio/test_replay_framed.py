@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.mechanism import Chain
-from stepwell.studio.replay import embedded, replay
+from stepwell.studio.standalone import embedded, replay
 from studio.browser import Opened, opens, output
 
 from playwright.sync_api import Browser, Frame, Page, expect  # isort: skip

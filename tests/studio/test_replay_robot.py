@@ -12,7 +12,7 @@ from stepwell import files
 from stepwell.accounts import simulation_assumptions
 from stepwell.robot import Robot
 from stepwell.simulation import Maze, Walk, maze, walk
-from stepwell.studio.replay import replay
+from stepwell.studio.standalone import replay
 from studio.browser import Opened, number, opens, output
 
 from playwright.sync_api import Page, expect  # isort: skip

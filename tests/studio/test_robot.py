@@ -11,9 +11,9 @@ pytest.importorskip("mujoco")
 import stepwell as sw
 from stepwell import files
 from stepwell.accounts import account
-from stepwell.studio.panels import answer, is_long
-from stepwell.studio.replay import replay
-from stepwell.studio.wire import Ask, Design, View
+from stepwell.studio.answering import answer, is_long
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.standalone import replay
 from studio.test_panels import ask, tables
 
 WALL = {"from_mm": [180, -120], "to_mm": [330, 120], "thickness_mm": 20}
@@ -62,12 +62,12 @@ def test_a_maze_is_pythons_and_its_antennas_move_their_anchors():
 
 
 def test_what_is_known_of_a_run_is_shown_once_and_in_order(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("stepwell.studio.panels.robots._live._EVERY", 0.0)
+    monkeypatch.setattr("stepwell.studio.scene._EVERY", 0.0)
     _, blocks, parts = run("walk", "robot-forward", cycles=2)
     assert len(parts) > 3
     counts = np.cumsum([0, *(len(one.blocks["time"]) for one in parts)])
     assert [one.header["first"] for one in parts] == counts[:-1].tolist()
-    monkeypatch.setattr("stepwell.studio.panels.robots._live._EVERY", 1e9)
+    monkeypatch.setattr("stepwell.studio.scene._EVERY", 1e9)
     _, at_once, parts = run("walk", "robot-forward", cycles=2)
     assert len(parts) == 1
     for name, block in at_once.items():

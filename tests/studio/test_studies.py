@@ -21,10 +21,9 @@ from stepwell.accounts import account
 from stepwell.files import loads_tables, preset_text, tables_in
 from stepwell.studies import Axis, How, Space, Study, Workshop, asked, begun
 from stepwell.studio.answering import answered
-from stepwell.studio.panels import end_studies
-from stepwell.studio.panels.atlases._places import placed
-from stepwell.studio.wire import Message
-from stepwell.studio.wire.message import unpacked
+from stepwell.studio.message import Message, unpacked
+from stepwell.studio.panels.atlas import placed
+from stepwell.studio.stores import end_studies
 from studio.pages import FORWARD, Answer
 from studio.stores import filled, plane, small_atlas
 
@@ -76,10 +75,10 @@ def test_an_open_study_is_what_the_command_says_of_it(ask: Asks, tmp_path: Path)
 def test_of_many_designs_some_are_shown_evenly_and_rare_words_together(
     ask: Asks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    from stepwell.studio.panels.studies import study as panel
+    from stepwell.studio.panels import studies as panels
 
-    monkeypatch.setattr(panel, "_POINTS", 13)
-    monkeypatch.setattr(panel, "_WORDS", 2)
+    monkeypatch.setattr(panels, "_POINTS", 13)
+    monkeypatch.setattr(panels, "_WORDS", 2)
     study = filled(plane(tmp_path / "home", 60))
     header, blocks = ask("study", name=study.folder.name)
     assert len(blocks["rows"]) == 13 and np.ptp(np.diff(blocks["rows"])) <= 1
@@ -135,7 +134,7 @@ ASKED: list[tuple[str, dict[str, Any]]] = [
 def test_the_line_for_a_terminal_begins_the_same_study(
     ask: Asks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, keys: dict[str, Any]
 ):
-    from stepwell.studio.panels.studies import study_begin, study_estimate
+    from stepwell.studio.panels import studies as panels
 
     design = FORWARD if kind == "chain" else robot()
     if keys["what"] == "maze":
@@ -149,9 +148,9 @@ def test_the_line_for_a_terminal_begins_the_same_study(
         return study if len(meant) == 1 else studies.Estimate(1, 1, 1.0, 1.0, 1, 1)
 
     # Nothing is computed: what would be is compared.
-    monkeypatch.setattr(study_begin, "begun", kept)
-    monkeypatch.setattr(study_begin, "begin", lambda _store: None)
-    monkeypatch.setattr(study_estimate, "estimate", kept)
+    monkeypatch.setattr(panels, "begun", kept)
+    monkeypatch.setattr(panels, "begin", lambda _store: None)
+    monkeypatch.setattr(panels, "estimate", kept)
     monkeypatch.setattr(studies, "estimate", kept)
     assert ask("study_begin", design, **keys).header["ok"]
     command = ask("study_estimate", design, **keys).header["command"]
@@ -196,9 +195,9 @@ def test_no_path_comes_from_the_page(ask: Asks, tmp_path: Path, name: str):
 def test_a_study_lies_in_the_servers_folder_whatever_its_design_is_called(
     ask: Asks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, title: str
 ):
-    from stepwell.studio.panels.studies import study_begin
+    from stepwell.studio.panels import studies as panels
 
-    monkeypatch.setattr(study_begin, "begin", lambda _store: None)
+    monkeypatch.setattr(panels, "begin", lambda _store: None)
     header, _ = ask("study_begin", FORWARD | {"title": title}, what="cycle", vary=VARY)
     assert header["ok"], header
     assert [one.name for one in (tmp_path / "home").iterdir()] == [header["name"]]
@@ -331,7 +330,7 @@ def _given(function: Path) -> dict[str, Any]:
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no groups of processes here")
 @pytest.mark.slow
 def test_the_end_of_the_server_ends_all_of_a_study(ask: Asks, tmp_path: Path):
-    from stepwell.studio.panels.studies import _running
+    from stepwell.studio import stores
 
     function = tmp_path / "gated.py"
     function.write_text(GATED.format(gate=str(tmp_path / "gate")))
@@ -343,7 +342,7 @@ def test_the_end_of_the_server_ends_all_of_a_study(ask: Asks, tmp_path: Path):
         )
     )  # fmt: skip
     assert ask("study_begin", name="a.zarr").header["ok"]
-    run = _running._RUNS[tmp_path / "home" / "a.zarr"]
+    run = stores._RUNS[tmp_path / "home" / "a.zarr"]
     group = run.process.pid
     end_studies()
     assert run.process.returncode is not None

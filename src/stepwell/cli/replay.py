@@ -50,7 +50,7 @@ def replay(
     """
     from stepwell import files
     from stepwell.mechanism import Chain
-    from stepwell.studio.replay import replay as page_of
+    from stepwell.studio import replay as page_of
 
     if out.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))

@@ -18,7 +18,7 @@ from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transit
 from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
 from stepwell.mechanism import Cell
 from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
-from stepwell.studio.replay import replay
+from stepwell.studio import replay
 
 if TYPE_CHECKING:
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival

@@ -25,7 +25,7 @@ from stepwell.base import (
     write_atomic,
 )
 from stepwell.files import dumps, staged_folder
-from stepwell.studio.replay import embedded
+from stepwell.studio import embedded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

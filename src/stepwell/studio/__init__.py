@@ -1,5 +1,15 @@
 """A page on this machine where a design is dragged and everything follows: the server behind it."""
 
-from stepwell.studio.server import serve
+from typing import TYPE_CHECKING
 
-__all__ = ["serve"]
+from stepwell.base import late
+
+if TYPE_CHECKING:
+    from stepwell.studio.server import serve
+    from stepwell.studio.standalone import embedded, replay
+
+__all__ = ["embedded", "replay", "serve"]
+
+# A replay needs no server, and a server starts before the first replay is written.
+_LATE = {"embedded": "standalone", "replay": "standalone", "serve": "server"}
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

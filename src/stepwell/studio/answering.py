@@ -1,19 +1,66 @@
-"""The answer to a message as bytes, whatever comes of it."""
+"""The panels by the types of their messages, and the answer to a message as bytes."""
 
 from __future__ import annotations
 
 import json
 import sys
+from importlib import import_module
 
 from stepwell.base import StepwellError
 from stepwell.crash import reported
-from stepwell.studio.panels import answer
-from stepwell.studio.wire import Ask, Design, Message, Problem, packed, problems_of, refused
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import Message, Problem, packed, problems_of, refused
 
+# The file in `panels` of every type of message, which a function `answer_<type>` in it answers.
+FILES = {
+    "atlas": ("atlas",),
+    "designs": ("export", "gallery", "open", "replay", "text", "thumbnails"),
+    "maps": ("border", "jump", "map", "map_followed", "parameters"),
+    "motion": ("cells", "evaluate", "graph", "margin", "program"),
+    "recordings": ("measured",),
+    "robots": ("arena", "maze", "predict", "robot", "robot_numbers", "walk"),
+    "studies": (
+        "studies",
+        "study",
+        "study_begin",
+        "study_csv",
+        "study_design",
+        "study_estimate",
+        "study_stop",
+    ),
+    "targets": ("wish", "yield"),
+}
+_PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
+# Panels that run in a process of their own: `ask.tell` reports progress, and the page can end them.
+LONG = {
+    *("atlas", "export", "map_followed", "margin", "maze", "measured", "predict", "replay"),
+    *("study", "study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish"),
+    "yield",
+}
 _BROKEN = (
     "The studio failed on this. Its terminal names a file to report it with; go back to the last "
     "good state and on from there."
 )
+
+
+def types() -> tuple[str, ...]:
+    """The type of every panel, in order."""
+    return tuple(sorted(_PANELS))
+
+
+def is_long(kind: str) -> bool:
+    """Whether a panel runs in a process of its own."""
+    return kind in LONG
+
+
+def answer(kind: str, design: Design, ask: Ask) -> View:
+    """Compute the answer of a panel; its file is imported at the first question.
+
+    Raises:
+        StepwellError: what the panel refuses; the text says why.
+    """
+    panels = import_module(f"stepwell.studio.panels.{_PANELS[kind]}")
+    return getattr(panels, f"answer_{kind}")(design, ask)
 
 
 def answered(message: Message, ask: Ask | None = None) -> bytes:

@@ -14,7 +14,8 @@ from time import monotonic
 from typing import Any
 
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Ask, Message, View, part, step
+from stepwell.studio.ask import Ask, View
+from stepwell.studio.message import Message, part, step
 
 # What long answers need, imported once for all of them.
 _USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize", "xarray", "numba"

@@ -18,9 +18,9 @@ import platformdirs
 
 from stepwell.base import need
 from stepwell.studio.guard import App, Guard
-from stepwell.studio.panels import end_studies
+from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.session import Session, warm
-from stepwell.studio.wire import LONGEST_MESSAGE
+from stepwell.studio.stores import end_studies
 
 HOST = "127.0.0.1"
 # A browser keeps what a page stores by its port: the same one each time keeps the last design.

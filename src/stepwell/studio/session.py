@@ -11,19 +11,10 @@ from typing import Any
 
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
-from stepwell.studio.answering import answered, tell
+from stepwell.studio.answering import answered, is_long, tell, types
 from stepwell.studio.aside import Aside, prepare
-from stepwell.studio.panels import is_long, types
-from stepwell.studio.wire import (
-    Message,
-    Problem,
-    View,
-    WireError,
-    failed,
-    message_of,
-    packed,
-    refused,
-)
+from stepwell.studio.ask import View
+from stepwell.studio.message import Message, Problem, WireError, failed, message_of, packed, refused
 
 CANCEL, START = "cancel", "start"
 

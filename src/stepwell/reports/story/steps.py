@@ -15,7 +15,7 @@ from stepwell.files import WrittenProgram, dumps, load, load_arena, preset_text,
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports.write import image_of
 from stepwell.sequences import Cycle, Program
-from stepwell.studio.replay import embedded, replay
+from stepwell.studio import embedded, replay
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,0 +1,196 @@
+"""The messages between page and server: JSON in, a header of JSON and arrays out.
+
+A message of the page is text: {"v": 1, "type": T, "seq": n, "design": D, "ask": {...}}, and
+"leg": k where D is a robot and the question is about the chain of one of its legs. An answer is
+binary: the length of the header as a little-endian u32, the header as JSON in UTF-8, zeros up
+to a multiple of 8, then the arrays that the header lists, each filled up to a multiple of 8.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepwell.base import InputError, StepwellError, nearest_word, printable
+from stepwell.files import DesignError, slips_text
+from stepwell.mechanism import SlipError
+from stepwell.studio.ask import View
+
+# A key path as messages begin with it, and what stands behind it.
+_NAME = r'(?:[A-Za-z0-9_-]+|"(?:[^"\\]|\\.)*")'
+_AT = re.compile(rf"(?P<at>[A-Za-z_][A-Za-z0-9_-]*(?:\[\d+\]|\.{_NAME})*)(?: = |: |, )")
+
+
+class Problem(NamedTuple):
+    """One problem; `at` is the key path, "" where the sentence names none."""
+
+    at: str
+    text: str
+
+    @classmethod
+    def of(cls, text: str) -> Problem:
+        """The problem that a sentence tells."""
+        found = _AT.match(text)
+        return cls(found["at"] if found else "", text)
+
+    def record(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return self._asdict()
+
+
+def problems_of(error: StepwellError) -> list[Problem]:
+    """Every problem that an error tells, in the words that a command would print."""
+    if isinstance(error, DesignError):
+        return [Problem.of(line) for line in error.problems]
+    if isinstance(error, SlipError):
+        return [Problem.of(slips_text(error))]
+    return [Problem.of(str(error))]
+
+
+VERSION = 1
+LONGEST_MESSAGE = 1 << 20  # bytes
+_KEYS = ("v", "type", "seq", "design", "leg", "ask")
+_MOST = 2**53 - 1  # what JavaScript counts to
+_DTYPES = {"f": ("f8", "<f8"), "i": ("i4", "<i4"), "u": ("i4", "<i4"), "b": ("i4", "<i4")}
+
+
+class WireError(InputError):
+    """A message that cannot be understood; `seq` is its number, 0 where that is not known."""
+
+    def __init__(self, text: str, seq: int = 0):
+        self.seq = seq
+        super().__init__(text)
+
+
+class Message(NamedTuple):
+    """A request of the page; `studies` is the server's own, which no page can say."""
+
+    type: str
+    seq: int
+    design: dict[str, Any] | None = None
+    ask: Mapping[str, Any] = MappingProxyType({})
+    leg: int = 0
+    studies: Path | None = None
+
+
+def message_of(text: str, types: Iterable[str]) -> Message:
+    """The request that a text holds.
+
+    Args:
+        text: JSON.
+        types: those that are known.
+
+    Raises:
+        WireError: it is none; the text says what it must be.
+    """
+    try:
+        found: Any = json.loads(text)
+    except RecursionError:
+        raise WireError("the message is nested too deeply.") from None
+    except ValueError as error:
+        raise WireError(f"the message is not JSON: {printable(str(error))[:120]}.") from None
+    if not isinstance(found, dict):
+        raise WireError("the message must be an object with v, type and seq.")
+    number: Any = found.get("seq")
+    whole = isinstance(number, int) and not isinstance(number, bool)
+    known = whole and 0 <= number <= _MOST
+    seq: int = number if known else 0
+    for key in found:
+        if key not in _KEYS:
+            raise WireError(f"{_cut(key)}: unknown key; known are {', '.join(_KEYS)}.", seq)
+    if not known:
+        raise WireError(f"seq = {_cut(number)}: must be a whole number from 0 to 2^53 - 1.")
+    version = found.get("v")
+    if type(version) is not int or version != VERSION:
+        raise WireError(f"v = {_cut(version)}: must be {VERSION}; load the page again.", seq)
+    kind = found.get("type")
+    types = [*types]
+    if not isinstance(kind, str) or kind not in types:
+        near = nearest_word(kind, types) if isinstance(kind, str) else None
+        advice = f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
+        raise WireError(f"type = {_cut(kind)}: no such type. {advice}", seq)
+    design, ask = found.get("design"), found.get("ask")
+    for key, value in (("design", design), ("ask", ask)):
+        if value is not None and not isinstance(value, dict):
+            raise WireError(f"{key} = {_cut(value)}: must be an object.", seq)
+    leg = found.get("leg", 0)
+    if not isinstance(leg, int) or isinstance(leg, bool) or leg < 0:
+        raise WireError(f"leg = {_cut(leg)}: must be a whole number from 0.", seq)
+    return Message(kind, seq, design, ask or {}, leg)
+
+
+def packed(kind: str, seq: int, view: View) -> bytes:
+    """The answer of a panel as bytes."""
+    arrays = {name: _plain(block) for name, block in view.blocks.items()}
+    listed = [
+        {"name": name, "dtype": dtype, "shape": list(block.shape)}
+        for name, (dtype, block) in arrays.items()
+    ]
+    pieces = [_head({**_start(kind, seq), "ok": True, **view.header, "blocks": listed})]
+    for _, block in arrays.values():
+        data = block.tobytes()
+        pieces += [data, bytes(-len(data) % 8)]
+    return b"".join(pieces)
+
+
+def refused(kind: str, seq: int, problems: Iterable[Problem], **more: Any) -> bytes:
+    """A refusal as bytes, with everything that is wrong."""
+    told = [problem.record() for problem in problems]
+    return _head({**_start(kind, seq), "ok": False, **more, "problems": told, "blocks": []})
+
+
+def failed(error: WireError) -> bytes:
+    """What answers a message that cannot be understood."""
+    return refused("error", error.seq, [Problem("", str(error))])
+
+
+def part(kind: str, seq: int, view: View) -> bytes:
+    """What is known of an answer before all of it is, as bytes."""
+    return packed(kind, seq, View({**view.header, "part": True}, view.blocks))
+
+
+def step(kind: str, seq: int, done: float, total: float) -> bytes:
+    """How far a long computation is, as bytes."""
+    return _head({**_start(kind, seq), "ok": True, "progress": [done, total], "blocks": []})
+
+
+def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
+    """Header and arrays of an answer, as the page reads them."""
+    (length,) = struct.unpack_from("<I", data)
+    header = json.loads(data[4 : 4 + length])
+    at = 4 + length + -(4 + length) % 8
+    blocks: dict[str, np.ndarray[Any, Any]] = {}
+    for block in header["blocks"]:
+        count = int(np.prod(block["shape"]))
+        found = np.frombuffer(data, f"<{block['dtype']}", count, at)
+        blocks[block["name"]] = found.reshape(block["shape"])
+        at += found.nbytes + -found.nbytes % 8
+    return header, blocks
+
+
+def _start(kind: str, seq: int) -> dict[str, Any]:
+    return {"v": VERSION, "type": kind, "seq": seq}
+
+
+def _head(header: Mapping[str, Any]) -> bytes:
+    text = json.dumps(header, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    return struct.pack("<I", len(text)) + text + bytes(-(4 + len(text)) % 8)
+
+
+def _plain(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
+    if block.dtype == np.uint8:  # a file
+        return "u1", np.ascontiguousarray(block)
+    dtype, stored = _DTYPES[block.dtype.kind]
+    return dtype, np.ascontiguousarray(block, stored)
+
+
+def _cut(value: Any) -> str:
+    text = ascii(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."

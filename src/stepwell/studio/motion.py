@@ -1,0 +1,258 @@
+"""A motion as the page and a replay show it: samples, events, cells and margins in its units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from stepwell.accounts import assumptions
+from stepwell.base import Floats, Ints, __version__, plain, told_in
+from stepwell.design import Change, Margin, margin
+from stepwell.mechanism import Cell, Chain, Element, phase_at
+from stepwell.sequences import Cycle, Program
+from stepwell.statics import Event, EventKind, Path, SegmentKind
+from stepwell.studio.ask import View
+
+MM, MJ = 1e3, 1e3
+# A picture needs no more samples than this on all smooth segments together, nor on one of them;
+# and so many on a segment that takes the whole range of the drive.
+_ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
+_LANDSCAPE = 65
+
+
+def units_of(chain: Chain) -> dict[str, str]:
+    """The unit of every number of a chain that is told."""
+    measure = chain.measure
+    travel, force = told_in(measure.travel_unit)[0], told_in(measure.force_unit)[0]
+    drive = told_in(chain.drive_unit)[0]
+    return {"travel": travel, "force": force, "stroke": travel, "drive": drive, "energy": "mJ"}
+
+
+def drawn(path: Path) -> Path:
+    """The path with as many samples as a picture needs."""
+    spans = [float(np.ptp(one.drive)) for one in path.segments() if one.kind is SegmentKind.MOVE]
+    longest = max(spans, default=0.0) / (np.ptp(path.turning_points) or 1.0)
+    least = max(_LEAST, math.ceil(_WHOLE * longest))
+    return path.resampled(min(_MOST, max(least, _ALL // max(1, len(spans)))))
+
+
+def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """The samples of a path in the units of `units_of`; a snap is a jump between two of them."""
+    chain = path.chain
+    _, travel = told_in(chain.measure.travel_unit)
+    _, force = told_in(chain.measure.force_unit)
+    return {
+        "drive": path.drive * told_in(chain.drive_unit)[1],
+        "stroke": path.stroke * travel,
+        "force": path.force * force,
+        "energy": path.energy * MJ,
+        "travel": path.travel * travel,
+        "angle": _angles(chain, path.travel),
+        "segment": path.branch,
+        "direction": path.direction,
+    }
+
+
+def _angles(chain: Chain, travel: Floats) -> Floats:
+    """(n, N) angles of the levers in degrees, NaN where there are none."""
+    angles = np.full_like(travel, np.nan)
+    for i, cell in enumerate(chain.cells):
+        if isinstance(cell, Cell):
+            angles[:, i] = np.degrees(cell.angle(travel[:, i]))
+    return angles
+
+
+def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
+    """(m, N) travels and energies of every cell by itself; NaN for curves that fold back."""
+    travel = np.linspace(
+        [cell.low for cell in chain.cells], [cell.high for cell in chain.cells], _LANDSCAPE
+    )
+    energy = np.full_like(travel, np.nan)
+    for i, cell in enumerate(chain.cells):
+        if isinstance(cell, Cell) or len(cell.laws) == 1:
+            energy[:, i] = cell.energy_at(travel[:, i])
+    factor = told_in(chain.measure.travel_unit)[1]
+    return {"landscape_travel": travel * factor, "landscape_energy": energy * MJ}
+
+
+def cells_of(chain: Chain) -> list[dict[str, Any]]:
+    """What is to be drawn of every cell, and the phases in which it stands without a force."""
+    return [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)]
+
+
+def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
+    travel, force = (
+        told_in(unit)[1] for unit in (cell.measure.travel_unit, cell.measure.force_unit)
+    )
+    told: dict[str, Any] = {
+        "name": name,
+        "kind": "lever" if isinstance(cell, Cell) else "element",
+        "full_travel_mm": cell.full_travel * travel,
+        "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
+    }
+    if isinstance(cell, Cell):
+        # A slack band holds nothing at a stop, and yet a barrier may stand between the stops.
+        if len(told["stable"]) < 2 and cell.is_bistable:
+            told["stable"] = [0, 1]
+        told |= {
+            "lever_mm": cell.lever * MM,
+            "limit_deg": float(np.degrees(cell.limit)),
+            "bands": [
+                {"p_mm": plain(band.p, MM), "q_mm": plain(band.q, MM)} for band in cell.bands
+            ],
+            "force_0_N": cell.force_0,
+            "force_1_N": cell.force_1,
+        }
+    else:
+        ends = cell.phases[0].force_high, cell.phases[-1].force_low
+        told |= {
+            "force_0_N": plain(ends[0], force),
+            "force_1_N": plain(ends[1], force),
+            "bands": [],
+        }
+    return told
+
+
+def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
+    """Switches and snaps; each lies between its sample and the one after it."""
+    chain = path.chain
+    travel, force, drive = (
+        told_in(unit)[1]
+        for unit in (chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit)
+    )
+    events = list(events)
+    return [
+        {
+            "kind": event.kind.name.lower(),
+            "cause": event.cause.name.lower(),
+            "direction": event.direction,
+            "drive_mm": event.drive * drive,
+            "stroke_mm": event.stroke * travel,
+            "cells": list(event.cells),
+            "before_mm": plain(event.before, travel),
+            "after_mm": plain(event.after, travel),
+            "force_before_N": event.force_before * force,
+            "force_after_N": event.force_after * force,
+            "released_mJ": event.released * MJ,
+            "sample": sample,
+        }
+        for event, sample in zip(events, _samples_at(events, path), strict=True)
+    ]
+
+
+def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
+    """The sample at which each event begins, in order."""
+    found: list[int] = []
+    snaps = iter(np.flatnonzero(path.snap_after))
+    # The last bits of a sample's drive may be others than those of its event.
+    near = 1e-12 * np.ptp(path.drive)
+    at = 0
+    for event in events:
+        if event.kind is EventKind.SNAP:
+            at = int(next(snaps))
+        else:
+            here = np.abs(path.drive[at:] - event.drive) <= near
+            here &= path.direction[at:] == event.direction
+            at += int(np.argmax(here))
+        found.append(at)
+        at += event.kind is EventKind.SNAP
+    return found
+
+
+def margins_of(limits: Margin | None) -> dict[str, Any]:
+    """How far every anchor and every stiffness is from another sequence, and the nearest one."""
+    if limits is None:
+        return {"margins": [], "margin": None, "method": "search"}
+    known = sorted(
+        (change for change in limits.changes if np.isfinite(change.distance)),
+        key=lambda change: (change.parameter != "anchor", change.distance),
+    )
+    return {
+        "margins": [_change(change) for change in limits.changes],
+        # What a design becomes takes a cycle of its own: it is told of the nearest alone.
+        "margin": _change(known[0]) | {"becomes": known[0].becomes} if known else None,
+        "method": limits.method.name.lower(),
+    }
+
+
+def _change(change: Change) -> dict[str, Any]:
+    moves = change.parameter == "anchor"
+    reach = {"reach_mm" if moves else "reach_percent": plain(change.distance, MM if moves else 100)}
+    move = plain(change.move, MM) if moves and np.isfinite(change.distance) else None
+    return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move}
+
+
+def program_told(found: Program) -> dict[str, Any]:
+    """What a program does, its drives in the unit of `units_of`."""
+    drive = told_in(found.chain.drive_unit)[1]
+    return {
+        "start": found.start,
+        "to": found.to,
+        "arrives": found.arrives,
+        "does_it": found.arrives == found.to and found.hangs is None,
+        "proved": found.shortest,
+        "reason": found.reason,
+        "turning_points_mm": [point * drive for point in found.turning_points],
+        "turns": [
+            {"drive_mm": t.drive * drive, "low_mm": t.low * drive, "high_mm": t.high * drive}
+            for t in found.turns
+        ],
+        "states": list(found.sequence.states),
+        "sequence": str(found.sequence),
+    }
+
+
+def motion_of(
+    result: Chain | Cycle | Program,
+    known: Margin | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> View:
+    """The full cycle of a chain with its margins, or a program with its windows.
+
+    Args:
+        result: what moves; a cycle is not computed again.
+        known: the margins of a chain, where they have been found already.
+        progress: called with (done, total) while margins are searched.
+    """
+    if isinstance(result, Program):
+        return _motion_view(
+            result.chain, result.path, {**margins_of(None), "program": program_told(result)}
+        )
+    cycle = result.cycle() if isinstance(result, Chain) else result
+    found = {
+        "program": None,
+        "sequence": str(cycle.sequence),
+        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
+        "ties": [tie.advice for tie in cycle.degenerate],
+        **margins_of(margin(cycle.chain, progress=progress) if known is None else known),
+    }
+    return _motion_view(cycle.chain, cycle.path, found)
+
+
+def _motion_view(chain: Chain, path: Path, found: dict[str, Any]) -> View:
+    few = drawn(path)
+    header = {
+        "title": chain.title,
+        "version": __version__,
+        "units": units_of(chain),
+        "cells": cells_of(chain),
+        "events": events_of(path.events, few),
+        "peak_force_N": path.peak_force * told_in(chain.measure.force_unit)[1],
+        "dissipated_mJ": path.dissipated * MJ,
+        "assumptions": assumptions(chain),
+        **found,
+    }
+    return View(header, arrays_of(few) | landscape(chain) | {"phase": _phases(few)})
+
+
+def _phases(path: Path) -> Ints:
+    """(n, N) the phase of every cell at every sample; -1 in transit."""
+    columns = zip(path.chain.stretches, path.sheet.T, path.travel.T, strict=True)
+    found = [
+        [phase_at(own, on, s) for on, s in zip(sheet.tolist(), travel.tolist(), strict=True)]
+        for own, sheet, travel in columns
+    ]
+    return np.array([[-1 if one == "-" else int(one) for one in cell] for cell in found]).T

@@ -1,0 +1,158 @@
+"""An atlas as a map: its machines, which lies beside which, and those that do what is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from stepwell import files
+from stepwell.accounts import account
+from stepwell.base import need
+from stepwell.studies import (
+    QUERIES,
+    THREE,
+    Atlas,
+    Border,
+    Machine,
+    borders,
+    charted,
+    find,
+    opened,
+    understood,
+)
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.stores import store_named
+
+# In parts of the picture's width: circles of the rarest and the most frequent machine, and the
+# room between two.
+_LEAST, _LARGEST, _ROOM = 0.019, 0.05, 0.012
+_TALL = 0.64
+# More are laid out by springs, which cost less.
+_MANY, _PUSHES = 120, 400
+
+
+def placed(
+    found: Atlas, near: Sequence[Border], shown: Sequence[Machine]
+) -> dict[str, tuple[float, float, float]]:
+    """Centre and radius of each machine in a picture of width 1 and height 0.64.
+
+    The less a number has to be changed to come from one to the other, the closer they lie, as far
+    as a plane allows; an area is larger the more designs there are.
+    """
+    span = {axis.name: axis.high - axis.low for axis in found.axes}
+    names = [one.name for one in shown]
+    graph = nx.Graph()
+    graph.add_nodes_from(names)
+    for one in near:
+        if one.machine in graph and one.beyond in graph:
+            far = 0.15 + abs(one.step) / span[one.parameter]
+            known = graph.get_edge_data(one.machine, one.beyond, {"far": far})["far"]
+            graph.add_edge(one.machine, one.beyond, far=min(far, known))
+    # Parts between which nothing is known lie beside one another.
+    parts = [min(part, key=names.index) for part in nx.connected_components(graph)]
+    for other in parts[1:]:
+        graph.add_edge(parts[0], other, far=1.5)
+    if len(names) <= _MANY:
+        spots = nx.kamada_kawai_layout(graph, weight="far")
+    else:
+        spots = nx.spring_layout(graph, weight=None, seed=0)
+    at = np.array([spots[name] for name in names], float).reshape(-1, 2)
+    most = max((one.share.share for one in shown), default=1.0) or 1.0
+    radius = np.array(
+        [_LEAST + (_LARGEST - _LEAST) * sqrt(one.share.share / most) for one in shown]
+    )
+    at = _apart(_fitted(at, radius), radius)
+    return {
+        name: (float(x), float(y), float(r))
+        for name, (x, y), r in zip(names, at, radius, strict=True)
+    }
+
+
+def _fitted(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Stretched over the picture, circles within it; wide rather than tall."""
+    if len(at) < 2:
+        return np.full((len(at), 2), [0.5, _TALL / 2])
+    axes = np.linalg.svd(at - at.mean(axis=0), full_matrices=False)[2]
+    at = (at - at.mean(axis=0)) @ axes.T
+    low, high = at.min(axis=0), at.max(axis=0)
+    size = np.array([1.0, _TALL]) - 2 * radius.max() - 2 * _ROOM
+    share = (at - low) / np.where(high > low, high - low, 1.0)
+    return radius.max() + _ROOM + share * size
+
+
+def _apart(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Pushed off one another until no circles overlap, or enough was tried."""
+    reach = radius[:, None] + radius[None, :] + _ROOM
+    edge = radius[:, None] + _ROOM / 2
+    for _ in range(_PUSHES):
+        apart = at[:, None] - at[None, :]
+        distance = np.hypot(apart[..., 0], apart[..., 1])
+        np.fill_diagonal(distance, np.inf)
+        over = np.maximum(reach - distance, 0.0)
+        if not np.any(over > 1e-6):
+            break
+        # Two in one place go apart along a line of their own.
+        way = np.where(
+            distance[..., None] > 1e-9, apart / np.maximum(distance, 1e-9)[..., None], [1.0, 0.5]
+        )
+        at = at + 0.5 * np.sum(over[..., None] * way, axis=1)
+        at = np.clip(at, edge, np.array([1.0, _TALL]) - edge)
+    return at
+
+
+_LONGEST, _MOST = 400, 300
+
+
+def answer_atlas(_design: Design, ask: Ask) -> View:
+    """The record of `stepwell atlas show --json`, with places, designs and ways of its machines.
+
+    With a `query`, the names that `stepwell atlas find` finds, and nothing else. `name` is that
+    of a store, "" of the atlas that comes with Stepwell.
+    """
+    need("studies")
+    name, query = ask.text("name", 200), ask.text("query", _LONGEST, "")
+    least = ask.number("yield_percent", 0.0, 100.0, 0.0)
+    ask.close()
+    store = store_named(ask, name) if name else THREE
+    if query:
+        understood(query)  # or refused at once
+    found, near = _charted(store, ask)
+    if query:
+        return View(
+            {"query": query, "found": [one.name for one in find(found, query, least / 100)]}
+        )
+    shown = found.machines[:_MOST]
+    names = {one.name for one in shown}
+    among = [one for one in near if {one.machine, one.beyond} <= names]
+    record = account(found, machines=shown, borders=among).record
+    places = placed(found, near, shown)
+    for told, machine in zip(record["machines"], shown, strict=True):
+        told["design_tables"] = files.tables_in(files.dumps(machine.chain))
+        told["x"], told["y"], told["radius"] = places[machine.name]
+        told["ways"] = [
+            {"from": a, "to": b, "direction": way, "snaps": snaps}
+            for a, b, way, snaps in sorted(machine.ways)
+        ]
+    del record["schema"], record["cycles"]
+    return View({**record, "name": name, "phrases": [*QUERIES]})
+
+
+# What was charted last, by the store and what of it was done: it is asked about again and again.
+_KNOWN: dict[Any, tuple[Atlas, tuple[Border, ...]]] = {}
+_KEPT = 3
+
+
+def _charted(store: Path, ask: Ask) -> tuple[Atlas, tuple[Border, ...]]:
+    study = opened(store)
+    key = str(store), study.identity, tuple(study.done_chunks())
+    if key not in _KNOWN:
+        found = charted(study, progress=ask.tell)
+        while len(_KNOWN) >= _KEPT:
+            _KNOWN.pop(next(iter(_KNOWN)))
+        _KNOWN[key] = found, borders(study, found)
+    return _KNOWN[key]

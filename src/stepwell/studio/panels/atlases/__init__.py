@@ -1,1 +1,0 @@
-"""Atlases as maps on which one walks from machine to machine."""

@@ -1,0 +1,310 @@
+"""Designs as wholes: the gallery and its pictures, files opened, texts, figures, replays."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from pathlib import Path as Place
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepwell import files
+from stepwell.base import ExtraError, InputError, Ints
+from stepwell.files import WrittenProgram
+from stepwell.mechanism import Chain
+from stepwell.robot import Robot
+from stepwell.sequences import Program
+from stepwell.statics import Path
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import LONGEST_MESSAGE
+from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of
+from stepwell.studio.panels.motion import program_of
+from stepwell.studio.panels.robots import maze_asked, walk_asked
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stepwell.sequences import Cycle
+    from stepwell.simulation import Maze, Walk
+
+
+# The groups in the order of the page.
+_GROUPS = ("paper", "further", "elements", "robots")
+
+
+def answer_gallery(_design: Design, ask: Ask) -> View:
+    """Names, titles and groups, in the order of the page."""
+    ask.close()
+    return View({"designs": _designs()})
+
+
+def gallery_names() -> list[str]:
+    """The names of all designs in the order of the page."""
+    return [one["name"] for one in _designs()]
+
+
+@cache
+def _designs() -> list[dict[str, Any]]:
+    told = [_preset(name, title) for name, title in files.presets().items()]
+    return sorted(told, key=lambda one: _GROUPS.index(one["group"]))
+
+
+def _preset(name: str, title: str) -> dict[str, Any]:
+    tables = tomllib.loads(files.preset_text(name))
+    legs = tables.get("leg", [])
+    own = legs[0].get("chain", {}) if legs else {}
+    cells = own.get("cell") or tables["chain"]["cell"]
+    kind = "robot" if legs else "chain"
+    group = _group(name, kind, cells)
+    return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
+
+
+def _group(name: str, kind: str, cells: list[dict[str, Any]]) -> str:
+    if kind == "robot":
+        return "robots"
+    # Cells of levers have bands, and bands have anchors.
+    if not all("p_mm" in cell or "bands" in cell for cell in cells):
+        return "elements"
+    return "paper" if name.startswith("paper-") else "further"
+
+
+# So many samples of a motion look smooth in a small picture, beside the ends of its branches.
+_SAMPLES = 60
+_BLOCKS = ("drive", "travel", "angle", "segment", "direction")
+
+
+def answer_thumbnails(_design: Design, ask: Ask) -> View:
+    """One motion after another in the order of the gallery, and at last how many they were."""
+    ask.close()
+    for name in gallery_names():
+        ask.show(_moving(name))
+    return View({"count": len(gallery_names())})
+
+
+def _moving(name: str) -> View:
+    """The program of a design, or the full cycle where it has none; a robot's walk."""
+    tables = tomllib.loads(files.preset_text(name))
+    file = files.loads_tables(tables)
+    design, written = file.subject, file.program
+    if not isinstance(design, Robot):
+        return _chain(name, design, written, tables["chain"]["cell"])
+    try:
+        return _robot(name, design)
+    except ExtraError:
+        # It takes MuJoCo to walk; a leg moves without.
+        return _chain(name, design.legs[0].chain, None, [])
+
+
+def _chain(
+    name: str, chain: Chain, written: WrittenProgram | None, cells: list[dict[str, Any]]
+) -> View:
+    result = chain.cycle() if written is None else written.on(chain)
+    path = drawn(result.path)
+    rows = _few(path)
+    snaps = [
+        {"kind": event["kind"], "sample": int(np.searchsorted(rows, event["sample"]))}
+        for event in events_of(result.path.events, path)
+        if event["kind"] == "snap"
+    ]
+    arrays = arrays_of(path)
+    return View(
+        {
+            "name": name,
+            "sequence": str(result.sequence),
+            "cells": cells_of(chain),
+            # They say what an element is.
+            "tables": cells,
+            "events": snaps,
+        },
+        {block: arrays[block][rows] for block in _BLOCKS},
+    )
+
+
+def _few(path: Path) -> Ints:
+    """The samples of a small picture: the ends of all branches, and between them steps alike."""
+    step = np.abs(np.diff(path.travel, axis=0) / path.chain.full_travels).max(axis=1)
+    step[path.branch[1:] != path.branch[:-1]] = 0.0
+    along = np.concatenate([[0.0], np.cumsum(step)])
+    part = np.floor(_SAMPLES * along / max(along[-1], 1e-9))
+    keep = np.ones(len(part), bool)
+    keep[1:-1] = (part[1:-1] != part[:-2]) | (path.branch[1:-1] != path.branch[:-2])
+    keep[:-1] |= path.branch[1:] != path.branch[:-1]
+    return np.flatnonzero(keep)
+
+
+def _robot(name: str, robot: Robot) -> View:
+    from stepwell.studio.scene import walking
+
+    moving = walking(robot)
+    sequences = {leg.name: str(leg.chain.cycle().sequence) for leg in robot.legs}
+    told = [f"{leg} {sequence}" for leg, sequence in sequences.items()]
+    alike = len(set(sequences.values())) == 1
+    sequence = sequences[robot.legs[0].name] if alike else ", ".join(told)
+    return View({"name": name, "sequence": sequence, **moving.header}, moving.blocks)
+
+
+def answer_open(_design: Design, ask: Ask) -> View:
+    """The tables of the design and its title.
+
+    The text is all there is of a file: no name in it is ever opened.
+    """
+    if ask.has("preset") == ask.has("toml"):
+        raise InputError("ask: must have preset, a name of the gallery, or toml, a file's text.")
+    if ask.has("preset"):
+        text, name = files.preset_text(ask.text("preset", 200)), "preset"
+    else:
+        text, name = ask.text("toml", LONGEST_MESSAGE), "design"
+    ask.close()
+    tables = files.tables_in(text, name)
+    return View({"design": tables, "title": tables.get("title", "")})
+
+
+_LONGEST = 88
+
+
+def script(design: Chain | Robot, toml: str) -> str:
+    """Python that makes the design, equal to the last bit, and says what it does.
+
+    Args:
+        design: any.
+        toml: its design file, for robots and for chains with elements: they are read from it, not
+            spelled out.
+    """
+    if isinstance(design, Robot):
+        made = f"from stepwell.files import loads\n\nrobot = loads({_block(toml)}).robot"
+        return f"{made}\nprint(robot.predict())\n"
+    if design.elements:
+        made = f"from stepwell.files import loads\n\nchain = loads({_block(toml)}).chain"
+    else:
+        made = f"import stepwell as sw\n\nchain = {_made(design, 0)}"
+    imports = "from math import inf\n\n" if "=inf" in made else ""
+    return f"{imports}{made}\nprint(chain.cycle())\n"
+
+
+def _block(text: str) -> str:
+    """Text over several lines, as Python writes it."""
+    if "'''" in text or "\\" in text:
+        return repr(text)
+    return f"'''\n{text}'''"
+
+
+def _made(value: Any, depth: int) -> str:
+    """A value of the public ones as the call that makes it."""
+    if isinstance(value, tuple) and value and is_dataclass(value[0]):
+        inner = [_made(one, depth + 1) for one in value]
+        return _call("(", inner, ",)" if len(value) == 1 else ")", depth)
+    if not is_dataclass(value) or isinstance(value, type):
+        return repr(value)
+    given = [
+        (field.name, getattr(value, field.name))
+        for field in fields(value)
+        if field.init
+        and not field.name.startswith("_")
+        and (field.default is MISSING or getattr(value, field.name) != field.default)
+        and not (field.default_factory is not MISSING)
+    ]
+    parts = [f"{name}={_made(own, depth + 1)}" for name, own in given]
+    return _call(f"sw.{type(value).__name__}(", parts, ")", depth)
+
+
+def _call(start: str, parts: list[str], end: str, depth: int) -> str:
+    line = f"{start}{', '.join(parts)}{end}"
+    if len(line) + 4 * depth <= _LONGEST and "\n" not in line:
+        return line
+    pad = "    " * (depth + 1)
+    end = end.lstrip(",")
+    return f"{start}\n" + "".join(f"{pad}{part},\n" for part in parts) + "    " * depth + end
+
+
+def answer_text(design: Design, ask: Ask) -> View:
+    """TOML that reads as this design, and Python that makes it."""
+    ask.close()
+    found, program = design.read.subject, design.read.program
+    toml = files.dumps(found, program=program)
+    return View({"toml": toml, "python": script(found, toml)})
+
+
+_DPI = 600
+_KINDS = ("svg", "png", "pdf")
+
+
+def answer_export(design: Design, ask: Ask) -> View:
+    """The bytes of a file: `what` is a figure in the `kind` svg, png or pdf, or the samples in csv.
+
+    Of the full cycle, and the samples with all columns that `stepwell run --out` writes: a snap is
+    a step of `branch` from one row to the next.
+    """
+    what, kind = ask.text("what", 20), ask.text("kind", 3)
+    ask.close()
+    cycle = design.chain.cycle()
+    with TemporaryDirectory() as folder:
+        file = Place(folder) / f"out.{kind}"
+        if what == "samples":
+            if kind != "csv":
+                raise InputError(f"ask.kind = {kind!r}: must be csv.")
+            cycle.path.to_csv(file)
+        else:
+            from stepwell.figures import save
+
+            if kind not in _KINDS:
+                raise InputError(f"ask.kind = {kind!r}: must be {', '.join(_KINDS)}.")
+            save(_drawn(what, cycle), file, dpi=_DPI)
+        data = np.frombuffer(file.read_bytes(), np.uint8)
+    return View({"suffix": kind}, {"file": data})
+
+
+def _drawn(what: str, cycle: Cycle) -> Figure:
+    from stepwell import figures
+
+    if what == "overview":
+        return figures.overview(cycle)
+    if what == "mechanism":
+        return figures.mechanism(cycle.chain, cycle.sequence)
+    if what == "force":
+        return figures.force_stroke(cycle)
+    if what == "travel":
+        return figures.travel_stroke(cycle)
+    raise InputError(f"ask.what = {what!r}: must be overview, mechanism, force, travel or samples.")
+
+
+# Where no closed form tells the margins they are searched, and robots are simulated.
+
+
+def answer_replay(design: Design, ask: Ask) -> View:
+    """The file: of a run where `cycles` or `limit_s` are asked for, else of a chain.
+
+    A run is as in panels `walk` and `maze`, which give the same samples. A chain is shown as its
+    `turning_points_mm` have it where there are some, else as the design's own program, else in
+    its full cycle.
+    """
+    from stepwell.studio.standalone import replay
+
+    title = ask.text("title", 10_000) if ask.has("title") else None
+    result = _result(design, ask)
+    page = replay(result, title=title, progress=ask.tell)
+    return View({"suffix": "html"}, {"file": np.frombuffer(page.encode(), np.uint8)})
+
+
+def _result(design: Design, ask: Ask) -> Chain | Program | Walk | Maze:
+    if ask.has("limit_s"):
+        arena, limit = maze_asked(ask)
+        robot = design.robot
+        from stepwell.simulation import maze
+
+        return maze(robot, arena, limit=limit, progress=ask.tell)
+    if ask.has("cycles"):
+        place, cycles = walk_asked(ask)
+        robot = design.robot
+        from stepwell.simulation import walk
+
+        return walk(robot, cycles, arena=place, progress=ask.tell)
+    chain, written = design.chain, design.program
+    if ask.has("turning_points_mm"):
+        result = program_of(chain, ask)
+    else:
+        result = chain if written is None else written.on(chain)
+    ask.close()
+    return result

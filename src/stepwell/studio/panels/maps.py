@@ -1,0 +1,413 @@
+"""What a chain does on the plane of two of its parameters: pictures, boundaries, places."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from stepwell import files
+from stepwell.base import Floats, InputError, Quantity, nearest_word, told_in
+from stepwell.design import (
+    Boundary,
+    BoundaryKind,
+    Parameter,
+    parameter_boundaries,
+    parameter_map,
+    parameters,
+)
+from stepwell.mechanism import Cell, Chain
+from stepwell.studio.ask import Ask, Design, View
+
+_FARTHEST = 1e6
+_MOST_PIXELS = 1000
+_PERCENT = "%", 100.0
+Blocks = dict[str, np.ndarray[Any, Any]]
+Progress = Callable[[float, float], None]
+
+
+class Unproved(InputError):
+    """No closed form tells what the chain does everywhere on the plane."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One of the two parameters, and how far its values reach, in SI."""
+
+    parameter: Parameter
+    low: float
+    high: float
+
+    def middles(self, count: int) -> Floats:
+        """(count,) the middle of every pixel, in SI."""
+        edges = np.linspace(self.low, self.high, count + 1)
+        return (edges[1:] + edges[:-1]) / 2
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A chain without its place on the plane, so that designs that only differ there are equal.
+
+    Attributes:
+        chain: at some place of the plane.
+        axes: of x and of y.
+        here: where the design is, in SI.
+    """
+
+    chain: Chain
+    axes: tuple[Axis, Axis]
+    here: tuple[float, float]
+
+    @classmethod
+    def asked(cls, chain: Chain, ask: Ask) -> Plane:
+        """The plane of the keys x, y, x_range and y_range.
+
+        Raises:
+            ValueError: no such parameter, or no such range.
+        """
+        axes = _axis(chain, ask, "x"), _axis(chain, ask, "y")
+        here = tuple(float(axis.parameter.value(chain)) for axis in axes)  # type: ignore[arg-type]
+        try:
+            for axis in axes:
+                chain = axis.parameter.changed(chain, axis.low)
+        except ValueError:  # no design can be there; then this one has to stand for all
+            pass
+        return cls(chain, axes, (here[0], here[1]))
+
+    def painted(self, wide: int, high: int, progress: Progress) -> tuple[dict[str, Any], Blocks]:
+        """The sequences that are on the plane, and the image (high, wide) of numbers into them."""
+        sized = zip(self.axes, (wide, high), strict=True)
+        x, y = ((axis.parameter, axis.middles(count)) for axis, count in sized)
+        found = parameter_map(self.chain, x, y, progress=progress)
+        flags = found.sequence.attrs
+        words = flags["flag_meanings"].split(" ")
+        numbers = np.asarray(flags["flag_values"])
+        codes, image, counts = np.unique(
+            found.sequence.values, return_inverse=True, return_counts=True
+        )
+        order = np.argsort(numbers)
+        texts = [words[order[k]] for k in np.searchsorted(numbers, codes, sorter=order)]
+        shares = (counts / counts.sum()).tolist()
+        header = {"sequences": texts, "shares": shares}
+        blocks: Blocks = {"image": image.reshape(high, wide).astype(np.int32)}
+        for letter, (parameter, values) in (("x", x), ("y", y)):
+            blocks[letter] = values * unit_of(parameter)[1]
+        return header, blocks
+
+    def curves(self, search: int, progress: Progress) -> tuple[Boundary, ...]:
+        """The boundaries on the plane, looked for on `search` nodes each way where not exact."""
+        x, y = ((axis.parameter, np.array([axis.low, axis.high])) for axis in self.axes)
+        return parameter_boundaries(self.chain, x, y, search=search, progress=progress)
+
+    def proved_curves(self) -> tuple[Boundary, ...]:
+        """The boundaries where closed forms tell all of them.
+
+        Raises:
+            Unproved: they do not.
+        """
+        # Where the design is does not change the curves: while it moves they are known.
+        return _proved_curves(replace(self, here=(0.0, 0.0)))
+
+    def told(self, curves: Iterable[Boundary]) -> tuple[dict[str, Any], Blocks]:
+        """The curves in units of the bench, and how far the design is from the nearest."""
+        (x, x_factor), (y, y_factor) = (unit_of(axis.parameter) for axis in self.axes)
+        factors = np.array([x_factor, y_factor])
+        here = np.array(self.here) * factors
+        blocks: Blocks = {f"boundary {k}": c.points * factors for k, c in enumerate(curves)}
+        listed = [
+            {
+                "block": f"boundary {k}",
+                "kind": curve.kind.name.lower(),
+                "changes": curve.changes,
+                "method": curve.method.name.lower(),
+                "sequences": list(curve.sequences),
+            }
+            for k, curve in enumerate(curves)
+        ]
+        ways = _ways(here, curves, blocks, (x, y)) if np.all(np.isfinite(here)) else []
+        header = {
+            "here": [value if math.isfinite(value) else None for value in here.tolist()],
+            "units": [x, y],
+            "boundaries": listed,
+            "nearest": ways,
+        }
+        return header, blocks
+
+
+def pixels(ask: Ask) -> tuple[int, int]:
+    """How many the image has, across and up; fewer where each stands for `coarse` by `coarse`."""
+    wide, high = (int(n) for n in ask.numbers("pixels", 2, 2, _MOST_PIXELS, least_many=2))
+    coarse = ask.whole("coarse", 1, 64, 1)
+    return max(2, -(-wide // coarse)), max(2, -(-high // coarse))
+
+
+def asked_parameter(chain: Chain, ask: Ask, letter: str) -> Parameter:
+    """The parameter that key x or y names, as panel `parameters` lists them.
+
+    Raises:
+        ValueError: no such parameter.
+    """
+    known = {key_of(one): one for one in parameters(chain) if not one.is_anchor}
+    key = ask.text(letter, 60)
+    if key not in known:
+        near = nearest_word(key, list(known))
+        advice = f"Did you mean {near!r}?" if near else "Panel `parameters` lists them."
+        raise InputError(f"ask.{letter} = {key!r}: no such parameter of this chain. {advice}")
+    return known[key]
+
+
+def key_of(parameter: Parameter) -> str:
+    """By which a parameter is asked for; cells by number from 1, since names may repeat."""
+    return parameter.name if parameter.cell is None else f"{parameter.cell + 1}.{parameter.part}"
+
+
+def unit_of(parameter: Parameter) -> tuple[str, float]:
+    """In which a parameter is told, and how many of it make one in SI."""
+    told, factor = told_in(parameter.unit)
+    return _PERCENT if told == "1" else (Quantity("", told).sign, factor)
+
+
+def unproved(_done: float, total: float) -> None:
+    """Refuse to follow a single place.
+
+    Raises:
+        Unproved: one would have to be followed.
+    """
+    if total:
+        raise Unproved(f"{total:.0f} places have to be followed one by one.")
+
+
+@lru_cache(maxsize=16)
+def _proved_curves(plane: Plane) -> tuple[Boundary, ...]:
+    # The grid only finds places where the proof ends, and there this is given up.
+    return plane.curves(61, unproved)
+
+
+def _axis(chain: Chain, ask: Ask, letter: str) -> Axis:
+    parameter = asked_parameter(chain, ask, letter)
+    factor = unit_of(parameter)[1]
+    low, high = ask.pair(f"{letter}_range", -_FARTHEST, _FARTHEST)
+    return Axis(parameter, low / factor, high / factor)
+
+
+def _ways(
+    here: Floats, curves: Iterable[Boundary], blocks: Blocks, units: tuple[str, str]
+) -> list[dict[str, Any]]:
+    """The shortest way to another sequence, or along each axis where they have unlike units."""
+    found: dict[str, dict[str, Any]] = {}
+    for k, curve in enumerate(curves):
+        if curve.kind is BoundaryKind.BISTABLE:
+            continue
+        points = blocks[f"boundary {k}"]
+        if units[0] == units[1]:
+            places = {"plane": _closest(here, points)}
+        else:
+            places = {"xy"[i]: _met(here, points, i) for i in range(2)}
+        for along, at in places.items():
+            if at is None:
+                continue
+            far = float(np.linalg.norm(at - here))
+            if along not in found or far < found[along]["distance"]:
+                found[along] = {
+                    "along": along,
+                    "distance": far,
+                    "unit": units["xy".find(along)] if along in "xy" else units[0],
+                    "at": at.tolist(),
+                    "sequences": list(curve.sequences),
+                    "method": curve.method.name.lower(),
+                }
+    return list(found.values())
+
+
+def _closest(here: Floats, points: Floats) -> Floats | None:
+    """The place of a polyline (m, 2) that is closest."""
+    start, way = points[:-1], np.diff(points, axis=0)
+    length = np.maximum(np.sum(way**2, axis=1), 1e-300)
+    share = np.clip(np.sum((here - start) * way, axis=1) / length, 0.0, 1.0)
+    places = start + share[:, None] * way
+    if not len(places):
+        return None
+    return places[np.argmin(np.sum((places - here) ** 2, axis=1))]
+
+
+def _met(here: Floats, points: Floats, axis: int) -> Floats | None:
+    """Where a polyline (m, 2) is met first on a straight way along one axis, if it is."""
+    off = points[:, 1 - axis] - here[1 - axis]
+    k = np.flatnonzero((off[:-1] <= 0) != (off[1:] <= 0))
+    if not len(k):
+        return None
+    share = off[k] / (off[k] - off[k + 1])
+    met = points[k, axis] + share * (points[k + 1, axis] - points[k, axis])
+    at = here.copy()
+    at[axis] = met[np.argmin(np.abs(met - here[axis]))]
+    return at
+
+
+# Of a lever: as far as an anchor is mapped to either side, which is the paper's box.
+_REACH = 1.06
+_WORDS = {
+    "p.x": "x of p",
+    "p.y": "y of p",
+    "q.x": "x of q",
+    "q.y": "y of q",
+    "rest_length": "rest length",
+    "limit": "largest angle",
+    "force_scale": "force scale",
+    "travel_scale": "travel scale",
+}
+
+
+def answer_parameters(design: Design, ask: Ask) -> View:
+    """Every parameter that is a number, with its value and a range in the unit that is told."""
+    ask.close()
+    chain = design.chain
+    return View(
+        {"parameters": [_parameter_told(chain, p) for p in parameters(chain) if not p.is_anchor]}
+    )
+
+
+def _parameter_told(chain: Chain, parameter: Parameter) -> dict[str, Any]:
+    unit, factor = unit_of(parameter)
+    value = float(parameter.value(chain))  # type: ignore[arg-type]
+    low, high = (end * factor for end in _range(chain, parameter, value))
+    if parameter.cell is not None and "." in parameter.part:
+        low, high = math.floor(low), math.ceil(high)
+    else:
+        low, high = _short(low), _short(high)
+    of = "" if parameter.cell is None else chain.names[parameter.cell]
+    word = _WORDS.get(parameter.part, parameter.part.replace("_", " "))
+    return {
+        "key": key_of(parameter),
+        "cell": parameter.cell,
+        "part": parameter.part,
+        "label": f"{word} of {of}" if of else word,
+        "unit": unit,
+        "value": value * factor if math.isfinite(value) else None,
+        "range": [low, high],
+    }
+
+
+def _range(chain: Chain, parameter: Parameter, value: float) -> tuple[float, float]:
+    if parameter.cell is None:
+        travel = max(cell.full_travel for cell in chain.cells)
+        usual = max(map(_force, chain.cells)) / travel
+        if 0 < value < math.inf:
+            return value / 5, value * 5
+        return 0.0 if value == 0 else usual / 10, usual * 10  # a given force, or a given stroke
+    cell, part = chain.cells[parameter.cell], parameter.part
+    if isinstance(cell, Cell) and "." in part:
+        return value - _REACH * cell.lever, value + _REACH * cell.lever
+    if part == "friction":
+        return 0.0, max(2 * value, _force(cell) / 2)
+    if part == "limit":
+        return 0.6 * value, min(1.4 * value, math.radians(85))
+    if part in ("force_scale", "travel_scale"):
+        return value / 2, value * 2
+    if not value and isinstance(cell, Cell):  # a band without a rest length
+        return 0.0, cell.lever
+    return value / 2, value * 1.5
+
+
+def _force(cell: Any) -> float:
+    """About what a cell needs."""
+    if isinstance(cell, Cell):
+        return max(abs(cell.force_0), abs(cell.force_1))
+    return cell.largest_force
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.3g}")
+
+
+def answer_map(design: Design, ask: Ask) -> View:
+    """An image of numbers into `sequences`, rows from low to high y.
+
+    Where some places have to be followed one by one there is no image, and `aside` says that panel
+    `map_followed` draws it.
+    """
+    plane = Plane.asked(design.chain, ask)
+    wide, high = pixels(ask)
+    ask.close()
+    try:
+        header, blocks = plane.painted(wide, high, unproved)
+    except Unproved:
+        return View({"aside": True})
+    return View({"aside": False, **header}, blocks)
+
+
+# Each is shown as soon as it is there; a place takes a millisecond or so.
+_COARSE = 16, 8, 5, 2, 1
+_MOST_FOLLOWED = 2000
+# Nodes each way from which boundaries are bisected.
+_SEARCH = 21
+
+Known = tuple[dict[str, Any], Blocks, tuple[Boundary, ...]]
+# Of the last plane: while the design moves on it, nothing has to be followed again.
+_known: dict[Plane, Known] = {}
+
+
+def answer_map_followed(design: Design, ask: Ask) -> View:
+    """As panels `map` and `border` together, coarser: `coarse` says how many pixels stand as one.
+
+    The coarsest image comes first, and curves with the last.
+    """
+    plane = Plane.asked(design.chain, ask)
+    wide, high = pixels(ask)
+    ask.close()
+    key = replace(plane, here=(0.0, 0.0))
+    if key not in _known:
+        found = _found(plane, wide, high, ask)
+        _known.clear()
+        _known[key] = found
+    header, blocks, curves = _known[key]
+    told, lines = plane.told(curves)
+    return View({**header, **told}, blocks | lines)
+
+
+def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
+    def few(done: float, total: float) -> None:
+        if total > _MOST_FOLLOWED:
+            raise Unproved(f"{total:.0f} places have to be followed one by one.")
+        ask.tell(done, max(total, 1))
+
+    header: dict[str, Any] = {}
+    blocks: Blocks = {}
+    for coarse in _COARSE:
+        size = max(2, -(-wide // coarse)), max(2, -(-high // coarse))
+        try:
+            found, blocks = plane.painted(*size, few)
+        except Unproved:
+            break
+        header = {"coarse": coarse, **found}
+        ask.show(View({**header, **plane.told(())[0]}, blocks))
+    return header, blocks, plane.curves(_SEARCH, ask.tell)
+
+
+def answer_border(design: Design, ask: Ask) -> View:
+    """Curves in units of the bench, the design's place, and the nearest other sequence.
+
+    `aside` says that no closed form tells them all, and that panel `map_followed` looks for them.
+    """
+    plane = Plane.asked(design.chain, ask)
+    ask.close()
+    try:
+        curves, aside = plane.proved_curves(), False
+    except Unproved:
+        curves, aside = (), True
+    header, blocks = plane.told(curves)
+    return View({"aside": aside, **header}, blocks)
+
+
+def answer_jump(design: Design, ask: Ask) -> View:
+    """Table `chain` of its design file; `at` has the two values in units of the bench."""
+    chain = design.chain
+    both = [asked_parameter(chain, ask, letter) for letter in "xy"]
+    at = ask.numbers("at", 2, -_FARTHEST, _FARTHEST, least_many=2)
+    ask.close()
+    for parameter, value in zip(both, at, strict=True):
+        chain = parameter.changed(chain, value / unit_of(parameter)[1])
+    return View({"chain": files.tables_in(files.dumps(chain))["chain"]})

@@ -1,0 +1,216 @@
+"""What the page asks of a chain's motion: its cycle, margins, numbers, graph and programs."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from stepwell.base import InputError, StepwellError, told_in
+from stepwell.design import margin, proved_margin
+from stepwell.files import WrittenProgram, columns_of, known_keys, new_cells
+from stepwell.mechanism import Chain, Element
+from stepwell.sequences import Program, ProgramMethod, to_dot
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.motion import (
+    MJ,
+    arrays_of,
+    cells_of,
+    drawn,
+    events_of,
+    landscape,
+    margins_of,
+    program_told,
+    units_of,
+)
+
+
+def answer_evaluate(design: Design, ask: Ask) -> View:
+    """The cycle, and how far the design is from another where that is known in closed form.
+
+    Numbers of a chain of volumes or of angles stand under the same names; `units` has theirs.
+    """
+    ask.close()
+    chain = design.chain
+    cycle = chain.cycle()
+    # A search takes a hundred times as long as all else here: panel `margin` does it aside.
+    limits = proved_margin(chain)
+    path = drawn(cycle.path)
+    header = {
+        "title": chain.title,
+        "units": units_of(chain),
+        "names": list(chain.names),
+        "sequence": str(cycle.sequence),
+        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
+        "cells": cells_of(chain),
+        "events": events_of(cycle.events, path),
+        **margins_of(limits),
+        "peak_force_N": cycle.peak_force * told_in(chain.measure.force_unit)[1],
+        "dissipated_mJ": cycle.dissipated * MJ,
+        "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
+        "ties": [tie.advice for tie in cycle.degenerate],
+    }
+    return View(header, arrays_of(path) | landscape(chain))
+
+
+def answer_margin(design: Design, ask: Ask) -> View:
+    """The margins as panel `evaluate` tells them, by whatever it takes."""
+    ask.close()
+    return View(margins_of(margin(design.chain, progress=ask.tell)))
+
+
+_POINTS = 121
+
+
+def answer_cells(design: Design, ask: Ask) -> View:
+    """The keys of the shown chain and of every cell, what can be added, and samples of curves.
+
+    It is asked of designs that are refused too, so that what was typed can be typed otherwise;
+    those have no curves, and `units` is null.
+    """
+    ask.close()
+    tables = _tables(design)
+    chain, cells = known_keys(*tables)
+    header = {
+        "chain": [asdict(one) for one in chain],
+        "cells": [[asdict(one) for one in cell] for cell in cells],
+        "columns": [columns_of(cell) for cell in tables[0]["cell"]] if cells else [],
+        "new": new_cells(),
+    }
+    try:
+        made = design.chain
+    except StepwellError:
+        # Where there are no cells, there is nothing to be typed either.
+        if not cells:
+            raise
+        return View({**header, "units": None})
+    return View({**header, "units": units_of(made)}, _curves(made))
+
+
+def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
+    """Samples of every element's curve, sheet by sheet."""
+    rows: list[np.ndarray[Any, Any]] = [np.empty((0, 4))]
+    for i, cell in enumerate(chain.cells):
+        if isinstance(cell, Element):
+            for k, sheet in enumerate(cell.laws):
+                travel = np.linspace(sheet.begin, sheet.end, _POINTS)
+                force = cell.force_at(travel, k)
+                rows.append(np.column_stack([np.full((_POINTS, 2), (i, k)), travel, force]))
+    of, segment, travel, force = np.concatenate(rows).T
+    return {
+        "cell": of.astype(int),
+        "segment": segment.astype(int),
+        "travel": travel * told_in(chain.measure.travel_unit)[1],
+        "force": force * told_in(chain.measure.force_unit)[1],
+    }
+
+
+def _tables(design: Design) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
+    """The table that holds the cells, and that which legs share."""
+    tables = design.tables or {}
+    common, legs = _table(tables.get("chain")), tables.get("leg")
+    if not isinstance(legs, list):
+        return common, None
+    leg: Any = legs[design.leg] if design.leg < len(legs) else {}
+    own = _table(_table(leg).get("chain"))
+    return (own, common) if "cell" in own else (common, {})
+
+
+def _table(found: Any) -> Mapping[str, Any]:
+    return found if isinstance(found, Mapping) else {}
+
+
+# More states than these cells have cannot be seen, and are counted by `stepwell graph`.
+_MOST_CELLS = 8
+
+
+def answer_graph(design: Design, ask: Ask) -> View:
+    """Nodes and edges, their drives in the unit of `units`, and the graph in DOT."""
+    ask.close()
+    chain = design.chain
+    if len(chain) > _MOST_CELLS:
+        raise InputError(
+            f"the graph of {len(chain)} cells has too many states to be seen: at most "
+            f"{_MOST_CELLS} cells are drawn; `stepwell graph` counts them."
+        )
+    graph = chain.graph()
+    drive, reached = told_in(chain.drive_unit)[1], graph.reachable()
+    nodes = list(graph.nodes)
+    return View(
+        {
+            "units": units_of(chain),
+            "dot": to_dot(graph),
+            "nodes": [
+                {
+                    "state": node.state,
+                    "label": node.label,
+                    "low_mm": node.low * drive,
+                    "high_mm": node.high * drive,
+                    "reached": node.label in reached,
+                }
+                for node in nodes
+            ],
+            "edges": [
+                {
+                    "from": node.label,
+                    "to": way[0],
+                    "kind": way[1].kind.name.lower(),
+                    "direction": direction,
+                    "drive_mm": way[1].drive * drive,
+                }
+                for node in nodes
+                for direction in (1, -1)
+                if (way := graph.transition(node.label, direction)) is not None
+            ],
+        }
+    )
+
+
+_MOST_TURNS = 100
+_FARTHEST = 1e6
+
+
+def answer_program(design: Design, ask: Ask) -> View:
+    """The program from `start` to `to`, or the one of `turning_points_mm`, with its samples."""
+    found = program_of(design.chain, ask)
+    ask.close()
+    path = drawn(found.path)
+    header = {"units": units_of(found.chain), **program_told(found)}
+    return View(
+        {**header, "events": events_of(found.path.events, path), "written": _written(found)},
+        arrays_of(path),
+    )
+
+
+def program_of(chain: Chain, ask: Ask) -> Program:
+    """The program that is asked for.
+
+    Raises:
+        ValueError: states that are none of this chain, or between which no program leads.
+    """
+    start = _state(chain, ask, "start", chain.first_state)
+    if ask.has("turning_points_mm"):
+        drive = told_in(chain.drive_unit)[1]
+        points = ask.numbers("turning_points_mm", _MOST_TURNS, -_FARTHEST, _FARTHEST)
+        to = _state(chain, ask, "to") if ask.has("to") else None
+        return Program.given(chain, [point / drive for point in points], start=start, to=to)
+    return chain.program(_state(chain, ask, "to"), start=start)
+
+
+def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
+    state, last = ask.text(key, len(chain), default), chain.last_state
+    if len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True)):
+        return state
+    raise InputError(f"ask.{key} = {state!r}: must be one digit a cell, up to {last}.")
+
+
+def _written(found: Program) -> dict[str, Any]:
+    """The table [program] of a design file; of one that was planned with tidy numbers."""
+    if found.method is ProgramMethod.GIVEN:
+        kept = WrittenProgram(found.start, found.turning_points, found.to)
+    else:
+        kept = WrittenProgram.of(found)
+    return tomllib.loads(kept.text(found.chain))["program"]

@@ -1,0 +1,265 @@
+"""Recordings of a test machine beside what the design does."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Iterable, Sequence
+from copy import deepcopy
+from pathlib import PurePosixPath
+from typing import Any
+
+import numpy as np
+
+from stepwell.accounts import account
+from stepwell.base import Floats, InputError, Ints, Measure, plain
+from stepwell.lab import (
+    Batch,
+    Comparison,
+    LabError,
+    Recording,
+    Refit,
+    Series,
+    compare,
+    find_snaps,
+    read_bytes,
+    refit,
+    sort_series,
+)
+from stepwell.mechanism import Chain
+from stepwell.statics import EventKind
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import LONGEST_MESSAGE
+
+MM = 1e3
+_MOST_FILES = 32
+# Of one file and of all of them, unpacked: a recording of an hour at 50 Hz has 6 MB.
+_MOST_BYTES = 16 << 20
+# A picture shows no more samples than these of one way.
+_DRAWN = 1500
+# Steps of time or of stroke, in usual ones, over which no line is drawn.
+_GAP = 3.0, 20.0
+
+
+def answer_measured(design: Design, ask: Ask) -> View:
+    """What is in the recordings, how they compare, and the bands that would fit them.
+
+    A file that cannot be read gets a line and stops no other. The design is the one that was
+    tested, whatever the names of the files say.
+    """
+    files = ask.parts("files", _MOST_FILES)
+    recordings, refused = _read(files)
+    ask.close()
+    chain = design.chain
+    if chain.measure is not Measure.TRAVEL or chain.drive_unit != Measure.TRAVEL.travel_unit:
+        raise InputError(
+            "chain: is not driven by a stroke in mm: recordings of a test machine are of stroke "
+            "and force."
+        )
+    header: dict[str, Any] = {
+        "files": [_file(one) for one in account(Batch(tuple(recordings), ())).record["recordings"]],
+        "refused": refused,
+        "series": [],
+        "told": [],
+        "fit": None,
+        "why_no_fit": "",
+    }
+    blocks: dict[str, np.ndarray[Any, Any]] = {}
+    if recordings:
+        series, told = _series(recordings, chain)
+        comparison, why = _compared(recordings, chain, series)
+        header["told"] = [*told, why] if why else told
+        header["series"] = [_told(one, comparison) for one in series]
+        for k, one in enumerate(series):
+            blocks |= _curves(f"{k}", one)
+        if comparison is not None:
+            try:
+                header["fit"] = _fit(refit(comparison), design)
+            except LabError as error:
+                header["why_no_fit"] = error.problem
+    return View(header, blocks)
+
+
+def _read(files: Iterable[Ask]) -> tuple[list[Recording], list[str]]:
+    """The recordings, and a line for every file that is none."""
+    found: list[Recording] = []
+    refused: list[str] = []
+    left = _MOST_BYTES
+    for file in files:
+        # Only a name: it is told and never opened.
+        name = PurePosixPath(file.text("name", 200).replace("\\", "/")).name or "recording"
+        packed = file.text("gzip_base64", LONGEST_MESSAGE)
+        file.close()
+        try:
+            content = _unpacked(packed, left)
+            left -= len(content)
+            found.append(read_bytes(content, name))
+        except LabError as error:
+            refused.append(str(error))
+        except ValueError as error:
+            refused.append(f"{name}: {error}")
+    return found, refused
+
+
+def _unpacked(packed: str, most: int) -> bytes:
+    """What was packed by gzip and base64, and no more than so many bytes of it."""
+    unpacking = zlib.decompressobj(wbits=31)
+    try:
+        content = unpacking.decompress(base64.b64decode(packed, validate=True), most + 1)
+    except (ValueError, zlib.error):
+        raise InputError("did not arrive whole: choose it again.") from None
+    if len(content) > most:
+        raise InputError(
+            f"is too long: all recordings together have at most {_MOST_BYTES >> 20} MiB. Export "
+            f"fewer samples a second, or compare them by `stepwell lab compare`."
+        )
+    if not unpacking.eof:
+        raise InputError("did not arrive whole: choose it again.")
+    return content
+
+
+def _series(recordings: Sequence[Recording], chain: Chain) -> tuple[list[Series], list[str]]:
+    try:
+        found = sort_series(recordings, [chain], as_designed=True)
+    except LabError as error:
+        return [], [error.problem]
+    return list(found.series), list(found.told)
+
+
+def _compared(
+    recordings: Sequence[Recording], chain: Chain, series: Sequence[Series]
+) -> tuple[Comparison | None, str]:
+    """The comparison; None where there can be none, and why."""
+    if not series:
+        return None, ""
+    if len(chain) > 2 or chain.elements:
+        kind = "elements" if chain.elements else f"{len(chain)} cells"
+        why = f"The design has {kind}: one or two cells of levers get a verdict and a fit."
+        return None, why
+    return compare(recordings, [chain], as_designed=True), ""
+
+
+def _file(record: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "name": record["source"],
+        "samples": record["samples"],
+        "rate_Hz": record["rate_Hz"],
+        "stroke_mm": [record["stroke_from_mm"], record["stroke_to_mm"]],
+        "direction": record["direction"],
+        "odd": record["odd"],
+    }
+
+
+def _told(series: Series, comparison: Comparison | None) -> dict[str, Any]:
+    """A series with its verdict, and its snaps beside those of the model."""
+    tests = comparison.tests if comparison else ()
+    test = next((one for one in tests if one.series.name == series.name), None)
+    predicted = _predicted(series)
+    measured = getattr(test, "snaps", None)
+    if measured is None:
+        measured = tuple(_measured(series, run) for run in series.recordings)
+    return {
+        "name": series.name,
+        "unloading": series.unloading,
+        "runs": [run.source for run in series.recordings],
+        "baseline": [run.source for run in series.baseline],
+        "told": list(series.told),
+        "verdict": test.verdict if test else "",
+        "rms_N": test.rmse * series.scale if test else None,
+        "snaps": [
+            {"run": run.source, **pair}
+            for run, snaps in zip(series.recordings, measured, strict=True)
+            for pair in _beside(predicted, snaps)
+        ],
+    }
+
+
+def _predicted(series: Series) -> list[float]:
+    events = series.path.events
+    return [event.stroke for event in events if event.kind is EventKind.SNAP]
+
+
+def _measured(series: Series, run: Recording) -> tuple[float, ...]:
+    stroke = series.placed(run)
+    return tuple(snap.stroke for snap in find_snaps(stroke, run.force, series.quiet))
+
+
+def _beside(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
+    """Snaps of a run beside those of the model, the nearest two together; None where one lacks."""
+    near = sorted(
+        (abs(a - b), i, j) for i, a in enumerate(predicted) for j, b in enumerate(measured)
+    )
+    partner: dict[int, int] = {}
+    for _, i, j in near:
+        if i not in partner and j not in partner.values():
+            partner[i] = j
+    pairs: list[tuple[float | None, float | None]] = [
+        (one, measured[partner[i]] if i in partner else None) for i, one in enumerate(predicted)
+    ]
+    alone = [one for j, one in enumerate(measured) if j not in partner.values()]
+    pairs += [(None, one) for one in alone]
+    return [
+        {
+            "predicted_mm": None if a is None else a * MM,
+            "measured_mm": None if b is None else b * MM,
+            "difference_mm": None if a is None or b is None else (b - a) * MM,
+        }
+        for a, b in pairs
+    ]
+
+
+def _curves(name: str, series: Series) -> dict[str, np.ndarray[Any, Any]]:
+    """Stroke from state 0 and force of all runs of a series; a new segment where a line ends."""
+    strokes, forces, segments = [], [], []
+    last = 0
+    for run in series.recordings:
+        stroke = series.placed(run)
+        segment = _segments(run)
+        shown = np.unique(np.linspace(0, len(run) - 1, min(len(run), _DRAWN)).astype(int))
+        strokes.append(stroke[shown] * MM)
+        forces.append(run.force[shown])
+        segments.append(segment[shown] + last)
+        last += int(segment[-1]) + 1
+    return {
+        f"stroke {name}": np.concatenate(strokes),
+        f"force {name}": np.concatenate(forces),
+        f"segment {name}": np.concatenate(segments),
+    }
+
+
+def _segments(run: Recording) -> Ints:
+    """(n,) numbers of the pieces without a gap in time or stroke."""
+    gap = np.zeros(len(run), dtype=bool)
+    for values, most in zip((run.time, run.stroke), _GAP, strict=True):
+        gap[1:] |= _jumps(values, most)
+    return np.cumsum(gap)
+
+
+def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    steps = np.abs(np.diff(values))
+    moving = steps[steps > 0]
+    return steps > most * float(np.median(moving)) if len(moving) else steps > 0
+
+
+def _fit(found: Refit, design: Design) -> dict[str, Any]:
+    """The fit, and the design with it."""
+    return {**found.record(), "design": _taken(found, design)}
+
+
+def _taken(found: Refit, design: Design) -> dict[str, Any]:
+    """The tables of the design with the fitted bands, all else as it was."""
+    tables = deepcopy(design.tables or {})
+    legs = tables.get("leg") or [{}]
+    leg = legs[design.leg] if design.leg < len(legs) else {}
+    chain = leg["chain"] if "cell" in leg.get("chain", {}) else tables["chain"]
+    fitted = {
+        "stiffness_N_per_m": plain(found.stiffness),
+        "rest_length_mm": plain(found.rest_length, MM),
+    }
+    chain["band"] = {**chain.get("band", {}), **fitted}
+    for cell in chain["cell"]:
+        for band in (cell.get("band"), *cell.get("bands", [])):
+            if isinstance(band, dict):
+                for key in fitted:
+                    band.pop(key, None)
+    return tables

@@ -1,1 +1,0 @@
-"""What the page asks of recordings: how a measurement and the design agree."""

@@ -1,0 +1,133 @@
+"""What the page asks of robots: where they stand, what they will do, and what they do."""
+
+from __future__ import annotations
+
+from stepwell import files
+from stepwell.accounts import account
+from stepwell.base import InputError
+from stepwell.robot import Arena
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.message import LONGEST_MESSAGE
+
+_MOST_CYCLES = 1000
+_LONGEST = 3600.0  # s
+
+
+def arena_of(ask: Ask) -> Arena | None:
+    """The arena that is asked with, or None for a bare floor.
+
+    Raises:
+        ValueError: one that cannot be; the text as for a file.
+    """
+    return files.loads_arena_tables(ask.table("arena")) if ask.has("arena") else None
+
+
+def walk_asked(ask: Ask) -> tuple[Arena | None, float]:
+    """Where a robot is to walk, and for how many cycles.
+
+    Raises:
+        ValueError: an arena that cannot be, or too many cycles.
+    """
+    arena, cycles = arena_of(ask), ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)
+    ask.close()
+    return arena, cycles
+
+
+def maze_asked(ask: Ask) -> tuple[Arena, float]:
+    """Which arena a robot is to go through, and in what time [s].
+
+    Raises:
+        ValueError: none, one that cannot be, or too much time.
+    """
+    arena, limit = arena_of(ask), ask.number("limit_s", 1.0, _LONGEST, 600.0)
+    ask.close()
+    if arena is None:
+        raise InputError("ask.arena: is missing; a maze needs one, if only the open floor.")
+    return arena, limit
+
+
+def answer_arena(_design: Design, ask: Ask) -> View:
+    """The list; or the tables of the arena of a `name` or a `text`; or the file of an `arena`.
+
+    The text is all there is of a file: no name in it is ever opened.
+    """
+    if ask.has("arena"):
+        arena = arena_of(ask)
+        ask.close()
+        assert arena is not None
+        return View({"toml": files.dumps(arena)})
+    if ask.has("name"):
+        text = files.arena_text(ask.text("name", 200))
+    elif ask.has("text"):
+        text = ask.text("text", LONGEST_MESSAGE)
+    else:
+        ask.close()
+        return View({"arenas": [{"name": n, "title": t} for n, t in files.arenas().items()]})
+    ask.close()
+    if not text.strip():
+        raise InputError("ask.text: is empty; it must be an arena's file or a map of letters.")
+    arena = files.loads_arena(text)
+    return View({"arena": files.arena_tables(arena), "title": arena.title})
+
+
+def answer_robot(design: Design, ask: Ask) -> View:
+    """Parts and lines of the robot, their places, and what its antennas do."""
+    arena = arena_of(ask)
+    ask.close()
+    robot = design.robot
+    # Numbers of a robot can be wrong, and said so, where it cannot be simulated.
+    from stepwell.studio.scene import Scene
+
+    scene = Scene(robot, arena)
+    return View(scene.told(), scene.placed(scene.start))
+
+
+def answer_predict(design: Design, ask: Ask) -> View:
+    """The record that `stepwell robot show --json` prints, and the prediction in words."""
+    ask.close()
+    prediction = design.robot.predict()
+    return View({"motion": prediction.motion.value, "record": account(prediction).record})
+
+
+def answer_walk(design: Design, ask: Ask) -> View:
+    """The record that `stepwell walk --json` prints, and every sample."""
+    arena, cycles = walk_asked(ask)
+    robot = design.robot
+    from stepwell.simulation import walk
+    from stepwell.studio.scene import Live
+
+    live = Live(robot, arena, ask)
+    found = walk(robot, cycles, arena=arena, progress=ask.tell, look=live.look)
+    return live.view(found, record=account(found).record)
+
+
+def answer_maze(design: Design, ask: Ask) -> View:
+    """The record that `stepwell maze --json` prints, and every sample."""
+    arena, limit = maze_asked(ask)
+    robot = design.robot
+    from stepwell.simulation import maze
+    from stepwell.studio.scene import Live
+
+    live = Live(robot, arena, ask)
+    found = maze(robot, arena, limit=limit, progress=ask.tell, look=live.look)
+    return live.view(found.walk, record=account(found).record, outcome=str(found.outcome))
+
+
+_SHARES = 0.8, 1.2
+
+
+def answer_robot_numbers(design: Design, ask: Ask) -> View:
+    """Every number that is not 0, by its key, with its unit and a fifth to either side of it."""
+    ask.close()
+    found = [
+        {
+            "key": one.path,
+            "label": one.path,
+            "unit": one.unit,
+            "value": one.values[0],
+            "range": sorted(float(f"{one.values[0] * share:.3g}") for share in _SHARES),
+        }
+        for one in files.parameters(design.robot)
+        if one.values[0]
+    ]
+    return View({"parameters": found})

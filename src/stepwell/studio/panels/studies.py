@@ -1,0 +1,176 @@
+"""What the page asks of studies: which there are, and one begun, watched, stopped, read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from stepwell import files
+from stepwell.accounts import account
+from stepwell.base import InputError, have, missing
+from stepwell.kernels import cores
+from stepwell.robot import Robot
+from stepwell.studies import Blocks, Study, begun, cancel, estimate, pace, status
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.stores import begin, described, home, how, stop, stores, study_of
+from stepwell.studio.sweeps import asked_study, command_of
+
+
+def answer_studies(_design: Design, ask: Ask) -> View:
+    """Each by its name, the newest first; `missing` says how to get what studies need."""
+    ask.close()
+    if not have("studies"):
+        return View({"missing": str(missing("studies")), "folder": "", "studies": []})
+    folder = home(ask)
+    found = []
+    for name, place in stores(folder).items():
+        running, problem = how(place)
+        told = {"name": name, "running": running, "problem": problem, **described(place)}
+        if "what" in told:
+            found.append(told)
+    return View({"missing": "", "folder": str(folder), "studies": found})
+
+
+# Designs that are shown at most, and of a column of words the most frequent ones.
+_POINTS, _WORDS = 4000, 12
+
+
+def answer_study(_design: Design, ask: Ask) -> View:
+    """The record of `stepwell sweep status --json`, its pace, and columns as they are told.
+
+    `rows` are numbers of designs that are done, evenly over all; of words a column has their
+    places in its list, the last of which is any other.
+    """
+    study = study_of(ask)
+    ask.close()
+    found = status(study)
+    record = account(found).record
+    going = pace(study)
+    done = study.done_chunks()
+    numbers = np.concatenate([np.asarray(study.rows(k)) for k in done] or [np.empty(0, int)])
+    some = np.unique(np.linspace(0, len(numbers) - 1, min(len(numbers), _POINTS)).astype(int))
+    if not len(numbers):
+        some = np.empty(0, int)
+    blocks: dict[str, np.ndarray[Any, Any]] = {"rows": numbers[some].astype(np.int32)}
+    columns = [
+        _column(study, name, study.values(name, done), some, k, blocks)
+        for k, name in enumerate(study.columns)
+    ]
+    designs = sum(len(study.rows(k)) for k in done)
+    rate = going.rate if going else None
+    header = {
+        **record,
+        "name": study.folder.name,
+        "command": command_of(study),
+        "designs_done": designs,
+        "rate_per_s": rate,
+        "left_s": (study.count - designs) / rate if rate else None,
+        "at_work": bool(going and going.at_work and not found.finished),
+        "version": study.version,
+        "columns": columns,
+    }
+    del header["schema"]
+    header["failures"] = header.pop("problems")  # `problems` are those of a message that is refused
+    return View(header, blocks)
+
+
+def _column(
+    study: Study,
+    name: str,
+    values: np.ndarray[Any, Any],
+    some: np.ndarray[Any, Any],
+    k: int,
+    blocks: dict[str, np.ndarray[Any, Any]],
+) -> dict[str, Any]:
+    unit, factor = study.told(name)
+    told: dict[str, Any] = {"name": name, "unit": unit, "varied": name in study.varied}
+    if study.columns[name] != "text":
+        blocks[f"c{k}"] = values[some] * factor
+        return {**told, "block": f"c{k}", "words": None}
+    words = [str(one) for one in values]
+    if name == "problem":
+        words = [one.partition(":")[0] for one in words]
+    often = [word for word, _ in Counter(words).most_common(_WORDS)]
+    places = {word: place for place, word in enumerate(often)}
+    blocks[f"c{k}"] = np.array([places.get(words[i], len(often)) for i in some], np.int32)
+    return {**told, "block": f"c{k}", "words": [*often, "any other"]}
+
+
+def answer_study_begin(design: Design, ask: Ask) -> View:
+    """The name of the store; a study that was begun before is the same, and goes on."""
+    if ask.has("name"):
+        study = study_of(ask)
+        ask.close()
+    else:
+        folder = home(ask)
+        study = asked_study(design, ask, folder)
+        folder.mkdir(parents=True, exist_ok=True)
+    study = begun(study)
+    begin(study.folder)
+    return View({"name": study.folder.name})
+
+
+def answer_study_stop(_design: Design, ask: Ask) -> View:
+    """At once where this server began it; else whoever did stops after the chunks in work."""
+    study = study_of(ask)
+    ask.close()
+    at_once = stop(study.folder)
+    if not at_once:
+        cancel(study)
+    return View({"name": study.folder.name, "at_once": at_once})
+
+
+def answer_study_estimate(design: Design, ask: Ask) -> View:
+    """What `stepwell sweep ... --estimate` tells, as numbers."""
+    study = asked_study(design, ask, home(ask))
+    found = estimate(study, cores())
+    return View(
+        {
+            "name": study.folder.name,
+            "designs": found.designs,
+            "sample": found.sample,
+            "each_ms": found.each * 1e3,
+            "time_s": found.seconds,
+            "workers": found.workers,
+            "disk_MB": found.disk / 1e6,
+            "command": command_of(study),
+        }
+    )
+
+
+_MOST = 1_000_000
+
+
+def answer_study_csv(_design: Design, ask: Ask) -> View:
+    """The bytes that `stepwell sweep export` writes."""
+    study = study_of(ask)
+    ask.close()
+    if study.count > _MOST:
+        raise InputError(
+            f"{study.folder.name}: {study.count} designs are too many for a page: "
+            f"stepwell sweep export {study.folder} --out study.parquet"
+        )
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "study.csv"
+        count = study.to_csv(file)
+        data = np.frombuffer(file.read_bytes(), np.uint8)
+    return View({"suffix": "csv", "designs": count}, {"file": data})
+
+
+def answer_study_design(_design: Design, ask: Ask) -> View:
+    """The tables of the design of that `number`, counted from 0."""
+    study = study_of(ask)
+    number = ask.whole("number", 0, study.count - 1)
+    ask.close()
+    designs = study.designs
+    if isinstance(designs, Blocks):
+        raise InputError(f"{study.folder.name}: is an atlas, whose rows are blocks of designs.")
+    (_, made), *_ = designs.made(study.subject, number, number + 1)
+    if isinstance(made, ValueError):
+        raise InputError(f"design {number}: cannot be built: {made}")
+    tables = files.tables_in(files.dumps(made))
+    return View({"number": number, "design": tables, "robot": isinstance(made, Robot)})

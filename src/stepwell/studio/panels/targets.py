@@ -1,0 +1,101 @@
+"""Designs for a target, and how many that are built with tolerances reach theirs."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stepwell import files
+from stepwell.accounts import account
+from stepwell.base import InputError
+from stepwell.design import USUAL, Tolerances, Yield, design as designed, judged, yields
+from stepwell.sequences import cycle
+from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.panels.motion import answer_evaluate as evaluated
+
+_LONGEST = 600
+_MOST_CELLS = 8
+_OBJECTIVES = ("yield", "worst")
+
+
+def answer_wish(_design: Design, ask: Ask) -> View:
+    """The record of `stepwell design --json`, the design, and in `shown` its cycle.
+
+    Asked for is a `sequence`, or `states` as text between blanks, or "all" of so many `cells`.
+    """
+    wanted = _wanted(ask)
+    tolerances = Tolerances(
+        anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
+        stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
+    )
+    holes = ask.number("holes_mm", 0.1, 1e3) / 1e3 if ask.has("holes_mm") else None
+    force = ask.number("most_force_N", 1e-6, 1e6) if ask.has("most_force_N") else math.inf
+    objective = ask.text("objective", 20, "yield")
+    seed = ask.whole("seed", 0, 2**32 - 1, 0)
+    ask.close()
+    if objective not in _OBJECTIVES:
+        raise InputError(f"ask.objective = {objective!r}: must be 'yield' or 'worst'.")
+    found = designed(
+        **wanted,
+        holes=holes,
+        tolerances=tolerances,
+        objective=objective,
+        most_force=force,
+        seed=seed,
+        progress=ask.tell,
+    )
+    tables = files.tables_in(files.dumps(found.chain))
+    shown = evaluated(Design(tables), Ask())
+    header = {**account(found).record, "design": tables, "shown": shown.header}
+    return View(header, shown.blocks)
+
+
+def _wanted(ask: Ask) -> dict[str, Any]:
+    """What `design` is to be asked for."""
+    if ask.has("sequence") == ask.has("states"):
+        raise InputError("ask: must have sequence, such as '00>10>11>01>00', or states.")
+    key = "sequence" if ask.has("sequence") else "states"
+    text = ask.text(key, _LONGEST)
+    states = text.split()
+    if key == "states" and text == "all":
+        return {"states": text, "cells": ask.whole("cells", 1, _MOST_CELLS)}
+    if max(map(len, text.replace(">", " ").split()), default=0) > _MOST_CELLS:
+        raise InputError(
+            f"ask.{key} = {text[:60]!r}: has too many cells: at most {_MOST_CELLS} are "
+            f"placed here; `stepwell design` takes more."
+        )
+    return {"sequence": text} if key == "sequence" else {"states": states}
+
+
+_MOST = 1_000_000
+# So many are made first, and no more where the engine has to follow each of them.
+_FIRST = 1000
+
+
+def answer_yield(design: Design, ask: Ask) -> View:
+    """The record that `stepwell yield --json` prints, and the verdict that `stepwell check` gives.
+
+    Of few mechanisms first, where it takes long.
+
+    Without `samples` as many as by default, or fewer where each has to be followed.
+    """
+    tolerances = Tolerances(
+        anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
+        stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
+    )
+    n = ask.whole("samples", 1, _MOST) if ask.has("samples") else None
+    seed = ask.whole("seed", 0, 2**32 - 1, 0)
+    ask.close()
+    chain = design.chain
+    tied = bool(cycle(chain).path.degenerate)
+    if n is None:
+        first = yields(chain, tolerances, n=_FIRST, seed=seed, progress=ask.tell)
+        if first.by_engine > _FIRST // 10:
+            return View(_yield_told(first, tied))
+        ask.show(View(_yield_told(first, tied)))
+    return View(_yield_told(yields(chain, tolerances, n=n, seed=seed, progress=ask.tell), tied))
+
+
+def _yield_told(found: Yield, tied: bool) -> dict[str, Any]:
+    verdict = judged(does_it=True, tied=tied, interval=found.interval)
+    return {**account(found).record, "verdict": verdict}

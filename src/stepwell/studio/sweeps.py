@@ -1,0 +1,163 @@
+"""The study that the page asks for, and the line for a terminal that begins the same."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shlex
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from stepwell import files
+from stepwell.base import InputError, told_in
+from stepwell.design import USUAL, Tolerances, parameter
+from stepwell.mechanism import Chain
+from stepwell.robot import Robot
+from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
+from stepwell.studio.ask import Ask, Design
+from stepwell.studio.panels.maps import unit_of
+
+OF_CHAINS = ("cycle", "margin", "yield", "graph", "program")
+OF_ROBOTS = ("walk", "maze")
+BUILT = "built"
+
+_MOST, _MOST_AXES, _FARTHEST = 10_000_000, 12, 1e9
+_STEM = 24  # letters of a store's name that are of the title
+_LAYOUTS, _CYCLES, _LIMIT = 1000, 1000, 3600.0
+
+
+def asked_study(design: Design, ask: Ask, folder: Path) -> Study:
+    """The study of a request; it lies in the folder by a name that the server makes.
+
+    Raises:
+        ValueError: what cannot be computed, of this design or at all.
+    """
+    what = ask.text("what", 20)
+    if what not in (*OF_CHAINS, *OF_ROBOTS):
+        allowed = ", ".join((*OF_CHAINS, *OF_ROBOTS))
+        raise InputError(f"ask.what = {what[:40]!r}: must be one of {allowed}.")
+    subject = design.robot if what in OF_ROBOTS else design.chain
+    given, designs = _given(what, ask), _designs(subject, ask)
+    ask.close()
+    found = asked(subject, what, designs, folder, given=given)
+    digest = hashlib.sha256(json.dumps(found.asked(), sort_keys=True).encode()).hexdigest()
+    # The first words of the title, of letters that no file system minds.
+    words = re.findall(r"[a-z0-9]+", subject.title.lower().partition(":")[0])
+    stem = "-".join(words)[:_STEM].strip("-") or "design"
+    return replace(found, folder=folder / f"{stem}-{what}-{digest[:8]}.zarr")
+
+
+def _given(what: str, ask: Ask) -> dict[str, Any]:
+    """What it takes beside the design."""
+    if what == "program":
+        start = ask.text("start", 64) if ask.has("start") else None
+        return {"start": start, "to": ask.text("to", 64)}
+    if what == "walk":
+        return {"cycles": ask.whole("cycles", 1, _CYCLES, 4)}
+    if what == "maze":
+        if not ask.has("arena"):
+            raise InputError("ask.arena: is missing; open or draw an arena first.")
+        arena = files.loads_arena_tables(ask.table("arena"))
+        return {
+            "arena": files.dumps(arena),
+            "limit": ask.number("limit_s", 1.0, _LIMIT, 600.0),
+            "layouts": ask.whole("layouts", 0, _LAYOUTS, 0),
+            "first": ask.whole("first", 0, 2**31, 0),
+        }
+    return {}
+
+
+def _designs(subject: Chain | Robot, ask: Ask) -> Designs:
+    how, seed = ask.text("how", 20, How.GRID), ask.whole("seed", 0, 2**32 - 1, 0)
+    if how == BUILT:
+        if isinstance(subject, Robot):
+            raise InputError("ask.how = 'built': robots have no tolerances; let a number vary.")
+        within = Tolerances(
+            anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
+            stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
+        )
+        return Workshop(within, ask.whole("count", 1, _MOST), seed)
+    if how not in [*How]:
+        raise InputError(f"ask.how = {how!r}: must be one of {', '.join(How)}, {BUILT}.")
+    axes = tuple(_asked_axis(subject, one, how) for one in ask.parts("vary", _MOST_AXES))
+    if how == How.GRID:
+        found = Space(axes, How.GRID, seed=seed)
+        if found.count > _MOST:
+            raise InputError(f"ask.vary: {found.count} designs: must be at most {_MOST}.")
+        return found
+    return Space(axes, How(how), ask.whole("count", 1, _MOST), seed)
+
+
+def _asked_axis(subject: Chain | Robot, one: Ask, how: str) -> Axis:
+    name = one.text("key", 200)
+    factor = 1.0
+    if isinstance(subject, Chain):
+        factor = unit_of(parameter(subject, name))[1]
+    else:
+        files.key_unit(subject, name)  # or refused
+    low, high = (one.number(end, -_FARTHEST, _FARTHEST) for end in ("from", "to"))
+    count = one.whole("count", 2, _MOST, 2) if how == How.GRID else 2
+    one.close()
+    return Axis(name, low / factor, high / factor, count)
+
+
+def command_of(study: Study) -> str:
+    """`stepwell sweep ...` on files that the page's Save writes, and a list of designs if any."""
+    subject, given = study.subject, study.given
+    # As the page's Save names it.
+    stem = re.sub(r"[^a-z0-9]+", "-", subject.title.lower()).strip("-")[:40] or "design"
+    words = ["stepwell", "sweep", study.what, f"{stem}.toml"]
+    if study.what == "program":
+        words += ["--from", str(given["start"])] if given.get("start") else []
+        words += ["--to", str(given["to"])]
+    elif study.what == "walk":
+        words += ["--cycles", str(given.get("cycles", 4))]
+    elif study.what == "maze":
+        words += ["--arena", "arena.toml", "--limit", f"{given['limit']:g}"]
+        for name in ("layouts", "first"):
+            words += [f"--{name}", str(given[name])] if given.get(name) else []
+    elif study.what == "call":
+        words += ["--function", f"{Path(str(given['file'])).name}:{given['name']}"]
+    words += _words_of(study)
+    usual = asked(subject, study.what, study.designs, study.folder, given=given).chunk
+    words += ["--chunk", str(study.chunk)] if study.chunk != usual else []
+    return shlex.join([*words, "--out", study.folder.name])
+
+
+def _words_of(study: Study) -> list[str]:
+    designs = study.designs
+    seed = ["--seed", str(designs.seed)] if designs.seed else []
+    if isinstance(designs, Workshop):
+        within = designs.tolerances
+        spread = {
+            "--anchor": within.anchor * 1e3,
+            "--stiffness": within.stiffness * 100,
+            "--rest-length": within.rest_length * 100,
+            "--lever": within.lever * 1e3,
+            "--travel": within.travel * 100,
+        }
+        told = [
+            word
+            for name, value in spread.items()
+            if value or name in ("--anchor", "--stiffness")
+            for word in (name, f"{value:.12g}")
+        ]
+        return ["--built", str(designs.count), *told, *seed]
+    if not isinstance(designs, Space):
+        return ["--table", "designs.csv"]
+    words = [word for axis in designs.axes for word in ("--vary", _axis_word(study, axis))]
+    if designs.how is How.GRID:
+        return words
+    return [*words, f"--{designs.how}", str(designs.count), *seed]
+
+
+def _axis_word(study: Study, axis: Axis) -> str:
+    factor = 1.0
+    if isinstance(study.subject, Chain):
+        factor = told_in(study.varied[axis.name])[1]
+    ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
+    assert isinstance(study.designs, Space)
+    count = f":{axis.count}" if study.designs.how is How.GRID else ""
+    return f"{axis.name}={ends}{count}{':log' * axis.log}"
