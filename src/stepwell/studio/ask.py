@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import InputError, nearest_word
+from stepwell.base import InputError, from_unit, nearest_word, to_unit
+from stepwell.design import USUAL, Tolerances
 from stepwell.files import DesignError, DesignFile, WrittenProgram, loads_tables
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -94,6 +95,17 @@ class Ask:
             allowed = f"text of at most {longest} letters"
             raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
         return value
+
+    def tolerances(self) -> Tolerances:
+        """Tolerances with the keys anchor_mm and stiffness_percent, both with usual defaults.
+
+        Raises:
+            ValueError: a value out of bounds.
+        """
+        anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(USUAL.anchor, "mm"))
+        usual = to_unit(USUAL.stiffness, "percent")
+        stiffness = self.number("stiffness_percent", 0.0, 24.9, usual)
+        return Tolerances(anchor=from_unit(anchor, "mm"), stiffness=from_unit(stiffness, "percent"))
 
     def has(self, key: str) -> bool:
         """Whether the request has the key."""

@@ -9,9 +9,10 @@ to a multiple of 8, then the arrays that the header lists, each filled up to a m
 from __future__ import annotations
 
 import json
+import math
 import re
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -90,6 +91,16 @@ def message_of(text: str, types: Iterable[str]) -> Message:
     Raises:
         WireError: it is none; the text says what it must be.
     """
+    found = _object(text)
+    number = found.get("seq")
+    seq: int = number if _is_number(number) else 0
+    for problem in _problems(found, [*types]):
+        raise WireError(problem, seq)
+    leg = found.get("leg", 0)
+    return Message(found["type"], seq, found.get("design"), found.get("ask") or {}, leg)
+
+
+def _object(text: str) -> dict[str, Any]:
     try:
         found: Any = json.loads(text)
     except RecursionError:
@@ -98,32 +109,35 @@ def message_of(text: str, types: Iterable[str]) -> Message:
         raise WireError(f"the message is not JSON: {printable(str(error))[:120]}.") from None
     if not isinstance(found, dict):
         raise WireError("the message must be an object with v, type and seq.")
-    number: Any = found.get("seq")
-    whole = isinstance(number, int) and not isinstance(number, bool)
-    known = whole and 0 <= number <= _MOST
-    seq: int = number if known else 0
+    return found
+
+
+def _problems(found: Mapping[str, Any], types: list[str]) -> Iterator[str]:
+    """What is wrong with the keys of a message, the first problem first."""
     for key in found:
         if key not in _KEYS:
-            raise WireError(f"{_cut(key)}: unknown key; known are {', '.join(_KEYS)}.", seq)
-    if not known:
-        raise WireError(f"seq = {_cut(number)}: must be a whole number from 0 to 2^53 - 1.")
-    version = found.get("v")
+            yield f"{_cut(key)}: unknown key; known are {', '.join(_KEYS)}."
+    seq, version, kind, leg = (found.get(key) for key in ("seq", "v", "type", "leg"))
+    if not _is_number(seq):
+        yield f"seq = {_cut(seq)}: must be a whole number from 0 to 2^53 - 1."
     if type(version) is not int or version != VERSION:
-        raise WireError(f"v = {_cut(version)}: must be {VERSION}; load the page again.", seq)
-    kind = found.get("type")
-    types = [*types]
-    if not isinstance(kind, str) or kind not in types:
-        near = nearest_word(kind, types) if isinstance(kind, str) else None
-        advice = f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
-        raise WireError(f"type = {_cut(kind)}: no such type. {advice}", seq)
-    design, ask = found.get("design"), found.get("ask")
-    for key, value in (("design", design), ("ask", ask)):
-        if value is not None and not isinstance(value, dict):
-            raise WireError(f"{key} = {_cut(value)}: must be an object.", seq)
-    leg = found.get("leg", 0)
-    if not isinstance(leg, int) or isinstance(leg, bool) or leg < 0:
-        raise WireError(f"leg = {_cut(leg)}: must be a whole number from 0.", seq)
-    return Message(kind, seq, design, ask or {}, leg)
+        yield f"v = {_cut(version)}: must be {VERSION}; load the page again."
+    if kind not in types:
+        yield f"type = {_cut(kind)}: no such type. {_advice(kind, types)}"
+    for key in ("design", "ask"):
+        if not isinstance(found.get(key), dict | None):
+            yield f"{key} = {_cut(found[key])}: must be an object."
+    if "leg" in found and not _is_number(leg, math.inf):
+        yield f"leg = {_cut(leg)}: must be a whole number from 0."
+
+
+def _advice(kind: Any, types: list[str]) -> str:
+    near = nearest_word(kind, types) if isinstance(kind, str) else None
+    return f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
+
+
+def _is_number(value: Any, most: float = _MOST) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= most
 
 
 def packed(kind: str, seq: int, view: View) -> bytes:

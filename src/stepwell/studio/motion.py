@@ -16,7 +16,7 @@ from stepwell.sequences import Cycle, Program
 from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.ask import View
 
-MM, MJ = 1e3, 1e3
+MM, MJ = told_in("m")[1], told_in("J")[1]
 # A picture needs no more samples than this on all smooth segments together, nor on one of them;
 # and so many on a segment that takes the whole range of the drive.
 _ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
@@ -143,6 +143,28 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
+def path_told(path: Path, few: Path) -> dict[str, Any]:
+    """What moves on a path and what it takes; events are placed among the samples of `few`."""
+    chain = path.chain
+    return {
+        "title": chain.title,
+        "units": units_of(chain),
+        "cells": cells_of(chain),
+        "events": events_of(path.events, few),
+        "peak_force_N": path.peak_force * told_in(chain.measure.force_unit)[1],
+        "dissipated_mJ": path.dissipated * MJ,
+    }
+
+
+def cycle_told(cycle: Cycle) -> dict[str, Any]:
+    """The sequence of a full cycle, its name, and advice on every tie."""
+    return {
+        "sequence": str(cycle.sequence),
+        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
+        "ties": [tie.advice for tie in cycle.degenerate],
+    }
+
+
 def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
     """The sample at which each event begins, in order."""
     found: list[int] = []
@@ -224,9 +246,7 @@ def motion_of(
     cycle = result.cycle() if isinstance(result, Chain) else result
     found = {
         "program": None,
-        "sequence": str(cycle.sequence),
-        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
-        "ties": [tie.advice for tie in cycle.degenerate],
+        **cycle_told(cycle),
         **margins_of(margin(cycle.chain, progress=progress) if known is None else known),
     }
     return _motion_view(cycle.chain, cycle.path, found)
@@ -235,13 +255,8 @@ def motion_of(
 def _motion_view(chain: Chain, path: Path, found: dict[str, Any]) -> View:
     few = drawn(path)
     header = {
-        "title": chain.title,
+        **path_told(path, few),
         "version": __version__,
-        "units": units_of(chain),
-        "cells": cells_of(chain),
-        "events": events_of(path.events, few),
-        "peak_force_N": path.peak_force * told_in(chain.measure.force_unit)[1],
-        "dissipated_mJ": path.dissipated * MJ,
         "assumptions": assumptions(chain),
         **found,
     }

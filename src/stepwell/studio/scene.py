@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from stepwell.accounts import account, simulation_assumptions
-from stepwell.base import Floats, InputError, __version__
+from stepwell.base import Floats, InputError, __version__, to_unit
 from stepwell.files import arena_tables
 from stepwell.robot import Arena, Robot, states
 from stepwell.simulation import HEIGHT, Maze, Walk, mujoco, obstacle_names, spec, walk as walk_of
 from stepwell.studio.ask import Ask, View
 
-_MM = 1e3
 _SHAPES = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "ball",
@@ -62,14 +61,14 @@ class Scene:
         return {
             "parts": self.parts(),
             "lines": self.lines(),
-            "wall_mm": HEIGHT * _MM,
+            "wall_mm": to_unit(HEIGHT, "mm"),
             "legs": [{"name": leg.name, "cells": list(leg.chain.names)} for leg in robot.legs],
             "antennas": [
                 {
                     "name": one.name,
                     "side": one.side,
                     "swing_deg": math.degrees(one.swing),
-                    "most_mm": math.hypot(*one.moves) * _MM if one.connected else 0.0,
+                    "most_mm": to_unit(math.hypot(*one.moves), "mm") if one.connected else 0.0,
                 }
                 for one in robot.antennas
             ],
@@ -84,8 +83,8 @@ class Scene:
                 "shape": _SHAPES[int(model.geom_type[i])],
                 "body": self._bodies.index(int(model.geom_bodyid[i])),
                 # A box's half edges; a ball's radius; a rod's radius and half its length.
-                "size_mm": _list(model.geom_size[i] * _MM),
-                "at_mm": _list(model.geom_pos[i] * _MM),
+                "size_mm": _list(to_unit(model.geom_size[i], "mm")),
+                "at_mm": _list(to_unit(model.geom_pos[i], "mm")),
                 "turn": _list(model.geom_quat[i]),
                 **_colour(model.geom_rgba[i]),
             }
@@ -109,7 +108,7 @@ class Scene:
             found.append(
                 {
                     "bodies": [self._bodies.index(int(model.site_bodyid[k])) for k in sites],
-                    "at_mm": [_list(model.site_pos[k] * _MM) for k in sites],
+                    "at_mm": [_list(to_unit(model.site_pos[k], "mm")) for k in sites],
                     "leg": leg,
                     "cell": cell,
                     **_colour(model.tendon_rgba[i]),
@@ -131,7 +130,7 @@ class Scene:
         for k, position in enumerate(positions):
             self._data.qpos[:] = position
             mujoco.mj_kinematics(self._model, self._data)
-            place[k] = self._data.xpos[self._bodies] * _MM
+            place[k] = to_unit(self._data.xpos[self._bodies], "mm")
             turn[k] = self._data.xquat[self._bodies]
         return {"place": place, "turn": turn}
 
@@ -162,12 +161,12 @@ def samples_of(
     gears = [one.gear if one.connected else 0.0 for one in walk.robot.antennas]
     return {
         "time": walk.time[rows],
-        "x": walk.x[rows] * _MM,
-        "y": walk.y[rows] * _MM,
+        "x": to_unit(walk.x[rows], "mm"),
+        "y": to_unit(walk.y[rows], "mm"),
         "yaw": np.degrees(walk.yaw[rows]),
-        "stroke": walk.stroke[rows] * _MM,
+        "stroke": to_unit(walk.stroke[rows], "mm"),
         "antenna": np.degrees(walk.antenna[rows]),
-        "moved": walk.antenna[rows] * np.array(gears) * _MM,
+        "moved": to_unit(walk.antenna[rows] * np.array(gears), "mm"),
         "foot_force": walk.foot_force[rows],
         # A leg's state as a binary number; -1 in transit.
         "state": np.array(codes, np.int32).reshape(len(codes), -1).T,

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from stepwell import files
-from stepwell.base import InputError, told_in
-from stepwell.design import USUAL, Tolerances, parameter
+from stepwell.base import InputError, to_unit, told_in
+from stepwell.design import parameter
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
@@ -74,10 +74,7 @@ def _designs(subject: Chain | Robot, ask: Ask) -> Designs:
     if how == BUILT:
         if isinstance(subject, Robot):
             raise InputError("ask.how = 'built': robots have no tolerances; let a number vary.")
-        within = Tolerances(
-            anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
-            stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
-        )
+        within = ask.tolerances()
         return Workshop(within, ask.whole("count", 1, _MOST), seed)
     if how not in [*How]:
         raise InputError(f"ask.how = {how!r}: must be one of {', '.join(How)}, {BUILT}.")
@@ -132,11 +129,11 @@ def _words_of(study: Study) -> list[str]:
     if isinstance(designs, Workshop):
         within = designs.tolerances
         spread = {
-            "--anchor": within.anchor * 1e3,
-            "--stiffness": within.stiffness * 100,
-            "--rest-length": within.rest_length * 100,
-            "--lever": within.lever * 1e3,
-            "--travel": within.travel * 100,
+            "--anchor": to_unit(within.anchor, "mm"),
+            "--stiffness": to_unit(within.stiffness, "percent"),
+            "--rest-length": to_unit(within.rest_length, "percent"),
+            "--lever": to_unit(within.lever, "mm"),
+            "--travel": to_unit(within.travel, "percent"),
         }
         told = [
             word

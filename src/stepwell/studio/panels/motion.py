@@ -16,13 +16,13 @@ from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Program, ProgramMethod, to_dot
 from stepwell.studio.ask import Ask, Design, View
 from stepwell.studio.motion import (
-    MJ,
     arrays_of,
-    cells_of,
+    cycle_told,
     drawn,
     events_of,
     landscape,
     margins_of,
+    path_told,
     program_told,
     units_of,
 )
@@ -40,18 +40,11 @@ def answer_evaluate(design: Design, ask: Ask) -> View:
     limits = proved_margin(chain)
     path = drawn(cycle.path)
     header = {
-        "title": chain.title,
-        "units": units_of(chain),
-        "names": list(chain.names),
-        "sequence": str(cycle.sequence),
-        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
-        "cells": cells_of(chain),
-        "events": events_of(cycle.events, path),
+        **path_told(cycle.path, path),
+        **cycle_told(cycle),
         **margins_of(limits),
-        "peak_force_N": cycle.peak_force * told_in(chain.measure.force_unit)[1],
-        "dissipated_mJ": cycle.dissipated * MJ,
+        "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
-        "ties": [tie.advice for tie in cycle.degenerate],
     }
     return View(header, arrays_of(path) | landscape(chain))
 

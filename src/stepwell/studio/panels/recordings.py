@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.accounts import account
-from stepwell.base import Floats, InputError, Ints, Measure, plain
+from stepwell.base import Floats, InputError, Ints, Measure, plain, to_unit, told_in
 from stepwell.lab import (
     Batch,
     Comparison,
@@ -31,7 +31,7 @@ from stepwell.statics import EventKind
 from stepwell.studio.ask import Ask, Design, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
-MM = 1e3
+MM = told_in("m")[1]
 _MOST_FILES = 32
 # Of one file and of all of them, unpacked: a recording of an hour at 50 Hz has 6 MB.
 _MOST_BYTES = 16 << 20
@@ -185,7 +185,20 @@ def _measured(series: Series, run: Recording) -> tuple[float, ...]:
 
 
 def _beside(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
-    """Snaps of a run beside those of the model, the nearest two together; None where one lacks."""
+    """Strokes of snaps that a run and the model share, the nearest two together; None: missing."""
+    return [
+        {
+            "predicted_mm": plain(a, MM),
+            "measured_mm": plain(b, MM),
+            "difference_mm": None if a is None or b is None else to_unit(b - a, "mm"),
+        }
+        for a, b in _pairs(predicted, measured)
+    ]
+
+
+def _pairs(
+    predicted: Sequence[float], measured: Sequence[float]
+) -> list[tuple[float | None, float | None]]:
     near = sorted(
         (abs(a - b), i, j) for i, a in enumerate(predicted) for j, b in enumerate(measured)
     )
@@ -193,19 +206,9 @@ def _beside(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[
     for _, i, j in near:
         if i not in partner and j not in partner.values():
             partner[i] = j
-    pairs: list[tuple[float | None, float | None]] = [
-        (one, measured[partner[i]] if i in partner else None) for i, one in enumerate(predicted)
-    ]
-    alone = [one for j, one in enumerate(measured) if j not in partner.values()]
-    pairs += [(None, one) for one in alone]
-    return [
-        {
-            "predicted_mm": None if a is None else a * MM,
-            "measured_mm": None if b is None else b * MM,
-            "difference_mm": None if a is None or b is None else (b - a) * MM,
-        }
-        for a, b in pairs
-    ]
+    found = {i: measured[j] for i, j in partner.items()}
+    alone = [b for j, b in enumerate(measured) if j not in partner.values()]
+    return [*((a, found.get(i)) for i, a in enumerate(predicted)), *((None, b) for b in alone)]
 
 
 def _curves(name: str, series: Series) -> dict[str, np.ndarray[Any, Any]]:
@@ -216,7 +219,7 @@ def _curves(name: str, series: Series) -> dict[str, np.ndarray[Any, Any]]:
         stroke = series.placed(run)
         segment = _segments(run)
         shown = np.unique(np.linspace(0, len(run) - 1, min(len(run), _DRAWN)).astype(int))
-        strokes.append(stroke[shown] * MM)
+        strokes.append(to_unit(stroke[shown], "mm"))
         forces.append(run.force[shown])
         segments.append(segment[shown] + last)
         last += int(segment[-1]) + 1

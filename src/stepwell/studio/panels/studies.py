@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell import files
 from stepwell.accounts import account
-from stepwell.base import InputError, have, missing
+from stepwell.base import InputError, have, missing, to_unit
 from stepwell.kernels import cores
 from stepwell.robot import Robot
 from stepwell.studies import Blocks, Study, begun, cancel, estimate, pace, status
@@ -133,7 +133,7 @@ def answer_study_estimate(design: Design, ask: Ask) -> View:
             "name": study.folder.name,
             "designs": found.designs,
             "sample": found.sample,
-            "each_ms": found.each * 1e3,
+            "each_ms": to_unit(found.each, "ms"),
             "time_s": found.seconds,
             "workers": found.workers,
             "disk_MB": found.disk / 1e6,

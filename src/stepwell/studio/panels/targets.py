@@ -7,8 +7,8 @@ from typing import Any
 
 from stepwell import files
 from stepwell.accounts import account
-from stepwell.base import InputError
-from stepwell.design import USUAL, Tolerances, Yield, design as designed, judged, yields
+from stepwell.base import InputError, from_unit
+from stepwell.design import Yield, design as designed, judged, yields
 from stepwell.sequences import cycle
 from stepwell.studio.ask import Ask, Design, View
 from stepwell.studio.panels.motion import answer_evaluate as evaluated
@@ -24,11 +24,8 @@ def answer_wish(_design: Design, ask: Ask) -> View:
     Asked for is a `sequence`, or `states` as text between blanks, or "all" of so many `cells`.
     """
     wanted = _wanted(ask)
-    tolerances = Tolerances(
-        anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
-        stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
-    )
-    holes = ask.number("holes_mm", 0.1, 1e3) / 1e3 if ask.has("holes_mm") else None
+    tolerances = ask.tolerances()
+    holes = from_unit(ask.number("holes_mm", 0.1, 1000.0), "mm") if ask.has("holes_mm") else None
     force = ask.number("most_force_N", 1e-6, 1e6) if ask.has("most_force_N") else math.inf
     objective = ask.text("objective", 20, "yield")
     seed = ask.whole("seed", 0, 2**32 - 1, 0)
@@ -79,10 +76,7 @@ def answer_yield(design: Design, ask: Ask) -> View:
 
     Without `samples` as many as by default, or fewer where each has to be followed.
     """
-    tolerances = Tolerances(
-        anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
-        stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
-    )
+    tolerances = ask.tolerances()
     n = ask.whole("samples", 1, _MOST) if ask.has("samples") else None
     seed = ask.whole("seed", 0, 2**32 - 1, 0)
     ask.close()
