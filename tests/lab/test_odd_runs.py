@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from facts import says
 from lab.machine import SPEED, pair
 from sizes import examples
 from stepwell import lab
@@ -137,16 +138,16 @@ def test_one_spike_hides_no_snap_and_turns_no_order():
     assert test.snaps == truth.snaps
     assert test.ratio == pytest.approx(truth.ratio, rel=0.05)
     (told,) = [line for line in test.series.told if "spikes" in line]
-    assert told.startswith("2unit_MMB_1, 2unit_MMB_2, 2unit_MMB_3: 1 sample, at -13.")
+    says(told, "2unit_MMB_1, 2unit_MMB_2, 2unit_MMB_3", "1 sample", "-13.", "mm")
 
 
 def test_a_force_of_the_other_sign_is_said_to_be_one():
     *whole, base = runs("MMT", False)
     (test,) = lab.compare([*(replace(r, force=-r.force) for r in whole), base]).pairs
-    assert "it pushes where the model pulls: check the sign of the force" in test.series.told
+    says(test.series.told, "pushes", "pulls", "sign", "force")
     # One of three does not change what the others say.
     (test,) = lab.compare([*whole[:2], replace(whole[2], force=-whole[2].force), base]).pairs
-    assert any("1 band, judged from the force: 1.0" in line for line in test.series.told)
+    says(test.series.told, "1 band", "1.0")
     assert test.right_order and test.right_snaps
 
 
@@ -221,7 +222,7 @@ def test_a_hole_invents_no_snap_and_hides_none_without_a_word():
         hidden = [taken(run, rows) for run in (first, second, third)]
         (test,) = lab.compare([*hidden, base]).pairs
         assert test.snaps == ((), (), ())
-        assert test.right_snaps is None and "snaps cannot be told" in test.verdict
+        assert test.right_snaps is None and "snaps cannot" in test.verdict
     elsewhere = [taken(run, np.r_[0:300, 550 : len(run)]) for run in (first, second, third)]
     (test,) = lab.compare([*elsewhere, base]).pairs
     assert [len(snaps) for snaps in test.snaps] == [1, 1, 1]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from facts import refuses, says
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
 from stepwell.lab.recordings import text as _text
@@ -86,7 +87,7 @@ def test_a_file_that_is_no_recording_gets_one_clear_line(content, problem, tmp_p
 
 
 def test_a_missing_file_and_a_folder_are_told():
-    with pytest.raises(lab.LabError, match=r"none\.txt: no such file"):
+    with refuses(lab.LabError, "none.txt", "no such file"):
         lab.read("none.txt")
     with pytest.raises(lab.LabError, match="it is a folder"):
         lab.read(".")
@@ -107,9 +108,11 @@ def test_one_broken_file_stops_no_other_and_none_is_dropped_silently(tmp_path):
 def test_rows_that_cannot_be_read_are_told_with_their_line(tmp_path):
     rows = "".join(f"{k} {k} {k}\r\n" for k in range(9))
     cut = lab.read(written(tmp_path, "a.txt", HEADER + rows + "9 9"))
-    assert cut.remarks == ("the last row is cut off (line 13: '9 9')",)
+    (remark,) = cut.remarks
+    says(remark, "last row", "cut off", "line 13", "'9 9'")
     holed = lab.read(written(tmp_path, "b.txt", HEADER + rows + "nan 9 9\r\n" + rows))
-    assert holed.remarks == ("1 row is left out (first line 13: 'nan 9 9')",)
+    (remark,) = holed.remarks
+    says(remark, "1 row", "left out", "line 13", "'nan 9 9'")
     assert len(holed) == 18
 
 
@@ -184,14 +187,14 @@ def test_the_table_is_tidy_and_names_its_units(tmp_path):
 def test_what_is_odd_about_a_recording_is_told():
     up = there(0.020)
     late = recording("a_1.txt", up[50:], 0.1 * np.ones(len(up) - 50))
-    assert any(line.startswith("starts late, at a stroke of") for line in lab.oddities(late))
+    says(lab.oddities(late), "starts late", "stroke", f"{up[50] * 1e3:.4g}", "mm")
     bump = 0.5 - 10 * up + np.where(up > 0.0199, 0.7, 0.0)
     told = lab.oddities(recording("a_1.txt", up, bump))
     assert any("end stop?" in line for line in told)
     slack = unit("a_1.txt", None)
-    assert any("slack in the rig, or a jam" in line for line in lab.oddities(slack))
+    says(lab.oddities(slack), "slack", "jam")
     still = recording("a_1.txt", np.zeros(100), np.zeros(100))
-    assert "the stroke never changes" in lab.oddities(still)
+    says(lab.oddities(still), "stroke", "never changes")
     plain = recording("a_1.txt", up, 0.5 - 10 * up)
     assert lab.oddities(plain) == ()
 
@@ -202,9 +205,11 @@ def test_what_is_odd_beside_the_other_runs_is_told():
     runs.append(recording("d/a_6.txt", up, 0.3 + up))
     runs.append(recording("d/a_7.txt", up[:400], 0.1 + up[:400]))
     told = lab.batch_oddities(runs)
-    assert told["d/a_5.txt"] == ("number 4 is missing before it",)
-    assert told["d/a_6.txt"] == ("mean force +0.2 N beside the median run",)
-    assert any("where the others have 20 mm" in line for line in told["d/a_7.txt"])
+    (gap,) = told["d/a_5.txt"]
+    says(gap, "4", "missing")
+    (off,) = told["d/a_6.txt"]
+    says(off, "mean force", "+0.2 N", "median")
+    says(told["d/a_7.txt"], "mm", "20 mm")
     assert "d/a_1.txt" not in told or told["d/a_1.txt"] == ()
 
 
