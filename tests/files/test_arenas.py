@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import assume, given, strategies as st
 
+from facts import refuses, says
 from stepwell.files import (
     DesignError,
     arena_text,
@@ -141,7 +142,7 @@ def test_the_message_names_the_place_the_value_and_the_remedy(text, message):
 
 def test_a_text_file_is_a_map_whatever_it_starts_with(tmp_path):
     (tmp_path / "mine.txt").write_text("#####\nS....\n")
-    with pytest.raises(DesignError, match=r"mine\.txt: line 1: \"#####\": must be the size"):
+    with refuses(DesignError, "mine.txt: ", "line 1", '"#####"', "1 to 10000 mm", "cell 100 mm"):
         load_arena(tmp_path / "mine.txt")
     (tmp_path / "mine.txt").write_bytes(b"\xef\xbb\xbfcell 50 mm\r\n>..#\r\n")
     arena = load_arena(tmp_path / "mine.txt")
@@ -244,7 +245,7 @@ def test_save_writes_what_load_arena_reads(tmp_path):
     arena = load_arena("pen")
     save(arena, tmp_path / "pen.toml")
     assert load_arena(tmp_path / "pen.toml") == arena
-    with pytest.raises(ValueError, match=r"must end in \.toml|let it end in \.toml"):
+    with refuses(ValueError, ".toml"):
         save(arena, tmp_path / "pen.txt")
     assert [file.name for file in tmp_path.iterdir()] == ["pen.toml"]
 
@@ -288,11 +289,8 @@ def test_walls_of_an_obstacle_course_leave_gaps_of_035_m():
 def test_a_wrong_name_is_answered_with_the_nearest():
     with pytest.raises(DesignError) as caught:
         load_arena("three-wals")
-    assert str(caught.value) == (
-        "arena three-wals: no such arena, and no file that ends in .toml or .txt. Did you mean "
-        "three-walls?"
-    )
-    with pytest.raises(DesignError, match=r"no such arena\. Did you mean pen"):
+    says(str(caught.value), "three-wals: no such", ".toml", ".txt", "Did you mean", "three-walls?")
+    with refuses(DesignError, "penn: ", "no such arena", "Did you mean", "pen?"):
         arena_text("penn")
-    with pytest.raises(DesignError, match=r"maze\.toml: no such file\."):
+    with refuses(DesignError, "maze.toml: ", "no such file"):
         load_arena("maze.toml")

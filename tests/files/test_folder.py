@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from facts import refuses
 from stepwell import files
 from stepwell.files import (
     DesignError,
@@ -133,7 +134,7 @@ def test_a_process_that_is_killed_while_it_replaces_files_is_found_out(tmp_path)
     assert done.returncode == -signal.SIGKILL
     texts = held(out)
     assert (texts["design.toml"], texts["result.json"]) == ("new", "old")
-    with pytest.raises(IncompleteError, match="`stepwell run` was stopped"):
+    with refuses(IncompleteError, "`stepwell run`", "stopped"):
         manifest(out)
     write(out, NEW)
     assert held(out) == NEW
@@ -166,7 +167,7 @@ def test_a_result_that_was_edited_is_kept_until_it_is_forced(tmp_path):
     out = tmp_path / "out"
     write(out, OLD)
     (out / "result.json").write_text("old, with a remark")
-    with pytest.raises(IncompleteError, match=r"result\.json is not the one that was written"):
+    with refuses(IncompleteError, "result.json"):
         manifest(out)
     refused(out, "result.json")
     write(out, NEW, force=True)
@@ -213,7 +214,7 @@ def test_a_link_and_a_folder_in_the_way_are_not_replaced(tmp_path):
     refused(out, "design.toml")
     (out / "design.toml").unlink()
     (out / "design.toml").mkdir()
-    with pytest.raises(OverwriteError, match="is a folder in the way"):
+    with refuses(OverwriteError, "design.toml", "a folder"):
         write(out, NEW, force=True)
 
 
@@ -263,7 +264,7 @@ def test_a_full_disk_is_told_with_the_file_and_changes_nothing(tmp_path, monkeyp
 
 def test_a_folder_that_cannot_be_made_is_told_before_the_work(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(OSError, match="name a folder where you may write") as caught:
+    with refuses(OSError, "name a folder") as caught:
         check_folder(tmp_path / "file" / "out", "run")
     assert caught.value.filename == str(tmp_path / "file" / "out")
     with pytest.raises(NotADirectoryError, match="give a folder"):
@@ -280,7 +281,7 @@ def test_a_draft_that_was_removed_is_an_error_and_the_old_result_stays(tmp_path)
         with staged_folder(out, "run", names=NAMES) as draft:
             shutil.rmtree(draft)
 
-    with pytest.raises(OSError, match="its draft was removed"):
+    with refuses(OSError, "draft", "removed"):
         removed()
     assert held(out) == OLD
 

@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from facts import refuses, says
 from stepwell.files import DesignError, load, loads, preset
 from stepwell.files.schema.chain import TABLES
 
@@ -215,14 +216,15 @@ def test_what_only_the_mechanism_can_judge_is_told_with_its_place():
         f"{CELL}[[chain.cell]]\np_mm = [0, 0]\nq_mm = [-14.142135623730951, 0]"
     )
     message = answer(text)
-    assert message.startswith("forward.toml: chain.cell[1]: the ends of the band with q - p = ")
-    assert "move an anchor" in message
+    says(
+        message, "forward.toml: chain.cell[1]: ", "band", "q - p", "-14.14", "mm", "move an anchor"
+    )
 
 
 def test_a_flood_of_problems_is_cut_short():
     message = answer("[chain]\n" + "[[chain.cell]]\nq_mm = 1\np_mm = 1\n" * 500)
     assert len(message.splitlines()) == 41
-    assert message.endswith("forward.toml: and 960 more like these.")
+    says(message.splitlines()[-1], "forward.toml: ", "960 more")
 
 
 def test_the_error_keeps_the_problems_apart_for_programs():
@@ -248,7 +250,7 @@ def test_every_misspelt_key_is_recognised():
                 text = f"{before if inside == 'band' else alone}{value}"
             else:
                 text = f"{before}{place}{near} = 1"
-            assert f"{near}: unknown key. Did you mean {key}?" in answer(text)
+            says(answer(text).splitlines(), f"{near}: unknown key", f"{key}?")
 
 
 @pytest.mark.parametrize(
@@ -273,19 +275,20 @@ def test_a_missing_file_is_answered_with_the_nearest_one(tmp_path):
     with pytest.raises(DesignError) as caught:
         load(tmp_path / "foward.toml")
     near = tmp_path / "forward.toml"
-    assert str(caught.value).endswith(f"foward.toml: no such file. Did you mean {near}?")
-    with pytest.raises(DesignError, match=r"no such file\.$"):
+    says(str(caught.value), "foward.toml: no such", "Did you mean", f"{near}?")
+    with refuses(DesignError, "x.toml", "no such file") as refused:
         load(tmp_path / "nowhere" / "x.toml")
+    assert "Did you mean" not in str(refused.value)
 
 
 def test_folders_devices_and_impossible_names_are_refused(tmp_path):
-    with pytest.raises(DesignError, match="it is a folder"):
+    with refuses(DesignError, str(tmp_path), "a folder"):
         load(tmp_path)
-    with pytest.raises(DesignError, match="is no file name"):
+    with refuses(DesignError, "a\\x00b", "file name"):
         load("a\0b")
     if hasattr(os, "mkfifo"):
         os.mkfifo(tmp_path / "pipe")
-        with pytest.raises(DesignError, match="it is no ordinary file"):
+        with refuses(DesignError, "pipe", "ordinary file"):
             load(tmp_path / "pipe")
 
 
@@ -308,10 +311,10 @@ def test_a_preset_is_a_design_too_and_a_wrong_name_is_answered_with_the_nearest(
     assert load("preset:paper-forward").subject == preset("paper-forward")
     with pytest.raises(DesignError) as caught:
         load("preset:paper-foward")
-    assert str(caught.value) == ("preset paper-foward: no such design. Did you mean paper-forward?")
+    says(str(caught.value), "paper-foward: ", "no such design", "Did you mean", "paper-forward?")
 
 
 def test_a_preset_asked_for_like_a_file_is_answered_with_its_name():
     with pytest.raises(DesignError) as caught:
         load("robot-forward")
-    assert str(caught.value) == ("robot-forward: no such file. Did you mean preset:robot-forward?")
+    says(str(caught.value), "robot-forward: ", "no such file", "preset:robot-forward?")

