@@ -20,7 +20,7 @@ from stepwell.cli.studies import atlas, sweep
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Understand a mechanism": (motion.run, map.map_, motion.graph, motion.program),
     "Design one": (presets.new, presets.presets, design.design, design.reprogram),
-    "Real parts and measurements": (check.check, design.yield_, lab.commands),
+    "Real parts and measurements": (check.check, check.yield_, lab.commands),
     "Robots": (robot.commands, walk.walk, walk.maze, viewer.export, viewer.view),
     "Many designs": (sweep.commands, atlas.commands),
     "Show and share": (studio.studio, figure.figure, motion.animate, replay.replay, demo.demo),

@@ -1,4 +1,4 @@
-"""`stepwell check`: one page, one verdict."""
+"""`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
 
 from typing import Annotated
 
@@ -10,6 +10,7 @@ from stepwell.cli.options import (
     Force,
     Json,
     Out,
+    Robust,
     calibrated_on,
     free,
     own,
@@ -74,3 +75,91 @@ def check(
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
     report(account(found, About(text, design, calibrated)), as_json, out, force)
     answered(found.verdict != "won't")
+
+
+def yield_(
+    design: Design,
+    anchor: given.Anchor = given.ANCHOR_MM,
+    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
+    rest_length_spread: given.RestLengthSpread = 0.0,
+    lever_tolerance: given.LeverTolerance = 0.0,
+    friction: given.Friction = 0.0,
+    travel_spread: given.TravelSpread = 0.0,
+    wanted: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TARGET",
+            help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
+            "no others, as 00,10,11; the cycle of the drawing by default.",
+        ),
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
+    ] = False,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program", help="Count those that the design's own program brings where it should."
+        ),
+    ] = False,
+    robust: Robust = None,
+    data: Data = None,
+    samples: given.Samples = None,
+    seed: given.Seed = 0,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say how many mechanisms, built with these tolerances, do what the design does.
+
+    Mechanisms are made at random and judged one by one; you get the share with its 95 %
+    interval, what the others do, and the two cells that go wrong first. With --out, figures,
+    outcomes as CSV and the result as JSON are written into a folder, together with the design.
+    """
+    from stepwell.accounts import About, account
+    from stepwell.design import survival, yields
+
+    text, chain = read_chain(design)
+    spread = given.tolerances(
+        anchor,
+        stiffness_spread,
+        rest_length_spread,
+        lever_tolerance,
+        friction,
+        travel_spread,
+        chain.measure,
+    )
+    free(out, "yield", force, design=text)
+    asked = {"--wanted": wanted, "--sensitivity": sensitivity, "--robust": robust}
+    option = next((option for option, value in asked.items() if value), None)
+    if program and option:
+        raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+    calibrated = None
+    if data is not None:
+        text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
+    played = own(text, design) if program else None
+    states = wanted.split(",") if wanted and "," in wanted else None
+    with usable(design), progress("yield") as tell:
+        if played is not None:
+            found = survival(
+                played.chain,
+                played.turning_points,
+                played.to,
+                spread,
+                start=played.start,
+                n=samples,
+                seed=seed,
+                progress=tell,
+            )
+        else:
+            found = yields(
+                chain,
+                spread,
+                n=samples,
+                seed=seed,
+                wanted=states or wanted,
+                sensitivity=sensitivity,
+                robust=robust,
+                progress=tell,
+            )
+    report(account(found, About(text, design, calibrated)), as_json, out, force)
