@@ -115,10 +115,6 @@ def test_every_public_name_can_be_had_from_the_root():
     assert missing == []
 
 
-# Rooms that are being rebuilt as `accounts` and a smaller `cli`: folders in them still have doors.
-REBUILT = {"cli"}
-
-
 def test_dir_lists_every_name_that_a_room_offers():
     assert len(dir(stepwell)) <= 64
     for room in ("design", "files", "sequences", "studies"):
@@ -182,7 +178,7 @@ def test_a_file_takes_from_other_rooms_only_what_their_doors_offer():
             room = room_of(module)
             if room == own and module != "stepwell":
                 continue
-            inside = module.count(".") > 1 and room not in REBUILT
+            inside = module.count(".") > 1
             trespassers += [
                 f"{file.relative_to(SOURCE)} takes {name} from {module}"
                 for name in names
@@ -198,9 +194,7 @@ def test_only_rooms_have_doors():
     doors = [
         str(file.relative_to(SOURCE))
         for file in SOURCE.glob("*/**/__init__.py")
-        if file.parent.parent != SOURCE
-        and file.relative_to(SOURCE).parts[0] not in REBUILT
-        and len(tree_of(file).body) > 1
+        if file.parent.parent != SOURCE and len(tree_of(file).body) > 1
     ]
     assert doors == []
 
@@ -225,7 +219,7 @@ def test_rooms_offer_to_other_rooms_only_what_these_take():
             if module == f"stepwell.{room}"
             for name in names
         }
-        hidden = offers(room, own=True) - listed - taken if room not in REBUILT else ()
+        hidden = offers(room, own=True) - listed - taken
         unwanted += [f"{room} offers {name}" for name in sorted(hidden)]
     assert unwanted == []
 
@@ -247,7 +241,7 @@ def test_no_folder_holds_more_files_than_one_can_see_at_once():
     crowded = {
         str(folder.relative_to(SOURCE)): len(files)
         for folder in [SOURCE, *SOURCE.rglob("*/")]
-        if folder.name not in REBUILT and len(files := [*folder.glob("*.py")]) > 20
+        if len(files := [*folder.glob("*.py")]) > 20
     }
     assert crowded == {}
 
@@ -257,7 +251,6 @@ def test_no_file_is_there_for_a_dozen_lines():
         str(file.relative_to(SOURCE))
         for file in SOURCE.rglob("*.py")
         if file.name not in ("__init__.py", "__main__.py")
-        and file.relative_to(SOURCE).parts[0] not in REBUILT
         and len(file.read_text("utf-8").splitlines()) < 60
     ]
     # The version is read by what builds the package.

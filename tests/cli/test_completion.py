@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from stepwell.cli.options import completing
+from stepwell.cli import options
 
 START = [sys.executable, "-c", "import stepwell.cli as c; c.main()"]
 SHELLS = ("bash", "zsh", "fish")
@@ -59,11 +59,11 @@ def test_names_begin_as_they_were_begun_and_folders_can_be_looked_into(tmp_path,
     (tmp_path / "robots").mkdir()
     (tmp_path / "robots" / "robot.toml").write_text("", "utf-8")
     (tmp_path / "robots" / "notes.md").write_text("", "utf-8")
-    assert completing.designs("preset:three-w") == ["preset:three-wave"]
-    assert completing.robots("robot-e") == ["robot-explorer"]
-    assert completing.robots("preset:robot-e") == ["preset:robot-explorer"]
-    assert completing.presets("robot-e") == ["robot-explorer"]
-    assert completing.designs("robots") == ["robots/"]
-    assert completing.designs("robots/") == ["robots/robot.toml"]
-    assert completing.designs("gone/") == []
-    assert completing.results("lab.c") == ["lab.calibrate", "lab.compare"]
+    assert options.designs("preset:three-w") == ["preset:three-wave"]
+    assert options.robots("robot-e") == ["robot-explorer"]
+    assert options.robots("preset:robot-e") == ["preset:robot-explorer"]
+    assert options.presets("robot-e") == ["robot-explorer"]
+    assert options.designs("robots") == ["robots/"]
+    assert options.designs("robots/") == ["robots/robot.toml"]
+    assert options.designs("gone/") == []
+    assert options.results("lab.c") == ["lab.calibrate", "lab.compare"]

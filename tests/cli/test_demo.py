@@ -18,8 +18,7 @@ from typer.testing import CliRunner
 import stepwell as sw
 from cli.folders import written
 from stepwell import files, reports
-from stepwell.cli import app
-from stepwell.cli.screen import show
+from stepwell.cli import app, screen
 from stepwell.reports.story import steps
 
 if TYPE_CHECKING:
@@ -210,7 +209,7 @@ def test_the_page_opens_only_where_somebody_sits(tmp_path, monkeypatch, screen, 
     monkeypatch.setattr(sys, "platform", "linux")
     if screen:
         monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr("stepwell.cli.demo.at_terminal", lambda: terminal)
+    monkeypatch.setattr("stepwell.cli.show.at_terminal", lambda: terminal)
     asked: list[str] = []
     monkeypatch.setattr(webbrowser, "open", asked.append)
     arguments = ["demo", "--out", str(tmp_path / "a b"), *([] if wanted else ["--no-open"])]
@@ -256,7 +255,7 @@ def test_ctrl_c_leaves_nothing(tmp_path):
 def test_no_line_is_longer_than_the_terminal(tmp_path, monkeypatch, columns):
     monkeypatch.setattr(reports, "STEPS", reports.STEPS[:2])
     monkeypatch.setenv("COLUMNS", str(columns))
-    monkeypatch.setattr(show, "styled", lambda: False)
+    monkeypatch.setattr(screen, "styled", lambda: False)
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(app, ["demo"])
     assert result.exit_code == 0, result.output

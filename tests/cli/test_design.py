@@ -7,8 +7,8 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.chains.design import between, elements_of, stock, stocks, wish
-from stepwell.cli.options.ranges import Range, span
+from stepwell.cli.design import between, elements_of, stock, stocks, wish
+from stepwell.cli.ranges import Range, span
 from stepwell.design import Stock, Tolerances, yields
 
 BACK = "00>01>11>10>00"

@@ -15,7 +15,7 @@ from accounts.schemas import violations
 from stepwell.accounts import account, card, page
 from stepwell.base import installation, installed
 from stepwell.base.extras import EXTRAS
-from stepwell.cli import doctor
+from stepwell.cli import about
 from stepwell.kernels import store
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -86,7 +86,7 @@ def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_a
         raise RuntimeError("no kernels")
 
     monkeypatch.setattr(installed, "import_module", broken)
-    monkeypatch.setattr(doctor, "_opengl", failing)
+    monkeypatch.setattr(about, "_opengl", failing)
     monkeypatch.setenv("MUJOCO_GL", "bogus")
     result = stepwell("doctor")
     assert result.exit_code == 1  # for networkx, without which nothing goes
@@ -114,7 +114,7 @@ def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form
 def test_what_is_missing_can_be_reported_without_any_package():
     # What the command imports before it examines anything.
     program = (
-        "import sys, stepwell.cli.doctor;"
+        "import sys, stepwell.cli.about;"
         f"print(*{{*sys.modules}} & {{*{installed.NEEDED}}} - {{'typer', 'rich', 'pydantic'}})"
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -105,7 +105,7 @@ except BaseException:
 """
 OPENS = """
 import signal, time
-from stepwell.cli.screen.outcomes import _interrupt
+from stepwell.cli.screen import _interrupt
 signal.signal(signal.SIGINT, _interrupt)
 import swallows
 try:
@@ -135,7 +135,7 @@ def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_pat
 COMPILES = """
 import os, signal, time
 from llvmlite import binding as llvm
-from stepwell.cli.screen.outcomes import _interrupt
+from stepwell.cli.screen import _interrupt
 llvm.initialize_native_target()
 llvm.initialize_native_asmprinter()
 machine = llvm.Target.from_default_triple().create_target_machine()
@@ -223,6 +223,6 @@ def test_an_interruption_in_a_decoder_is_told_as_any_other(stepwell, monkeypatch
     def read(*_):
         raise KeyboardInterrupt(words)
 
-    monkeypatch.setattr("stepwell.cli.chains.motion.read_chain", read)
+    monkeypatch.setattr("stepwell.cli.motion.read_chain", read)
     result = stepwell("run", "forward.toml")
     assert (result.exit_code, result.stderr) == (130, "Interrupted; nothing was written.\n")

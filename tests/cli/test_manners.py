@@ -10,7 +10,7 @@ import pytest
 
 import stepwell
 from stepwell.cli import app
-from stepwell.cli.screen.outcomes import EXIT_CODES
+from stepwell.cli.screen import EXIT_CODES
 
 COMMAND = Path(sys.executable).with_name("stepwell")
 COMMANDS = [command.name for command in app.registered_commands]

@@ -12,8 +12,8 @@ import xarray as xr
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.chains.map import cell_of, marks
-from stepwell.cli.options.ranges import Range, grid
+from stepwell.cli.motion import cell_of, marks
+from stepwell.cli.ranges import Range, grid
 from stepwell.design import parameter_boundaries, parameter_map
 
 FOUR = [pathway for pathway in sw.Pathway if pathway is not sw.Pathway.OTHER]

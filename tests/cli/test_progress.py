@@ -10,7 +10,7 @@ from time import sleep
 import pytest
 
 from stepwell import simulation
-from stepwell.cli.screen.progress import progress
+from stepwell.cli.screen import progress
 
 
 class Terminal(io.StringIO):
@@ -84,9 +84,9 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
 @pytest.mark.parametrize(
     ("module", "arguments"),
     [
-        ("chains.design", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
-        ("chains.motion", ("graph", "preset:three-stack")),
-        ("robots.robot", ("robot", "converge", "preset:robot-forward")),
+        ("design", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
+        ("motion", ("graph", "preset:three-stack")),
+        ("robots", ("robot", "converge", "preset:robot-forward")),
     ],
     ids=["reprogram", "graph", "robot"],
 )

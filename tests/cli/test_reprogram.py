@@ -8,7 +8,7 @@ import pytest
 import stepwell as sw
 from cli.folders import written
 from stepwell.accounts import account, terminal
-from stepwell.cli.chains.design import along
+from stepwell.cli.design import along
 from stepwell.design import reprogram
 
 BACK = "00>01>11>10>00"

@@ -9,7 +9,7 @@ import xarray
 
 from cli.folders import written
 from stepwell import files
-from stepwell.cli.robots import viewer
+from stepwell.cli import robots
 from stepwell.simulation import Settings, walk
 from stepwell.simulation.simulator import mujoco
 
@@ -160,8 +160,8 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
 def test_the_viewers_command_is_the_one_that_walks(stepwell):
     robot = files.load("preset:robot-forward").robot
     settings = Settings()
-    model, data = viewer.model(robot, None)
-    control = viewer.command(robot, settings.settle)
+    model, data = robots.model(robot, None)
+    control = robots.command(robot, settings.settle)
     for _ in range(round((settings.settle + robot.drive.period) / settings.time_step)):
         control(model, data)
         mujoco.mj_step(model, data)
@@ -169,7 +169,7 @@ def test_the_viewers_command_is_the_one_that_walks(stepwell):
 
 
 def test_view_without_a_display_says_so_in_a_line(stepwell, monkeypatch):
-    monkeypatch.setattr(viewer, "has_display", lambda: False)
+    monkeypatch.setattr(robots, "has_display", lambda: False)
     result = stepwell("view", "robot-forward")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("There is no display here")

@@ -7,7 +7,7 @@ import typer
 
 from stepwell.accounts import schema_of
 from stepwell.cli import app
-from stepwell.cli.screen.outcomes import EXIT_CODES
+from stepwell.cli.screen import EXIT_CODES
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text("utf-8")
 ROBOT = typer.main.get_command(app).commands["robot"].commands  # type: ignore[attr-defined]

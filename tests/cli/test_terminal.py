@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from stepwell.cli.screen import show
+from stepwell.cli import screen
 
 # Letters that move the cursor, turn the text round, hide it, or end a line.
 CONTROLS = [
@@ -20,15 +20,15 @@ CONTROLS = [
 
 @pytest.mark.parametrize("terminal", [False, True])
 def test_no_letter_of_a_name_that_steers_a_terminal_reaches_it(monkeypatch, capsys, terminal):
-    monkeypatch.setattr(show, "styled", lambda: terminal)
+    monkeypatch.setattr(screen, "styled", lambda: terminal)
     monkeypatch.setenv("TERM", "dumb")
     for letter in CONTROLS:
         name = f"a{letter}b"
-        show.show_lines(name)
-        show.show_text(name)
-        show.show_table(name, [name], [[name]])
-        show.show_json({"name": name})
-        show.warn(name)
+        screen.show_lines(name)
+        screen.show_text(name)
+        screen.show_table(name, [name], [[name]])
+        screen.show_json({"name": name})
+        screen.warn(name)
         shown = capsys.readouterr()
         assert letter not in shown.out + shown.err
         assert shown.out.count(ascii(letter)[1:-1]) >= 5, ascii(letter)
@@ -36,9 +36,9 @@ def test_no_letter_of_a_name_that_steers_a_terminal_reaches_it(monkeypatch, caps
 
 
 def test_markup_in_a_name_is_text(monkeypatch, capsys):
-    monkeypatch.setattr(show, "styled", lambda: True)
+    monkeypatch.setattr(screen, "styled", lambda: True)
     for name in ("[red]a[/red]", "[/]", "[bold", "[link=x]y[/link]"):
-        show.show_table(name, [name], [[name]])
+        screen.show_table(name, [name], [[name]])
         assert capsys.readouterr().out.count(name) == 3
 
 

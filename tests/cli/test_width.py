@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from stepwell.accounts.rendering import terminal as fold
-from stepwell.cli.screen import show
+from stepwell.cli import screen
 
 # Narrower and wider terminals, and what the pages and a pipe have; that no screen of a golden case
 # is wider than 80 letters, those cases hold (tests/golden).
@@ -74,9 +74,9 @@ def test_a_sequence_is_folded_between_states_and_a_number_stays_with_its_unit(mo
 def test_a_message_is_one_line_in_a_log_and_folded_at_a_terminal(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "40")
     message = "file.toml: chain.cell[1].q_mmm: unknown key. Did you mean q_mm?"
-    show.warn(message)
+    screen.warn(message)
     assert capsys.readouterr().err == f"{message}\n"
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    show.warn(message)
+    screen.warn(message)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 2 and max(map(len, lines)) <= 40

@@ -243,7 +243,7 @@ def difference(one: Path, other: Path) -> float:
 def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     """A record has the identity of the study that the command on the page begins."""
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
-    from stepwell.cli.studies.sweep import read_axes
+    from stepwell.cli.sweep import read_axes
     from stepwell.studies import How, Space, asked
 
     told, made = commands(), list(records().values())
@@ -272,7 +272,7 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
     from typer.testing import CliRunner
 
     from stepwell import studies
-    from stepwell.cli.studies import sweep
+    from stepwell.cli import sweep
     from stepwell.studies.screen import ranked
 
     record, page = antennas.records(), antennas.PAGE.read_text("utf-8")

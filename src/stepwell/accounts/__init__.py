@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import Account
 from stepwell.accounts.head import About, Calibrated, head
@@ -19,6 +18,7 @@ from stepwell.accounts.rendering.terminal import (
     table,
     terminal,
 )
+from stepwell.base import late
 
 if TYPE_CHECKING:
     from stepwell.accounts.rendering.json_schema import schema_kinds, schema_of
@@ -48,7 +48,4 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name in _LATE:
-        return getattr(import_module(f"stepwell.accounts.{_LATE[name]}"), name)
-    raise AttributeError(f"module 'stepwell.accounts' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

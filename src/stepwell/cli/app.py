@@ -10,24 +10,21 @@ from typing import Annotated, Any
 import typer
 
 from stepwell.base import __version__, described
-from stepwell.cli import demo, doctor, figure, lab, paper, presets, replay, schema, studio
-from stepwell.cli.chains import check, design, map, motion
-from stepwell.cli.robots import robot, viewer, walk
+from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
-from stepwell.cli.studies import atlas, sweep
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
-    "Understand a mechanism": (motion.run, map.map_, motion.graph, motion.program),
-    "Design one": (presets.new, presets.presets, design.design, design.reprogram),
-    "Real parts and measurements": (check.check, check.yield_, lab.commands),
-    "Robots": (robot.commands, walk.walk, walk.maze, viewer.export, viewer.view),
+    "Understand a mechanism": (motion.run, motion.map_, motion.graph, motion.program),
+    "Design one": (about.new, about.presets, design.design, design.reprogram),
+    "Real parts and measurements": (checks.check, checks.yield_, lab.commands),
+    "Robots": (robots.commands, robots.walk, robots.maze, robots.export, robots.view),
     "Many designs": (sweep.commands, atlas.commands),
-    "Show and share": (studio.studio, figure.figure, motion.animate, replay.replay, demo.demo),
-    "Validation and installation": (paper.paper, paper.validate, schema.schema, doctor.doctor),
+    "Show and share": (show.studio, show.figure, motion.animate, show.replay, show.demo),
+    "Validation and installation": (about.paper, about.validate, about.schema, about.doctor),
 }
 _NAMES = {
-    robot.commands: "robot",
+    robots.commands: "robot",
     lab.commands: "lab",
     sweep.commands: "sweep",
     atlas.commands: "atlas",

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stepwell.accounts import account
-from stepwell.cli.options import Force, Json, Out, free, local, read_design, tolerances as parts
+from stepwell.cli import tolerances as parts
+from stepwell.cli.options import Force, Json, Out, free, local, read_design
 from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, styled, usable, warn
-from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
+from stepwell.cli.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
     from stepwell.studies import Atlas, Study

@@ -9,19 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from stepwell.base import REACH
-from stepwell.cli.options import (
-    Design,
-    Force,
-    Json,
-    NewDrive,
-    Out,
-    Range,
-    free,
-    read_chain,
-    span,
-    stiffness_of,
-    tolerances as given,
-)
+from stepwell.cli import tolerances as given
+from stepwell.cli.driving import NewDrive, stiffness_of
+from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
+from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable
 
 if TYPE_CHECKING:

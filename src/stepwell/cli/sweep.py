@@ -13,16 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stepwell.accounts import account
-from stepwell.cli.options import (
-    Design,
-    Force,
-    Json,
-    free,
-    local,
-    read_design,
-    read_range,
-    tolerances as parts,
-)
+from stepwell.cli import tolerances as parts
+from stepwell.cli.options import Design, Force, Json, free, local, read_design
+from stepwell.cli.ranges import read_range
 from stepwell.cli.screen import (
     EXIT_CODES,
     FAILED,

@@ -4,20 +4,11 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import (
-    Data,
-    Design,
-    Force,
-    Json,
-    Out,
-    Robust,
-    calibrated_on,
-    free,
-    own,
-    read_chain,
-    tolerances as given,
-)
+from stepwell.cli import tolerances as given
+from stepwell.cli.driving import own
+from stepwell.cli.options import Design, Force, Json, Out, Robust, free, read_chain
 from stepwell.cli.screen import answered, progress, report, usable
+from stepwell.cli.tolerances import Data, calibrated_on
 
 
 def check(

@@ -1,0 +1,170 @@
+"""`stepwell new`, `presets`, `paper`, `validate`, `schema` and `doctor`."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.accounts import account
+from stepwell.base import installation
+from stepwell.cli import options as completing
+from stepwell.cli.options import Force, ForceFile, Json, Out, free, free_file, local
+from stepwell.cli.screen import (
+    FAILED,
+    has_display,
+    progress,
+    report,
+    show_lines,
+    show_verbatim,
+    usable,
+)
+
+
+def presets(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """List the designs that come with Stepwell.
+
+    The paper's come first, then some that go further, then robots.
+    """
+    from stepwell import files
+
+    report(account(files.presets()), as_json)
+
+
+def new(
+    file: Annotated[
+        Path, typer.Argument(metavar="NAME.toml", help="The file to write.", callback=local)
+    ],
+    preset: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Which design; see `stepwell presets`.",
+            autocompletion=completing.presets,
+        ),
+    ] = "paper-forward",
+    force: ForceFile = False,
+) -> None:
+    """Write a design file to start from.
+
+    It is a copy of one of the designs that come with Stepwell, with its comments.
+    """
+    from stepwell import files
+
+    if file.suffix != ".toml":
+        raise typer.BadParameter(
+            f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
+        )
+    free_file(file, force)
+    files.write_atomic(file, files.preset_text(preset))
+    command = "walk" if preset.startswith("robot-") else "run"
+    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
+
+
+def paper(
+    everything: Annotated[
+        bool,
+        typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
+    ] = False,
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="The authors' recordings, for the claims that they decide.",
+        ),
+    ] = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Check what the paper claims.
+
+    Every claim is computed; the verdict says where we agree, where not, and why. Claims about
+    measurements need the authors' recordings, which are not part of Stepwell.
+    With --out, the paper's figures are drawn from the model into a folder.
+    """
+    import stepwell.paper as claims
+
+    free(out, "paper", force)
+    with progress("claims") as tell:
+        found = claims.run(tell, everything=everything, data=data)
+    report(account(found), as_json, out, force, everything=everything)
+
+
+def validate(as_json: Json = False) -> None:
+    """Check results of others about chains of bistable elements.
+
+    Closed forms, transition graphs and sequences that others have published are computed; the
+    verdict says where we agree, where not, and why.
+    """
+    import stepwell.paper as claims
+
+    with progress("claims") as tell:
+        found = claims.validate(tell)
+    report(account(found), as_json)
+
+
+def schema(
+    kind: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="RESULT",
+            help="Which result, such as run or lab.read; a list of all by default.",
+            autocompletion=completing.results,
+        ),
+    ] = None,
+) -> None:
+    """Print the JSON Schema of a result.
+
+    Every JSON that a command prints or writes names its schema and the version of it, as in
+    stepwell.run/2; this prints that schema, for programs that read results.
+    """
+    from stepwell.accounts import schema_kinds, schema_of
+
+    if kind is None:
+        names = (schema_of(one)["title"] for one in schema_kinds())
+        show_lines("Results, each with the version of its schema", "", *names)
+        return
+    with usable("RESULT"):
+        found = schema_of(kind)
+    show_verbatim(json.dumps(found, indent=2))
+
+
+def doctor(as_json: Json = False) -> None:
+    """List what is installed, what is kept and what is missing.
+
+    Packages and extras with the command that adds each, compiled kernels and where they are kept,
+    browser, video encoder and OpenGL, cores. What is installed and does not work is listed with the
+    reason. It ends with 0 where all that Stepwell needs is installed, extras or not.
+    """
+    found = installation(
+        {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
+    )
+    report(account(found), as_json)
+    if not found.ok:
+        raise typer.Exit(FAILED)
+
+
+# Each opens its room when it is called: what is broken there is reported, and the rest examined.
+def _cores() -> int:
+    from stepwell.kernels import cores
+
+    return cores()
+
+
+def _kernels() -> object:
+    from stepwell.kernels import kept
+
+    return kept()
+
+
+def _opengl() -> str | None:
+    from stepwell.simulation import drawing_system
+
+    return drawing_system()
+
+
+def _display() -> str | None:
+    return "yes" if has_display() else None

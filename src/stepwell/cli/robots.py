@@ -1,0 +1,434 @@
+"""`stepwell robot`, `walk`, `maze`, `export` and `view`: robots by statics and simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.base import require
+from stepwell.cli import options as completing
+from stepwell.cli.options import (
+    Arena,
+    Force,
+    ForceFile,
+    Json,
+    NoVideo,
+    Out,
+    Robot,
+    free,
+    free_file,
+    local,
+    read_robot,
+)
+from stepwell.cli.ranges import Range, read_range
+from stepwell.cli.screen import (
+    EXIT_CODES,
+    Progress,
+    has_display,
+    progress,
+    report,
+    show_table,
+    show_verbatim,
+    stopped,
+    styled,
+    usable,
+    warn,
+)
+
+if TYPE_CHECKING:
+    import stepwell.robot as values
+    from stepwell.simulation import Sweep
+
+
+commands = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich" if styled() else None,
+    help="Compute a robot's gait by statics, vary its numbers, or check its time step.",
+    epilog=EXIT_CODES,
+)
+
+
+@commands.command(epilog=EXIT_CODES)
+def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+    """List a robot's numbers with their sources, and predict its gait by statics.
+
+    The prediction needs no simulation. With --out, drawings from above and the side, the
+    prediction and all numbers as JSON are written into a folder, together with the design.
+    """
+    from stepwell.accounts import About, account
+
+    text, design = read_robot(robot)
+    free(out, "robot show", force, robot=text)
+    report(account(design.predict(), About(text, robot)), as_json, out, force)
+
+
+@commands.command(epilog=EXIT_CODES)
+def sweep(
+    robot: Robot,
+    ranges: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="KEY=FROM:TO:COUNT...",
+            help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write the results into this folder.",
+            file_okay=False,
+            callback=local,
+        ),
+    ],
+    random: Annotated[
+        int | None,
+        typer.Option(
+            "--random",
+            metavar="N",
+            help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
+            min=1,
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
+    cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate the walk of a robot for many values of its numbers, on all cores.
+
+    A grid over all ranges, or seeded random draws. An interrupted sweep resumes when the same
+    command is run again. Table (CSV), data (NetCDF), JSON and a figure are
+    written into the folder.
+    """
+    from stepwell.accounts import About, account
+
+    text, design = read_robot(robot)
+    free(out, "robot sweep", force)
+    values = _points(_ranges(ranges, random), random, seed)
+    seeds = {"values": seed if random else None}
+    keep = out / "unfinished"
+    kept = "the robots that are done are kept, and the same command goes on with the others"
+    with usable("--out"), progress("robots", kept=kept) as tell:
+        result = _swept(design, robot, values, cycles, keep, tell)
+    report(account(result, About(text, robot, seeds=seeds)), as_json, out, force)
+    _forget(keep)
+
+
+@commands.command(epilog=EXIT_CODES)
+def converge(
+    robot: Robot,
+    cycles: Annotated[
+        int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
+    ] = 2,
+    as_json: Json = False,
+) -> None:
+    """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
+
+    Ground reaction forces under feet and supports are compared with those at the smallest step.
+    """
+    from stepwell import simulation as physics
+    from stepwell.accounts import About, account
+
+    text, design = read_robot(robot)
+    with usable(robot), progress("walking") as tell:
+        found = physics.convergence(design, cycles=cycles, progress=tell)
+    report(account(found, About(text, robot)), as_json)
+
+
+def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
+    """KEY=FROM:TO:COUNT each, or KEY=FROM:TO where `drawn` values are drawn."""
+    found = [_range(text, drawn) for text in texts]
+    keys = [one.name for one in found]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise typer.BadParameter(f"{key} is there twice: give each key one range.")
+    total = drawn or 1
+    for one in found:
+        total *= one.count or 1
+    try:
+        require("robots", total, "these are")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    return found
+
+
+def _points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
+    """For each key its value in every robot."""
+    import numpy as np
+
+    if drawn is not None:
+        rng = np.random.default_rng(seed)
+        # A robot a row, so that asking for more robots keeps the first ones as they are.
+        shares = rng.random((drawn, len(found)))
+        columns = [
+            one.start + (one.stop - one.start) * share
+            for one, share in zip(found, shares.T, strict=True)
+        ]
+    else:
+        axes = np.meshgrid(*(one.values() for one in found), indexing="ij")
+        columns = [axis.ravel() for axis in axes]
+    # What a file holds is decimal: 0.1 and not 0.1 and a rounding error.
+    return {
+        one.name: [float(f"{value:.12g}") for value in column]
+        for one, column in zip(found, columns, strict=True)
+    }
+
+
+def _range(text: str, drawn: int | None) -> Range:
+    example = "chain.cell.outer.q_mm[0]=5:20" + ("" if drawn else ":4")
+    found = read_range(text, "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT", example)
+    if not (abs(found.start) <= 1e9 and abs(found.stop) <= 1e9) or found.start == found.stop:
+        raise typer.BadParameter(f"{text!r}: must go from one number to another, within ±1e9.")
+    return found
+
+
+def _swept(
+    robot: values.Robot,
+    name: str,
+    values: Mapping[str, Sequence[float]],
+    cycles: int,
+    keep: Path,
+    progress: Progress | None,
+) -> Sweep:
+    """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
+    from stepwell import files, simulation
+
+    count = len(next(iter(values.values())))
+    made: dict[int, values.Robot] = {}
+    wrong: dict[int, files.DesignError] = {}
+    for i in range(count):
+        try:
+            made[i] = files.vary(robot, {key: numbers[i] for key, numbers in values.items()})
+        except files.DesignError as error:
+            wrong[i] = error
+    if not made:
+        raise files.DesignError(name, wrong[0].problems)
+    done = simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
+    trials = dict(zip(made, done.trials, strict=True))
+    nothing, gaits = float("nan"), ("",) * len(robot.legs)
+    for i, error in wrong.items():
+        why = "; ".join(error.problems)
+        trials[i] = simulation.Trial(nothing, nothing, nothing, gaits, nothing, why)
+    return simulation.Sweep(values, tuple(trials[i] for i in range(count)))
+
+
+def _forget(keep: Path) -> None:
+    """Remove what was kept of a sweep that is written."""
+    for file in (*keep.glob("part-*.json"), keep / "sweep.json"):
+        file.unlink(missing_ok=True)
+    if keep.is_dir() and not any(keep.iterdir()):
+        keep.rmdir()
+
+
+def walk(
+    robot: Robot,
+    cycles: Annotated[
+        float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
+    ] = 8,
+    out: Out = None,
+    no_video: NoVideo = False,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
+
+    The actuator's position is the only command; gaits emerge from bands, weight and contact.
+    With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
+    written into a folder, together with the design.
+    """
+    from stepwell import simulation
+    from stepwell.accounts import About, account
+
+    text, design = read_robot(robot)
+    free(out, "walk", force, robot=text)
+    with usable(robot), progress("walking") as tell:
+        result = simulation.walk(design, cycles, progress=tell)
+    found = account(result, About(text, robot))
+    report(found, as_json, out, force, video=not no_video, warn=warn)
+    stopped(result.stopped)
+
+
+def _list(wanted: bool) -> None:
+    if wanted:
+        from stepwell import files
+
+        show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
+        raise typer.Exit
+
+
+def maze(
+    robot: Robot,
+    arena: Annotated[
+        str,
+        typer.Argument(
+            metavar="ARENA",
+            help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
+            autocompletion=completing.arenas,
+        ),
+    ],
+    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0,
+    start_seed: Annotated[
+        int | None,
+        typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
+    ] = None,
+    layout_seed: Annotated[
+        int | None,
+        typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0),
+    ] = None,
+    disconnect: Annotated[
+        bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")
+    ] = False,
+    no_antennas: Annotated[
+        bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
+    ] = False,
+    out: Out = None,
+    no_video: NoVideo = False,
+    force: Force = False,
+    as_json: Json = False,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--list", help="List the arenas that come along.", callback=_list, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
+
+    It walks until it reaches the goal, gets nowhere any more, or runs out of time; nothing
+    steers it but its antennas. --disconnect and --no-antennas are the controls: the same
+    robot without what reprograms its legs. With --out, figures, samples as NetCDF, the result
+    as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
+    """
+    from stepwell import files, simulation
+    from stepwell.accounts import About, account
+
+    text, given = read_robot(robot)
+    design = _changed(given, disconnect, no_antennas)
+    seeds = {"start_seed": start_seed, "layout_seed": layout_seed}
+    free(out, "maze", force)
+    place = _jittered(files.load_arena(arena), start_seed, layout_seed)
+    with usable(robot), progress("walking") as tell:
+        result = simulation.maze(design, place, limit=limit, progress=tell)
+    found = account(result, About(text if design is given else design, robot, seeds=seeds))
+    report(found, as_json, out, force, video=not no_video, warn=warn)
+    stopped(result.walk.stopped)
+
+
+def _changed(robot: values.Robot, disconnect: bool, bare: bool) -> values.Robot:
+    """The robot as given, or one of the two controls."""
+    if not (disconnect or bare):
+        return robot
+    option = "--no-antennas" if bare else "--disconnect"
+    if disconnect and bare:
+        raise typer.BadParameter(f"{option} leaves no lever to take off: give one of the two.")
+    if not robot.antennas:
+        raise typer.BadParameter("this robot has no antennas.", param_hint=option)
+    antennas = () if bare else tuple(replace(one, connected=False) for one in robot.antennas)
+    return replace(robot, antennas=antennas)
+
+
+def _jittered(arena: values.Arena, start: int | None, layout: int | None) -> values.Arena:
+    from stepwell.robot import other_layout, other_start
+
+    if layout is not None:
+        with usable("--layout-seed"):
+            arena = other_layout(arena, layout)
+    if start is not None:
+        with usable("--start-seed"):
+            arena = other_start(arena, start)
+    return arena
+
+
+NO_DISPLAY = (
+    "There is no display here, and the viewer is a window. `stepwell walk` and `stepwell maze` "
+    "write videos without one; `stepwell export` writes a model to look at elsewhere."
+)
+
+
+def export(
+    robot: Robot,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE.xml",
+            help="The file to write.",
+            show_default=False,
+            callback=local,
+        ),
+    ] = Path("robot.xml"),
+    arena: Arena = None,
+    force: ForceFile = False,
+) -> None:
+    """Export a robot as MJCF, the format of MuJoCo.
+
+    MuJoCo's own viewer opens it and shows bands, levers, links and antennas. In its keyframe
+    `start` the robot stands on the floor with every cell at 0.
+    """
+    from stepwell import files, simulation
+
+    free_file(out, force)
+    _, design = read_robot(robot)
+    place = files.load_arena(arena) if arena is not None else None
+    with usable(robot):
+        text = simulation.mjcf(design, place)
+    files.write_atomic(out, text)
+    show_verbatim(f"Wrote {out}")
+
+
+def view(robot: Robot, arena: Arena = None) -> None:
+    """Simulate a robot in MuJoCo's viewer.
+
+    The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
+    """
+    from stepwell import files
+
+    _, design = read_robot(robot)
+    place = files.load_arena(arena) if arena is not None else None
+    if not has_display():
+        typer.echo(NO_DISPLAY, err=True)
+        raise typer.Exit(1)
+    with usable(robot):
+        _show(design, place)
+
+
+def command(robot: values.Robot, settle: float) -> Callable[[Any, Any], None]:
+    """What MuJoCo calls at every step: the stroke wanted at that time, 0 while it settles."""
+
+    def control(_model: Any, data: Any) -> None:
+        data.ctrl[0] = robot.drive.stroke(data.time - settle)
+
+    return control
+
+
+def model(robot: values.Robot, arena: values.Arena | None) -> tuple[Any, Any]:
+    """The compiled model, and its data standing at the start."""
+    from stepwell.simulation import mujoco, spec
+
+    compiled = spec(robot, arena).compile()
+    data = mujoco.MjData(compiled)
+    mujoco.mj_resetDataKeyframe(compiled, data, 0)
+    return compiled, data
+
+
+def _show(robot: values.Robot, arena: values.Arena | None) -> None:
+    """Open the viewer, and come back when it is closed."""
+    from importlib import import_module
+
+    from stepwell.simulation import Settings, mujoco
+
+    viewer = import_module("mujoco.viewer")
+    compiled, data = model(robot, arena)
+    mujoco.set_mjcb_control(command(robot, Settings().settle))
+    try:
+        viewer.launch(compiled, data)
+    finally:
+        mujoco.set_mjcb_control(None)

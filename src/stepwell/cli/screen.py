@@ -1,0 +1,333 @@
+"""What all commands do on the screen: text, progress, errors and their exit codes."""
+
+import errno
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import groupby
+from pathlib import Path
+from types import FrameType
+from typing import Any, cast
+
+import typer
+from typer.core import TyperGroup
+
+from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph, table, terminal
+from stepwell.base import ExtraError, SettingError, on_terminal
+
+WRITING = "writing"
+Progress = Callable[[float, float], None]
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, with a line about what had been done."""
+
+
+@contextmanager
+def progress(
+    label: str, *, kept: str = "", note: Callable[[], str] = str
+) -> Iterator[Progress | None]:
+    """What to call with (done, total); None where nobody is looking.
+
+    The bar tells how much is done and how long the rest will take. It goes to standard error, so
+    that it never mixes with results, and vanishes when done.
+
+    Args:
+        label: what is going on.
+        note: what is told behind it, asked anew as work goes on.
+        kept: what an interruption leaves and how to go on; nothing is written otherwise.
+
+    Raises:
+        Interrupted: in place of a KeyboardInterrupt, with one line that tells all this.
+    """
+    reached = ""
+    try:
+        with on_terminal(lambda: label + note()) as shown:
+
+            def update(done: float, total: float) -> None:
+                nonlocal reached
+                reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+                if shown is not None:
+                    shown(done, total)
+
+            yield None if shown is None else update
+    except Interrupted:
+        raise
+    except KeyboardInterrupt:
+        left = kept or "nothing was written"
+        if label == WRITING:
+            left = "the folder is as it was, or says that it is incomplete"
+        raise Interrupted(f"Interrupted ({label}{reached}); {left}.") from None
+
+
+def styled() -> bool:
+    """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
+    return at_terminal() and not os.environ.get("NO_COLOR")
+
+
+def at_terminal() -> bool:
+    """Whether somebody reads what is shown as it comes."""
+    return sys.stdout is not None and sys.stdout.isatty()
+
+
+def has_display() -> bool:
+    """Whether windows can open; elsewhere than on Linux one has to try."""
+    screens = ("DISPLAY", "WAYLAND_DISPLAY")
+    return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
+
+
+def write_out(text: str) -> None:
+    """Write to standard output, and name it where that fails.
+
+    Raises:
+        OSError: it is closed, or the disk that it goes to is full.
+    """
+    # Closed by its caller with >&-; Python then has no stream at all.
+    if sys.stdout is None:
+        why = f"is closed, so nothing can be shown: send it to a file, or to {os.devnull}"
+        raise OSError(errno.EBADF, why, "standard output")
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:  # a reader that has enough, as `head` does
+        raise
+    except OSError as error:
+        # Python would try to write the rest again at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise type(error)(error.errno, error.strerror, "standard output") from None
+
+
+def warn(text: str) -> None:
+    """Say something on standard error: a line each, for logs are searched; folded at a terminal."""
+    from typer import echo
+
+    lines = escaped(text).split("\n")
+    looked_at = sys.stderr is not None and sys.stderr.isatty()
+    for line in lines:
+        echo("\n".join(folded(line)) if looked_at else line, err=True)
+
+
+def show_json(record: dict[str, Any], *files: Path) -> None:
+    """Print a record as JSON, with the files that were written."""
+    shown = record | {"files": [str(file) for file in files]}
+    write_out(json.dumps(shown, indent=2, allow_nan=False) + "\n")
+
+
+def report(
+    account: Account,
+    as_json: bool,
+    out: Path | None = None,
+    force: bool = False,
+    **options: Any,
+) -> None:
+    """Write a result into a folder, and print it as JSON or as text.
+
+    Args:
+        account: of the result.
+        as_json: what --json says.
+        out: what --out says.
+        force: what --force says.
+        options: of `reports.write`, for the kind of result.
+    """
+    names: Sequence[str] = ()
+    if out is not None:
+        from stepwell import reports
+
+        with progress(WRITING) as tell:
+            names = reports.write(account, out, progress=tell, force=force, **options)
+    if as_json:
+        show_json(account.record, *((out or Path()) / name for name in names))
+        return
+    _lines(terminal(account))
+    if names:
+        show_lines("", f"Written into {out}: {', '.join(names)}")
+
+
+def show_lines(*lines: str) -> None:
+    """Print lines, folded to the width of the terminal."""
+    rows = (row for line in lines for row in escaped(line).split("\n"))
+    write_out("".join(f"{part}\n" for row in rows for part in folded(row)))
+
+
+def show_verbatim(text: str) -> None:
+    """Print what will be copied, such as TOML, an address or a path, as it is."""
+    write_out(f"{escaped(text)}\n")
+
+
+def show_text(*paragraphs: str) -> None:
+    """Print long sentences as paragraphs, each after an empty line."""
+    for text in paragraphs:
+        show_lines("", *wrapped(text))
+
+
+def show_title(text: str) -> None:
+    """Print a line that others stand under, after an empty one."""
+    _lines([Line(""), *heading(text)])
+
+
+def wrapped(text: str) -> list[str]:
+    """A long sentence in lines, as a sentence begins."""
+    return [line.text for line in paragraph(text)]
+
+
+def show_table(
+    title: str, head: Sequence[str], rows: Iterable[Sequence[str]], *, left: Sequence[int] = (0,)
+) -> None:
+    """Print a table, as `accounts` folds it."""
+    _lines(table(title, head, rows, left))
+
+
+def _lines(lines: Iterable[Line]) -> None:
+    """Print lines that are folded; headings in bold where boxes and colours are welcome."""
+    plain = not styled()
+    for bold, some in groupby(lines, lambda line: line.bold):
+        texts = [line.text for line in some]
+        if plain or not bold:
+            write_out("".join(f"{text}\n" for text in texts))
+            continue
+        from rich.console import Console
+        from rich.text import Text
+
+        console = Console(highlight=False, soft_wrap=True)
+        for text in texts:
+            console.print(Text(text, style="bold"))
+
+
+OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
+# The reader of the output has left, as `head` does: 128 and the number of SIGPIPE, as in a shell.
+PIPE_CLOSED = 141
+# Wrong usage of any kind, which Typer does not export.
+_USAGE = cast("type[Exception]", typer.BadParameter.__base__)
+_LOOK_AGAIN = 0.005  # s
+EXIT_CODES = (
+    "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
+    "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
+    "interrupted."
+)
+
+
+class Commands(TyperGroup):
+    """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands under the headings of their groups, as the boxes of a terminal do."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        width = formatter.width - 6 - max(map(len, self.commands))
+        for name in self.list_commands(ctx):
+            command = self.commands[name]
+            if not command.hidden:
+                heading = getattr(command, "rich_help_panel", None)
+                heading = heading if isinstance(heading, str) else "Commands"
+                groups.setdefault(heading, []).append((name, command.get_short_help_str(width)))
+        for heading, rows in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run what was asked for."""
+        try:
+            # From here on there is something to tidy up, and to tell, after Ctrl-C.
+            if threading.current_thread() is threading.main_thread():
+                signal.signal(signal.SIGINT, _interrupt)
+            return super().invoke(ctx)
+        except (typer.Exit, typer.Abort):
+            raise
+        except KeyboardInterrupt as error:
+            # Python itself gives one that breaks into a decoder other words.
+            told = str(error) if isinstance(error, Interrupted) else ""
+            warn(told or "Interrupted; nothing was written.")
+            raise typer.Exit(INTERRUPTED) from None
+        except _USAGE as error:
+            for part in ("message", "param_hint"):
+                text = getattr(error, part, None)
+                if isinstance(text, str):
+                    setattr(error, part, escaped(text))
+            raise
+        except (ImportError, OSError, RuntimeError, ValueError) as error:
+            known = outcome(error)
+            if known is None:
+                raise
+            code, message = known
+            warn(message)
+            raise typer.Exit(code) from None
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """What Ctrl-C does while a command runs: a KeyboardInterrupt, where it would not be lost.
+
+    Modules that open and the compiler call Python out of C, which drops any exception.
+    """
+    if _is_lost(frame) and hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, _interrupt)
+        signal.setitimer(signal.ITIMER_REAL, _LOOK_AGAIN)
+    else:
+        raise KeyboardInterrupt
+
+
+def _is_lost(frame: FrameType | None) -> bool:
+    """Whether an exception raised here could be dropped before it reaches the command.
+
+    The command may itself run while a module opens.
+    """
+    while frame is not None and frame.f_code is not Commands.invoke.__code__:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        if "llvmlite" in Path(frame.f_code.co_filename).parts:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
+    """Exit code and message of an error that the user can do something about, else None."""
+    # Before the rooms are opened, which ask for the settings too.
+    if isinstance(error, SettingError):
+        return WRONG_INPUT, str(error)
+    from stepwell.files import DesignError, OverwriteError, slips_text
+    from stepwell.lab import LabError
+    from stepwell.mechanism import SlipError
+    from stepwell.sequences import Unreachable
+    from stepwell.statics import StaticsError
+    from stepwell.studies import GapError, StudyError, SweepError, WorkerError
+
+    if isinstance(error, DesignError | LabError | OverwriteError | StudyError):
+        return WRONG_INPUT, str(error)
+    if isinstance(error, SlipError):
+        return WRONG_INPUT, slips_text(error)
+    if isinstance(error, Unreachable):
+        return NO, str(error)
+    # Any other missing module is a bug of ours.
+    if isinstance(error, StaticsError | ExtraError | GapError | SweepError | WorkerError):
+        return FAILED, str(error)
+    if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
+        place = f"{error.filename}: " if error.filename else ""
+        return FAILED, f"{place}{error.strerror or error}"
+    return None
+
+
+def stopped(why: str) -> None:
+    """End with a message where a simulation ended early; what it has is written and shown."""
+    if why:
+        warn(why)
+        raise typer.Exit(FAILED)
+
+
+@contextmanager
+def usable(what: str, *answers: type[ValueError]) -> Iterator[None]:
+    """Turn what the work cannot do with an argument into wrong usage, but not its answers."""
+    try:
+        yield
+    except ValueError as error:
+        if isinstance(error, answers) or outcome(error) is not None:
+            raise
+        raise typer.BadParameter(str(error), param_hint=what) from None
+
+
+def answered(yes: bool) -> None:
+    """End with an exit code of its own where what was asked for cannot be had."""
+    if not yes:
+        raise typer.Exit(NO)

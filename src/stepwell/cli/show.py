@@ -1,0 +1,411 @@
+"""`stepwell figure`, `replay`, `studio` and `demo`: what others are shown."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.cli import options as completing
+from stepwell.cli.driving import own
+from stepwell.cli.options import (
+    Arena,
+    Design,
+    Force,
+    ForceFile,
+    free,
+    free_file,
+    local,
+    read_design,
+)
+from stepwell.cli.screen import (
+    WRITING,
+    Interrupted,
+    Progress,
+    at_terminal,
+    has_display,
+    progress,
+    show_lines,
+    show_table,
+    show_text,
+    show_title,
+    show_verbatim,
+    usable,
+    warn,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    import stepwell.robot as values
+    from stepwell.lab import Recording
+    from stepwell.simulation import Maze, Walk
+
+
+# A page has about this height [mm].
+_TALLEST = 247.0
+# Two columns of a page.
+_USUAL = "180mm"
+_PAPER = "paper:"
+_KINDS = ("pdf", "svg", "png")
+
+
+def figure(
+    design: Design,
+    panels: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="What to show, as mechanism,force,landscape; a / begins a new row; help lists "
+            "all. By default what suits the design.",
+        ),
+    ] = None,
+    width: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
+            "help lists them; 180mm by default.",
+        ),
+    ] = None,
+    height: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Of the page; what the panels want by default."),
+    ] = None,
+    columns: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Panels in a row, where no / says so.", min=1, max=26),
+    ] = None,
+    letters: Annotated[
+        str, typer.Option(metavar="A|a|(a)|none", help="How panels are lettered.")
+    ] = "A",
+    measured: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="A recording to draw behind the force, as `stepwell lab read` reads it; may be "
+            "given up to four times.",
+        ),
+    ] = None,
+    mass: Annotated[
+        float | None,
+        typer.Option("--mass", metavar="G", help="Outside each cell [g], for the panel snap."),
+    ] = None,
+    damping: Annotated[
+        float | None,
+        typer.Option(metavar="N_S/M", help="Of each cell [N s/m], for the panel snap."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False, callback=local
+        ),
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--format",
+            metavar="pdf|svg|png",
+            help="Of the file, if its name does not say; pdf by default.",
+        ),
+    ] = None,
+    force: ForceFile = False,
+) -> None:
+    """Compose a figure for a paper.
+
+    Panels of a design, drawn at the size they have on paper, with letters. In PDF and SVG fonts are
+    in the file and text stays text; PNG has 600 dpi. paper:fig1 to paper:fig4 in place of the
+    design are the quantities of the paper's figures.
+    """
+    from stepwell import figures
+
+    if "help" in (panels, width):
+        _list()
+        return
+    with usable("--width"):
+        wide = figures.length(width or _USUAL)
+    with usable("--height"):
+        high = None if height is None else figures.length(height)
+    file = _file(out, kind)
+    free_file(file, force)
+    if design.startswith(_PAPER):
+        drawn = _of_the_paper(
+            design, {"--panels": panels, "--width": width, "--measured": measured}
+        )
+    else:
+        drawn = _composed(
+            design,
+            panels,
+            measured=[_recording(one) for one in measured or ()],
+            mass=None if mass is None else mass * 1e-3,
+            damping=damping,
+            width=wide,
+            height=high,
+            columns=columns,
+            letters=letters,
+        )
+    figures.save(drawn, file, dpi=figures.PRINT_DPI, text=True)
+    size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
+    show_verbatim(f"Wrote {file}")
+    show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
+    if size[1] > _TALLEST:
+        warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
+
+
+def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
+    """A figure of the paper, which has its own panels."""
+    from stepwell.reports import figure_of
+
+    for option, value in others.items():
+        if value:
+            raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
+    with usable("DESIGN"):
+        return figure_of(name.removeprefix(_PAPER))
+
+
+def _composed(design: str, panels: str | None, **how: Any) -> Figure:
+    """A figure of a design."""
+    from stepwell import files, reports
+    from stepwell.robot import Robot
+
+    text = files.text_of(design)
+    read = files.loads(text, design).subject
+    written = files.loads(text, design).program if not isinstance(read, Robot) else None
+    program = None if written is None else own(text, design)
+    with usable("--panels"):
+        return reports.figure(read, _rows(panels), program=program, **how)
+
+
+def _rows(panels: str | None) -> list[str | list[str]]:
+    """Names of panels, in rows where a / stands between them."""
+    rows = [
+        [name.strip() for name in row.split(",") if name.strip()]
+        for row in (panels or "").split("/")
+    ]
+    rows = [row for row in rows if row]
+    if panels is not None and not rows:
+        raise typer.BadParameter("names no panel; help lists them.", param_hint="--panels")
+    return [*rows] if len(rows) > 1 else [*rows[0]] if rows else []
+
+
+def _recording(file: Path) -> Recording:
+    from stepwell.lab import read
+
+    return read(file)
+
+
+def _file(out: Path | None, kind: str | None) -> Path:
+    """The file to write, whose name and format agree."""
+    if kind is not None and kind not in _KINDS:
+        known = ", ".join(_KINDS)
+        raise typer.BadParameter(f"{kind!r}: must be {known}.", param_hint="--format")
+    if out is None:
+        return Path(f"figure.{kind or _KINDS[0]}")
+    suffix = out.suffix.lower().removeprefix(".")
+    if suffix in _KINDS:
+        if kind not in (None, suffix):
+            message = f"{kind} is not what {out} is called."
+            raise typer.BadParameter(message, param_hint="--format")
+        return out
+    if kind is None:
+        message = f"must end in .{', .'.join(_KINDS)}, or pass --format."
+        raise typer.BadParameter(message, param_hint=str(out))
+    return out.with_name(f"{out.name}.{kind}")
+
+
+def _list() -> None:
+    """All panels, and the widths of journals."""
+    from stepwell import figures, reports
+    from stepwell.robot import Robot
+
+    rows = [
+        (name, "robot" if one.of is Robot else "chain", one.shows)
+        for name, one in reports.PANELS.items()
+    ]
+    show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
+    widths = [(name, f"{one.width:g}", one.source) for name, one in figures.JOURNAL_WIDTHS.items()]
+    show_lines("")
+    show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
+
+
+_CYCLES = 8.0
+
+
+def replay(
+    design: Annotated[
+        str,
+        typer.Argument(
+            metavar="DESIGN",
+            help="A design file (TOML) of a chain or a robot, or preset:NAME.",
+            autocompletion=completing.designs,
+        ),
+    ],
+    arena: Arena = None,
+    cycles: Annotated[
+        float | None,
+        typer.Option(
+            help="How often a robot's actuator goes out and back: 8 times by default, in an arena "
+            "until the robot reaches the goal or gets nowhere, for 600 s at most.",
+            min=0.01,
+        ),
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.", callback=local),
+    ] = Path("replay.html"),
+    force: ForceFile = False,
+) -> None:
+    """Write a design in motion as one HTML page that plays anywhere.
+
+    It works without a server and without a network, so it can be mailed: a slider, the mechanism,
+    its curves with one cursor, and what the numbers rest on. A design with a program is shown as
+    it is programmed, any other in its full cycle. A robot is simulated, and seen from above and
+    from the side.
+    """
+    from stepwell import files
+    from stepwell.mechanism import Chain
+    from stepwell.studio import replay as page_of
+
+    if out.suffix.lower() not in (".html", ".htm"):
+        raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
+    free_file(out, force)
+    text, found = read_design(design)
+    if isinstance(found, Chain):
+        for option, value in (("--arena", arena), ("--cycles", cycles)):
+            if value is not None:
+                raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
+        result = own(text, design) if files.loads(text, design).program else found
+        with progress("margin") as tell:
+            content = page_of(result, progress=tell)
+    else:
+        with usable(design), progress("walking") as tell:
+            run = _run(found, arena, cycles, tell)
+        with usable(design), progress("page"):
+            content = page_of(run)
+    files.write_atomic(out, content)
+    show_lines(f"Wrote {out}")
+
+
+def _run(
+    robot: values.Robot, arena: str | None, cycles: float | None, tell: Progress | None
+) -> Walk | Maze:
+    from stepwell import files
+
+    place = files.load_arena(arena) if arena is not None else None
+    from stepwell import simulation
+
+    if place is None or cycles is not None:
+        return simulation.walk(robot, cycles or _CYCLES, arena=place, progress=tell)
+    return simulation.maze(robot, place, progress=tell)
+
+
+def studio(
+    design: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[DESIGN]",
+            help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
+            "default.",
+            autocompletion=completing.designs,
+        ),
+    ] = None,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            help="The port on this machine, 0 for any; by default 7473, where the browser finds "
+            "the last design again, or any free one.",
+            min=0,
+            max=65535,
+            show_default=False,
+        ),
+    ] = None,
+    studies: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Where the page finds and keeps studies; by default a folder of your own data.",
+            file_okay=False,
+            show_default=False,
+            callback=local,
+        ),
+    ] = None,
+    demo: Annotated[
+        bool, typer.Option("--demo", help="Begin with a guided tour of two minutes.")
+    ] = False,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Say the page's address and open no browser.")
+    ] = False,
+) -> None:
+    """Open a page on which a design is dragged and everything follows.
+
+    Mechanism, force, sequence and margins, all from the same engine as the other commands. Only
+    this machine can reach it, with the address that is printed. Ctrl-C ends it.
+    """
+    from stepwell import files, studio as room
+
+    tables = None
+    if design is not None:
+        text = files.text_of(design)
+        files.loads(text, design)  # which refuses what cannot be
+        tables = files.tables_in(text, design)
+
+    def opened(address: str) -> None:
+        address += "&demo=1" if demo else ""
+        show_verbatim(address)
+        if not no_open:
+            webbrowser.open(address)
+
+    try:
+        room.serve(tables, port=port, studies=studies, opened=opened)
+    except KeyboardInterrupt:
+        raise Interrupted("The studio has ended; an open page keeps its design.") from None
+
+
+def demo(
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
+            file_okay=False, callback=local),
+    ] = Path("stepwell-demo"),
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Name the page and open no browser.")
+    ] = False,
+    force: Force = False,
+) -> None:  # fmt: skip
+    """Tell in seven steps what springs can be told to do.
+
+    A leg is pulled, an anchor is moved, an order is wished for, a finger is put up, a robot walks
+    and feels its way. What it makes goes into a folder, with one page on which all of it moves; the
+    page opens in the browser where somebody sits at a screen. Robots need the extra `robot`.
+    """
+    from stepwell import reports
+
+    free(out, "demo", force)
+    left_out = [telling for telling in reports.STEPS if not telling.can_be_told]
+    show_text(reports.OPENING)
+    if left_out:
+        titles = "; ".join(telling.title for telling in left_out)
+        show_text(
+            f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
+        )
+    told: list[tuple[reports.Telling, reports.Step]] = []
+    for telling in reports.STEPS:
+        if telling in left_out:
+            continue
+        show_title(f"{len(told) + 1}  {telling.title}")
+        with progress(telling.title) as tell:
+            step = telling.make(tell)
+        orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
+        show_lines(*step.told, *orders)
+        told.append((telling, step))
+    with progress(WRITING) as tell:
+        reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
+    page = out / "index.html"
+    show_text("All of it, moving, on one page:")
+    show_verbatim(str(page))
+    if not no_open and has_display() and at_terminal():
+        webbrowser.open(page.resolve().as_uri())
