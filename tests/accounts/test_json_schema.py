@@ -1,6 +1,7 @@
 """What every kind of record has, generated from the quantities of its account."""
 
 import json
+from typing import Any
 
 import pytest
 
@@ -34,7 +35,8 @@ def test_every_schema_has_an_id_a_version_and_a_title(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_quantity_has_one_key_and_a_unit_or_what_it_holds(kind):
     schema = taken_from(KINDS[kind])
-    for one in map(schema, shapes()) if callable(schema) else [schema]:
+    every: list[Any] = [*map(schema, shapes())] if callable(schema) else [schema]
+    for one in every:
         for quantities in _nested(one):
             keys = [quantity.key for quantity in quantities]
             assert len(keys) == len(set(keys)), (kind, keys)

@@ -62,7 +62,7 @@ def cell_schema(shape: Shape) -> Schema:
         name, *rest = (*_LEVER, _MOBILITY)
         return name, *read_off(rest, "cell")
     names = {quantity.key for quantity in _element(shape)}
-    levers = (quantity for quantity in _LEVER if quantity.key not in names)
+    levers = [quantity for quantity in _LEVER if quantity.key not in names]
     # In tables of mixed chains what levers alone have is in no column.
     alone = [replace(one, head="") for one in of_class(Cell, levers)] if shape.levers else ()
     name, *rest = _element(shape)

@@ -42,7 +42,7 @@ def schema_of(kind: str) -> JsonSchema:
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
     found, first = taken_from(KINDS[name]), _FIRST.get(kind, HEAD)
-    schemas = map(found, shapes()) if callable(found) else [found]
+    schemas: Iterable[Schema] = map(found, shapes()) if callable(found) else [found]
     body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
     properties = {
         "schema": {"const": f"stepwell.{name}"},
