@@ -362,17 +362,10 @@ def cycles_of(
         designs, which = stacked([*chains.values()]), np.array([*chains], np.int64)
     if designs is not None and len(which):
         followed = full_cycles(designs, progress)
-        rows = followed.visited
-        # One key a design: equal bytes are equal states.
-        keys = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
-        codes: dict[bytes, int] = {}
-        for key, one in zip(keys, rows, strict=True):
-            if key not in codes:
-                codes[key] = _ASK
-                if one[0] >= 0:
-                    sequence = _sequence(one.tolist(), designs)
-                    codes[key] = sequences.setdefault(sequence, len(sequences))
-        number[which], found[which] = [codes[key] for key in keys], followed.found
+        number[which], found[which] = (
+            _numbered(followed.visited, designs, sequences),
+            followed.found,
+        )
     for i in np.flatnonzero(number == _ASK).tolist():
         if progress is not None:
             progress(i, count)
@@ -388,6 +381,23 @@ def cycles_of(
         number[i] = sequences.setdefault(result.sequence, len(sequences))
         found[i] = _found(result)
     return Cycles(tuple(sequences), number, found)
+
+
+def _numbered(rows: Ints, designs: Designs, sequences: dict[Sequence, int]) -> list[int]:
+    """The number of each design's sequence, new ones added; _ASK where it was not followed.
+
+    `rows` (m, V) are the states visited, as of `Followed`.
+    """
+    # One key a design: equal bytes are equal states.
+    keys = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
+    codes: dict[bytes, int] = {}
+    for key, one in zip(keys, rows, strict=True):
+        if key not in codes:
+            codes[key] = _ASK
+            if one[0] >= 0:
+                sequence = _sequence(one.tolist(), designs)
+                codes[key] = sequences.setdefault(sequence, len(sequences))
+    return [codes[key] for key in keys]
 
 
 def _built(build: Callable[[int], Chain], i: int) -> Chain | None:

@@ -152,11 +152,7 @@ def _planned(
     chain: Chain, start: str, to: str, robust: float | None, progress: Progress | None
 ) -> Program:
     branches = Branches(chain)
-    origin = branches.vertex(start)
-    if origin is None:
-        raise InputError(f"start: {_unstable(chain, start)}")
-    if branches.vertex(to) is None:
-        raise Unreachable(_unstable(chain, to), proved=True)
+    origin = _origin(branches, start, to)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
     by_fields = None if rubbed else partial(_by_fields, branches, start, to, origin)
     search = search_with_friction if rubbed else _by_branches
@@ -176,6 +172,16 @@ def _planned(
     except Unreachable as why:
         text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
         raise Unreachable(text, proved=why.proved) from None
+
+
+def _origin(branches: Branches, start: str, to: str) -> tuple[Configuration, float]:
+    """Where the chain stands at the start, and the drive there, if it can stand in both states."""
+    origin = branches.vertex(start)
+    if origin is None:
+        raise InputError(f"start: {_unstable(branches.chain, start)}")
+    if branches.vertex(to) is None:
+        raise Unreachable(_unstable(branches.chain, to), proved=True)
+    return origin
 
 
 _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
@@ -242,18 +248,8 @@ def _by_fields(
     if plan.blocked is not None:
         if not order.only_ideals:
             return None
-        i, j = (chain.names[fields.cell[m]] for m in plan.blocked)
-        k, m = (fields.step[m] + 1 for m in plan.blocked)
-        smaller, beyond = "the smaller F0 and the smaller F1", ""
-        if chain.elements:
-            smaller = f"the smaller {chain.measure.force} up and the smaller one down"
-            beyond = " or beyond"
-        raise Unreachable(
-            f"no program leads from {start} to {to}: {i} has {smaller} of the two, so it "
-            f"{_goes_first(chain, fields, plan.blocked)}. Where {j} is at {m}{beyond}, {i} is at "
-            f"{k}{beyond}, unless they were set by hand (theory page, 'Stroke programs').",
-            proved=True,
-        )
+        why = _why_blocked(chain, fields, plan.blocked)
+        raise Unreachable(f"no program leads from {start} to {to}: {why}", proved=True)
     aimed = _aimed(branches, origin, plan.states, past=robust is not None)
     if aimed is None:
         return None
@@ -261,6 +257,20 @@ def _by_fields(
     method = method if robust is None else ProgramMethod.VERTICES
     found = chain, start, to, origin[1], *aimed, method, order.leaders_win, origin[0]
     return Program(*found, robust)
+
+
+def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
+    i, j = (chain.names[fields.cell[m]] for m in blocked)
+    k, m = (fields.step[m] + 1 for m in blocked)
+    smaller, beyond = "the smaller F0 and the smaller F1", ""
+    if chain.elements:
+        smaller = f"the smaller {chain.measure.force} up and the smaller one down"
+        beyond = " or beyond"
+    return (
+        f"{i} has {smaller} of the two, so it {_goes_first(chain, fields, blocked)}. Where {j} is "
+        f"at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory page, "
+        f"'Stroke programs')."
+    )
 
 
 def _aimed(

@@ -272,19 +272,27 @@ def graph(
     states = [range(int(last) + 1) for last in chain.last_state]
     branches = Branches(chain)
     starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
-    first: list[int] = []
-    for done, state in enumerate(starts):
-        if progress is not None:
-            progress(done, len(starts))
-        place = branches.vertex(checked_state(chain, "start", state))
-        if place is not None:
-            first.append(branches.at(*place))
-        elif start is not None:
-            raise InputError(no_start(chain, start))
+    first = _standing(branches, starts, progress)
+    if start is not None and not first:
+        raise InputError(no_start(chain, start))
     found = sorted(branches.all_from(first, progress))
     if progress is not None:
         progress(len(found), len(found))
     return _assembled(branches, found, start)
+
+
+def _standing(
+    branches: Branches, states: list[str], progress: Callable[[int, int], None] | None
+) -> list[int]:
+    """The branches of those of the states in which the chain can stand."""
+    found: list[int] = []
+    for done, state in enumerate(states):
+        if progress is not None:
+            progress(done, len(states))
+        place = branches.vertex(checked_state(branches.chain, "start", state))
+        if place is not None:
+            found.append(branches.at(*place))
+    return found
 
 
 def listable(chain: Chain) -> bool:

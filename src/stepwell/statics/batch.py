@@ -192,15 +192,7 @@ def _stacked(chains: Sequence[Chain], parts: Sequence[tuple[Laws, Sheets]], coun
     drives[:] = [drive_weights(one) for one in chains]
     # Lever cells alone have no rows or sheets of their own.
     apart = parts if elements else parts[:1]
-    own = chains if elements else chains[:1]
-    phases = [
-        [
-            (p.sheet, p.low, p.high, p.force_low, p.force_high)
-            for cell in one.cells
-            for p in cell.phases
-        ]
-        for one in own
-    ]
+    phases = [_phase_rows(one) for one in (chains if elements else chains[:1])]
     return Designs(
         laws,
         sheets,
@@ -213,6 +205,14 @@ def _stacked(chains: Sequence[Chain], parts: Sequence[tuple[Laws, Sheets]], coun
         np.array(phases),
         drives,
     )
+
+
+def _phase_rows(chain: Chain) -> list[tuple[float, ...]]:
+    return [
+        (p.sheet, p.low, p.high, p.force_low, p.force_high)
+        for cell in chain.cells
+        for p in cell.phases
+    ]
 
 
 def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = None) -> Followed:

@@ -1,7 +1,7 @@
 """A chain as a problem for the follower: where it stands in a state, and where a path starts."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain as flatten
 from typing import NamedTuple
 
@@ -160,24 +160,43 @@ def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Config
     slip = problem.alpha * 1e-9 * chain.full_stroke + problem.beta * 1e-9 * problem.scale
     if below > slip or above < -slip:
         _refuse_drive(chain, state, drive, drive + below, drive + above)
-    for step in range(200):
-        if above - below <= 1e-3 * slip or not low < high:
-            break
-        share = 0.5 if step % 3 == 2 else min(max(-below / (above - below), 0.0), 1.0)
-        force = low + share * (high - low)
-        if not low < force < high:
-            force = 0.5 * (low + high)
-            if not low < force < high:
-                break
+
+    def look(force: float) -> _Look:
         travel = _at(problem, stretches, force)
-        here = gap(travel, force)
-        if here <= 0.0:
-            low, first, below = force, travel, here
-        if here >= 0.0:
-            high, last, above = force, travel, here
-    # Where a force is constant the travel is not told by it: what is left of the drive does.
-    share = min(max(-below / (above - below), 0.0), 1.0) if above > below else 0.0
-    return _place(first + share * (last - first), stretches)
+        return _Look(force, travel, gap(travel, force))
+
+    travel = _closed(look, _Look(low, first, below), _Look(high, last, above), 1e-3 * slip)
+    return _place(travel, stretches)
+
+
+class _Look(NamedTuple):
+    """Travels (N,) [m] at a force [N], and how far the drive is above the one asked for."""
+
+    force: float
+    travel: Floats
+    gap: float
+
+
+def _closed(look: Callable[[float], _Look], low: _Look, high: _Look, slip: float) -> Floats:
+    """Travels (N,) [m] between two forces at which the gap is zero, to `slip`."""
+    for step in range(200):
+        if high.gap - low.gap <= slip or not low.force < high.force:
+            break
+        share = 0.5 if step % 3 == 2 else min(max(-low.gap / (high.gap - low.gap), 0.0), 1.0)
+        force = low.force + share * (high.force - low.force)
+        if not low.force < force < high.force:
+            force = 0.5 * (low.force + high.force)
+            if not low.force < force < high.force:
+                break
+        here = look(force)
+        if here.gap <= 0.0:
+            low = here
+        if here.gap >= 0.0:
+            high = here
+    # Where a force is constant it does not give the travel: what is left of the drive does.
+    gaps = high.gap - low.gap
+    share = min(max(-low.gap / gaps, 0.0), 1.0) if high.gap > low.gap else 0.0
+    return low.travel + share * (high.travel - low.travel)
 
 
 def drive_range(chain: Chain, problem: Problem | None = None) -> tuple[float, float]:
@@ -353,16 +372,7 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     alpha, beta, scale = problem.alpha, problem.beta, problem.scale
     travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
     if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
-        if scale <= NO_FORCE:
-            raise InputError(
-                "no cell has any force, so nothing tells where they stand behind a spring: tighten "
-                "a band, or prescribe the stroke (math.inf, or 'rigid')."
-            )
-        raise InputError(
-            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
-            f"at most {scale:.3g} N on {full:.3g} m: the last digit of its position "
-            f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
-        )
+        _refuse_blunt(chain, scale, full)
     state = blank_state(travels, logged.empty_log(0, 0))
     low, high, falling, total, size = _rest(problem, state, np.array(place.sheet))
     forces, free = state.at_rest, state.mode == FREE
@@ -395,6 +405,19 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     shown = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
     state.force[0] = min(max(shown, force - rounding), force + rounding)
     return state
+
+
+def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
+    if scale <= NO_FORCE:
+        raise InputError(
+            "no cell has any force, so nothing tells where they stand behind a spring: tighten "
+            "a band, or prescribe the stroke (math.inf, or 'rigid')."
+        )
+    raise InputError(
+        f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
+        f"at most {scale:.3g} N on {full:.3g} m: the last digit of its position "
+        f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
+    )
 
 
 @entry(3e-5, "state.travel")
