@@ -158,6 +158,7 @@ def judged(
         wrong: (2, N - 1) out, how often a pair of neighbours is in the other order, added up.
         narrowest: the same, how often their gap is the smallest.
     """
+    # One function: its arrays serve all draws, and are made once.
     n = len(cells)
     made = [of_row(cells[0]) for _ in range(n)]
     friction, full = np.empty(n), np.empty(n)

@@ -463,6 +463,7 @@ def _read(
     designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, found: Floats
 ) -> None:
     """Read off the log what is visited, and what is found out on the way."""
+    # One function: one pass over the log counts snaps, ties, energies and states.
     log, phase, travel, phases = work.state.log, work.phase, work.state.travel, work.phases
     n, between, code, weight = len(phase), 0, 0, 1
     for i in range(n - 1, -1, -1):

@@ -168,6 +168,7 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     follow the force without rows of their own, all of them are looked at, and their travels added
     up, at the last such segment and at about 8 before it; at the others the cells with rows are.
     """
+    # One function: every segment updates the same watch, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)
@@ -344,6 +345,7 @@ def sample(
     samples: Samples,
 ) -> int:
     """Fill the samples; evenly in the drive along a branch, both ends of every jump."""
+    # One function: a sample fills nine arrays, which are taken out once.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     drive, travel, sheet, force = samples.drive, samples.travel, samples.sheet, samples.force
     branch, snap_after, direction = samples.branch, samples.snap_after, samples.direction

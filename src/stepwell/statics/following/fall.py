@@ -231,6 +231,7 @@ def land_after(
     `bounds` are the force below which no other cell comes, times direction, and the largest m κ.
     The rising cells follow: where one is found they are on the pieces that they have there.
     """
+    # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
     j, p, travel, force, d = falling
     floor, begin = bounds[0], d * force

@@ -525,6 +525,7 @@ def _passed(
     may end a little after one, where that moves no cell by more than `late` of its full travel and
     is no force of more than `most`. `levels` are λ where it began and where it ended.
     """
+    # One function: every event narrows the same bracket, a handful of locals.
     cell, where, m = at.cell, at.where, at.used[0]
     level, following = levels
     change_0 = h * _change_of_force(problem, at, _RATE, _SLOPE)
@@ -696,6 +697,7 @@ def _steepest(cell: Floats, where: Ints, m: int) -> float:
 @leaf
 def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
+    # One function: an iteration works on eight rows of the flow, taken out once.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     picked, cell, where, m = pieces.picked, at.cell, at.where, at.used[0]
     # Which cells can move, what friction adds to their force, their miss of λ and their κ.
@@ -801,6 +803,7 @@ def flow(
     and the integration only decides which. `rubbed` (N,) gathers the way every cell went, for
     friction; `state.near` how near the flow came to rest on the way, and its error.
     """
+    # One function: a step changes some fifteen locals of the integrator.
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
     at, slowest = _begin(problem, state, drive), smallest(problem.mobility)

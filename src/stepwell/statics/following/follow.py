@@ -59,6 +59,7 @@ def follow(
     Where the log is full, it goes on from there when it is called again with a longer one. Long
     chains write over `rising` and `segment`.
     """
+    # One function: the loop of a stroke keeps its counts as locals; steps are functions.
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[GOES]
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)

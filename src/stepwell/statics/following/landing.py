@@ -138,6 +138,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     No landing is looked for within `start`, a share of the travel; `bias` is a force that helps
     the motion.
     """
+    # One function: it goes from piece to piece with arrays that are taken out once.
     # Taken out once, here: compiled, every later look into a record would count references.
     laws, pieces, ends, effort = problem.laws, problem.pieces, problem.sheets.ends, problem.effort
     picked = pieces.picked
@@ -299,6 +300,7 @@ def note_next_snap(problem: Problem, state: State) -> None:
     That is the force at which a held cell would run away, or at which one that follows λ comes to
     the end of its rising branch.
     """
+    # One function: one pass over the cells finds the nearest event of any kind.
     laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, state.travel
     shared, falling = state.force[0], 0
     compliance = problem.beta / problem.alpha if problem.alpha > 0.0 else np.inf

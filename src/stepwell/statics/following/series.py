@@ -319,6 +319,7 @@ def advance(
 
     The state is then one from which `follow` can go on. `rising` and `segment` are written over.
     """
+    # One function: an event changes force, drive and queues, all locals, at once.
     laws, pieces, d = problem.laws, problem.pieces, direction
     n, places = len(state.mode), problem.spare.number[PLACE]
     clear(rising)

@@ -64,6 +64,7 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
 
     `goes` (N,) becomes 1 for the cells that move.
     """
+    # One function: one pass over the cells with arrays that are taken out once.
     laws, pieces = problem.laws, problem.pieces
     # Taken out once, here: compiled, every later look into a record would count references.
     mode, sense, piece, signs = state.mode, state.sense, state.piece, pieces.sign

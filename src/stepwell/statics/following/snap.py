@@ -68,6 +68,7 @@ FINE, COARSE = 2e-7, 1e-4
 @leaf
 def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
+    # One function: one pass over the cells adds up what moved and what was released.
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
@@ -145,6 +146,7 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
 
     JOINED where there is more than one degree of freedom, or from where on there is.
     """
+    # One function: the line is changed as cells join, with all that is known of it.
     laws, scale = problem.laws, problem.scale
     trigger, sense, partner, active = state.next_snap[TRIGGER], state.next_snap[SENSE], -1, 0
     mode = state.mode
@@ -311,6 +313,7 @@ def _by_flow(
 @leaf
 def _leave(problem: Problem, state: State, share: float) -> None:
     """Step off an unstable equilibrium along its one unstable direction."""
+    # One function: which cells move decides slopes and weights, in the same spare room.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     trigger, sense = state.next_snap[TRIGGER], state.next_snap[SENSE]
     spare, n, count = problem.spare, len(state.mode), 0
