@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses, says
 from stepwell.design import Impossible, parameter, parameter_boundaries, parameters
 from stepwell.design.margins.margin import Change
 from stepwell.design.switches import relay_cycle, switching_forces
@@ -122,9 +123,9 @@ def test_an_element_has_scales_and_friction_as_parameters_and_no_anchors():
     assert scale.value(chain) == 1.0
     assert scale.unit == "1"
     assert scale.changed(chain, 2.0).elements[0].force_scale == 2.0
-    with pytest.raises(ValueError, match=r"snap is an element.*has force_scale, travel_scale"):
+    with refuses(ValueError, "'snap.q'", "an element", "force_scale, travel_scale"):
         parameter(chain, "snap.q")
-    with pytest.raises(ValueError, match=r"levers is no element, and has p, q"):
+    with refuses(ValueError, "levers", "no element", "p, q"):
         parameter(chain, "levers.force_scale")
 
 
@@ -201,7 +202,7 @@ def test_a_program_survives_where_elements_end_in_their_phases():
     assert exact.share == 1.0
     loose = chain.survival(program.turning_points, "01", sw.Tolerances(stiffness=0.2), n=40)
     assert 0.0 < loose.share < 1.0
-    assert "all forces of an element alike" in loose.assumptions
+    says(loose.assumptions, "all forces", "element", "alike")
 
 
 def just_short(change: Change, by: float) -> sw.Chain:
@@ -288,8 +289,8 @@ def test_an_element_is_reprogrammed_by_friction_too_or_told_that_it_cannot_be():
     assert found.place == pytest.approx(0.3)
     nowhere = chain.reprogram("00>01>11>10>00", "a.travel_scale")
     assert nowhere.distance == math.inf
-    assert "no value of a.travel_scale" in str(nowhere)
-    with pytest.raises(ValueError, match="leave `along` out"):
+    says(str(nowhere), "no value", "a.travel_scale", "00>01>11>10>00")
+    with refuses(ValueError, "'a.force_scale'", "number", "`along`"):
         chain.reprogram(None, "a.force_scale", along=(1.0, 0.0))
 
 
@@ -318,7 +319,7 @@ def test_all_forces_may_be_off_by_the_share_told_and_no_more(seed):
     assert 0.0 < found.share < 1.0
     assert cycles(found.share * (1.0 - 1e-6)) == {now}
     assert cycles(min(found.share * (1.0 + 1e-6), 0.999)) != {now}
-    assert "all forces may be off" in str(found)
+    says(str(found), "all forces", f"{found.share * 100:.4g} %")
 
 
 def test_a_map_over_scales_tells_what_each_chain_does():
@@ -352,7 +353,7 @@ def test_a_map_over_an_anchor_works_beside_an_element_and_is_refused_of_one():
         place = float(data.x[i]), float(data.y[j])
         made = sw.Chain([LEVERS.with_anchors(q=place), strip])
         assert words[int(data.sequence[j, i])] == made.cycle().sequence
-    with pytest.raises(ValueError, match=r"an element, without anchors.*strip\.force_scale"):
+    with refuses(ValueError, "'strip'", "without anchors", "'strip.force_scale'", "parameter_map"):
         sw.transition_map(chain, "strip", x=[0.0, 0.01], y=[0.0, 0.01])
 
 
@@ -412,7 +413,7 @@ def test_elements_of_several_phases_are_designed_phase_by_phase():
     found = sw.design(cycle, elements=[SNAP, STEPS], actuator_stiffness=FORCE, n=10)
     assert found.chain.cycle().sequence == cycle
     assert found.chain.names == ("snap", "steps")
-    with pytest.raises(ValueError, match="cell 2 has 3 phases there"):
+    with refuses(ValueError, "00>10>11>12>11>10>00", "cell 2", "3 phases", "2"):
         sw.design(cycle, elements=[SNAP], actuator_stiffness=FORCE)
 
 
@@ -424,11 +425,11 @@ def test_elements_under_a_stroke_do_what_is_wanted_by_the_engine_and_nothing_is_
 
 
 def test_what_makes_no_sense_for_elements_is_refused():
-    with pytest.raises(ValueError, match="elements have no anchors"):
+    with refuses(ValueError, "no anchors", "`within`", "`holes`"):
         sw.design("00>10>11>01>00", elements=[SNAP], holes=0.005)
-    with pytest.raises(ValueError, match=r"force_scale = .*must be \(least, largest\)"):
+    with refuses(ValueError, "force_scale = (2.0, 1.0)", "(least, largest)"):
         sw.design("00>10>11>01>00", elements=[SNAP], force_scale=(2.0, 1.0))
-    with pytest.raises(ValueError, match="say what is wanted"):
+    with refuses(ValueError, "sequence or states", "design(", "states="):
         sw.design(elements=[SNAP])
     with pytest.raises(ValueError, match="phase by phase"):
         sw.design("00>11>01>00", elements=[SNAP])

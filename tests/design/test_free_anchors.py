@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses
 from stepwell.design import AnchorBox, Impossible, Stock
 from stepwell.design.synthesis.candidates import Bent, Kind
 
@@ -65,9 +66,9 @@ def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
 
 def test_what_is_free_is_told_where_nothing_does_it():
     box = AnchorBox(-0.011, -0.009, -0.001, 0.001)
-    with pytest.raises(Impossible, match="anchors p in holes 2 mm apart"):
+    with refuses(Impossible, "anchors p", "holes", "2 mm apart", "-11 to -9", "mm"):
         sw.design(CYCLE, free="p", within=box, holes=0.002, most_force=0.1)
-    with pytest.raises(ValueError, match=r"free = 'd': must be one of \('q', 'p', 'both'\)"):
+    with pytest.raises(ValueError, match=r"free = 'd': .*\('q', 'p', 'both'\)"):
         sw.design(CYCLE, free="d")
 
 
@@ -133,9 +134,9 @@ def test_nothing_is_called_impossible_of_measured_bands_but_what_the_engine_has_
         sw.design(
             "00>10>11>10>00", bands=[Stock.of(rubber())], within=box, holes=0.010, most_force=1e-3
         )
-    assert "choices that no closed form decides" in str(why.value) or not why.value.proved
+    assert "no closed form" in str(why.value) or not why.value.proved
 
 
 def test_the_worst_case_is_refused_of_a_bent_law():
-    with pytest.raises(ValueError, match="needs bands of Hooke's law"):
+    with refuses(ValueError, "objective = 'worst'", "Hooke's law", "'yield'"):
         sw.design(CYCLE, bands=[Stock.of(rubber())], objective="worst")

@@ -9,6 +9,7 @@ from scipy.optimize import minimize
 
 import stepwell as sw
 from chains import concave_chain
+from facts import says
 from sizes import examples
 from stepwell.design import Change, Method, proved_margin
 from stepwell.design.margins.margin import number_change
@@ -290,8 +291,7 @@ def test_nothing_beyond_the_reach_is_reported():
 def test_a_printed_margin_names_the_cell_the_move_and_what_comes_of_it():
     text = str(sw.margin(sw.Chain((cell(10, 0), cell(15, 10)))))
     first = text.splitlines()[0]
-    assert first.startswith("outer: anchor: 2.179 mm (move q by (+1.676, -1.393) mm)")
-    assert first.endswith("00>10>11>01>00")
+    says(first, "outer", "anchor", "2.179 mm", "move q", "(+1.676, -1.393) mm", "00>10>11>01>00")
 
 
 def test_progress_counts_the_changes():

@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import any_chain, concave_chain
+from facts import says
 from sizes import examples
 from stepwell.design import Yield
 from stepwell.design.tolerances.draws import Draws
@@ -30,7 +31,7 @@ def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
     assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
     assert (robust.share, robust.robust, robust.proved) == (0.0, RATIO, 0)
     assert dict(robust.outcomes) == {HANGS: 5}
-    assert "ask for a smaller ratio" in robust.advice
+    says(robust.advice, "mobilities", "smaller ratio", "Tolerances(mobility=...)")
     assert RACE.yields(NARROW, n=5, robust=1.5).share == 1.0
 
 

@@ -9,6 +9,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
+from facts import refuses, says
 from stepwell.design import Tolerances
 from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.tolerances.draws import Draws
@@ -113,7 +114,7 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
         sw.Band((0.0, 0.0), (0.012, 0.003)),
     )
     chain = sw.Chain((sw.Cell(bands),))
-    with pytest.raises(ValueError, match="put a band with a rest length first"):
+    with refuses(ValueError, "1.rest_length = 0.002", "first band"):
         parameter(chain, "1.rest_length").changed(chain, 0.002)
 
 
@@ -129,14 +130,14 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
     ],
 )
 def test_an_unknown_name_is_answered_with_the_nearest_one(name, meant):
-    with pytest.raises(ValueError, match=f"parameter {name!r}.*Did you mean {meant!r}") as refused:
+    with pytest.raises(ValueError, match=f"{name!r}.* {meant!r}\\?") as refused:
         parameter(PAIR, name)
-    assert "'inner' or 1, 'outer' or 2" in str(refused.value)
+    says(str(refused.value), "'inner' or 1", "'outer' or 2")
 
 
 @pytest.mark.parametrize("name", ["", "0.p", "3.p", "zzz", "inner", "-1.q"])
 def test_what_is_near_nothing_is_refused_with_all_that_is_allowed(name):
-    with pytest.raises(ValueError, match=r"must be 'actuator_stiffness' or '<cell>.<what>'"):
+    with refuses(ValueError, f"parameter {name!r}", "'actuator_stiffness'", "'<cell>.<what>'"):
         parameter(PAIR, name)
 
 
@@ -150,7 +151,7 @@ def test_names_with_dots_and_numbers_mean_the_cell_of_that_name_first():
 
 def test_two_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain((cell(10, 0, name="leg"), cell(15, 0, name="leg")))
-    with pytest.raises(ValueError, match=r"2 cells are called 'leg'.*'1.p'"):
+    with refuses(ValueError, "'leg.p'", "2 cells", "'leg'", "'1.p'"):
         parameter(chain, "leg.p")
     assert [one.name for one in parameters(chain)][:2] == ["1.p", "1.q"]
     assert parameter(chain, "1.p").name == "1.p"

@@ -2,6 +2,7 @@
 
 import pytest
 
+from facts import refuses
 from stepwell.base import InputError
 from stepwell.mechanism import dome
 
@@ -19,5 +20,5 @@ def test_it_collapses_at_the_force_that_was_measured():
 
 def test_domes_side_by_side_add_up():
     assert dome(3).largest_force == pytest.approx(3 * dome().largest_force)
-    with pytest.raises(InputError, match="count = 0: must be a whole number >= 1"):
+    with refuses(InputError, "count = 0", "whole number >= 1"):
         dome(0)

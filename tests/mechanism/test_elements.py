@@ -10,6 +10,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.integrate import quad
 
 import stepwell as sw
+from facts import refuses
 
 SNAP = [0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5]
 
@@ -50,7 +51,7 @@ def test_levers_are_all_cells_of_a_chain_or_the_first_element_is_named():
     lever = sw.Cell(sw.Band((-0.010, 0.0), (0.016, 0.004)), name="lever")
     assert sw.Chain([lever, lever]).levers == (lever, lever)
     dome, other = (sw.Element.from_points(*SNAP, name) for name in ("dome", "other"))
-    with pytest.raises(ValueError, match=r"cells\[1\] = Element\('dome', .*: must be a Cell"):
+    with refuses(ValueError, "cells[1] = Element('dome'", "a Cell"):
         _ = sw.Chain([lever, dome, other]).levers
 
 
@@ -96,9 +97,9 @@ def test_a_kink_is_found_and_costs_less_where_it_is_named():
 
 
 def test_a_law_that_jumps_or_has_no_numbers_is_refused():
-    with pytest.raises(ValueError, match="it jumps, or bends too sharply"):
+    with refuses(ValueError, "jumps", "bends"):
         sw.Element.from_law(lambda s: s + (s > 0.7e-3), 0.0, 2e-3)
-    with pytest.raises(ValueError, match="it gives no finite number"):
+    with refuses(ValueError, "no finite number"):
         sw.Element.from_law(lambda s: 1.0 / (s - 1e-3), 0.0, 2e-3)
     with pytest.raises(ValueError, match="must be above low"):
         sw.Element.from_law(wave, 1.0, 0.0)
@@ -108,7 +109,7 @@ def test_noise_is_smoothed_within_a_band_that_is_told():
     rng = np.random.default_rng(3)
     s = np.linspace(0.0, 6e-3, 300)
     noisy = wave(s) + rng.normal(0.0, 0.03, len(s))
-    with pytest.raises(ValueError, match="Is it measured noise"):
+    with refuses(ValueError, "noise"):
         sw.Element.from_table(s, noisy)
     smooth = sw.Element.from_table(s, noisy, noise=0.03)
     assert len(smooth.phases) == 3
@@ -120,7 +121,7 @@ def test_noise_larger_than_the_snap_is_refused():
     rng = np.random.default_rng(3)
     s = np.linspace(0.0, 6e-3, 400)
     noisy = wave(s) + rng.normal(0.0, 0.03, len(s))
-    with pytest.raises(ValueError, match=r"nothing tells it from noise"):
+    with refuses(ValueError, "noise"):
         sw.Element.from_table(s, 200 * s + 0.02 * np.sin(s * 2e4) + 1e-4 * noisy, noise=0.02 / 3)
 
 
@@ -228,7 +229,7 @@ def test_what_cannot_stand_side_by_side_is_refused():
     snap = sw.Element.from_points(*SNAP)
     with pytest.raises(ValueError, match="two or more"):
         sw.Element.side_by_side([snap])
-    with pytest.raises(ValueError, match="side by side all share one travel"):
+    with refuses(ValueError, "side by side", "travel"):
         sw.Element.side_by_side([snap, sw.elements.balloon()])
     far = sw.Element.from_points([0.1, 0.2], [1.0, -1.0], stops=True)
     with pytest.raises(ValueError, match="share no travel"):
@@ -260,5 +261,5 @@ def test_an_element_is_a_value():
     assert pickle.loads(pickle.dumps(one)) == one
     assert one != replace(one, force_scale=2.0)
     assert "2 phases" in repr(one)
-    with pytest.raises(ValueError, match="where the curve ends"):
+    with pytest.raises(ValueError, match="curve ends"):
         replace(one, stops=True).force_at(6e-3)

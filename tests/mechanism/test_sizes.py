@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import any_chain
+from facts import refuses
 from stepwell.mechanism import SlipError, slips
 
 P, Q = (-0.010, 0.0), (0.010, 0.0)
@@ -72,16 +73,16 @@ def test_a_mechanism_all_in_millimetres_is_told_every_slip_once():
 
 
 def test_degrees_for_radians_are_told_apart_from_a_limit_that_no_cell_has():
-    with pytest.raises(ValueError, match=r"Did you mean 0.785398 rad \(45°\)\?"):
+    with refuses(ValueError, "limit = 45", "0.785398 rad (45°)?"):
         sw.Cell(sw.Band(P, Q), limit=45)
     with pytest.raises(ValueError, match=r"without bound\.$"):
         sw.Cell(sw.Band(P, Q), limit=1.6)
 
 
 def test_a_band_that_pushes_in_a_table_is_refused():
-    with pytest.raises(ValueError, match=r"tension\[1\] = -0.3 N: .* Did you mean 0.3 N\?"):
+    with refuses(ValueError, "tension[1] = -0.3 N", "0.3 N?"):
         sw.Band.from_table(P, Q, 0.01, (0, 0.01, 0.03), (0, -0.3, 0.8))
-    with pytest.raises(ValueError, match=r"shape\[1\] = -0.01 m: .* Did you mean 0.01 m\?"):
+    with refuses(ValueError, "shape[1] = -0.01 m", "0.01 m?"):
         sw.Table((0, 0.01, 0.03), (0, -0.01, 0.02))
 
 

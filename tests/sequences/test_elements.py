@@ -11,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
 from equilibria import Curve, landed, places
+from facts import refuses
 from sizes import examples
 from stepwell.base import Measure
 from stepwell.concave import relays
@@ -206,7 +207,7 @@ def test_a_chain_of_sixteen_phases_and_more_is_seen_whole_under_a_force():
 def test_too_many_states_are_refused_by_their_number(monkeypatch):
     monkeypatch.setenv("STEPWELL_LIMITS", "graph_cells=3,relays=3")
     chain = chain_of(THREE, SKIPS, EARLY)
-    with pytest.raises(sw.InputError, match="as many states as 5 cells of which all 2"):
+    with refuses(sw.InputError, "5 cells", "2", "at most 3"):
         graph(chain)
     assert len(graph(chain, start="000").vertices) > 3
 
@@ -295,9 +296,9 @@ def test_elements_of_two_phases_are_the_hysterons_of_their_switching_fields(driv
 
 
 def test_an_element_of_three_phases_has_no_switching_fields_of_a_hysteron():
-    with pytest.raises(sw.InputError, match="inner has 3 phases and a hysteron has two"):
+    with refuses(sw.InputError, "inner", "3 phases", "two", "`fields`"):
         switching_fields(graph(chain_of(THREE, EARLY), "force"))
-    with pytest.raises(sw.InputError, match="rest between their phases"):
+    with refuses(sw.InputError, "rest", "phases", "chain.graph('force')", "5000"):
         switching_fields(graph(chain_of(EARLY, LATE), 5000.0))
 
 
@@ -410,7 +411,7 @@ def test_the_plan_of_relays_is_as_short_as_a_search_under_a_force(name):
         try:
             searched = chain.program(to, start=start)
         except Unreachable:
-            with pytest.raises(Unreachable, match="the smaller force up and the smaller one down"):
+            with refuses(Unreachable, "smaller", "up", "down"):
                 _by_fields(branches, start, to, origin)
             continue
         planned = _by_fields(branches, start, to, origin)
@@ -441,11 +442,11 @@ def test_what_relays_forbid_under_a_force_is_told_in_forces_and_phases():
     low = curve((0, 0), (1, 0.5), (2, 0.1), (4, 2.0))
     high = curve((0, 0), (1, 1.5), (2, 0.3), (4, 2.5))
     chain = replace(chain_of(low, high), actuator_stiffness=0.0)
-    with pytest.raises(Unreachable, match="inner goes to 1 before outer and back to 0 after it"):
+    with refuses(Unreachable, "inner", "1", "before outer", "0", "after"):
         chain.program("01")
     others = [element(curve((0, 0), (1, p), (3, -p), (6, 2))) for p in np.linspace(0.8, 1.2, 5)]
     longer = sw.Chain([*chain.cells, *others], actuator_stiffness=0.0)
-    with pytest.raises(Unreachable, match="cell 1 has the smaller force up") as caught:
+    with refuses(Unreachable, "cell 1", "smaller", "up") as caught:
         longer.program("0100000")
     assert caught.value.proved and "F0" not in str(caught.value)
 
@@ -454,13 +455,10 @@ def test_a_state_that_no_force_holds_is_refused_in_forces_of_phases():
     pulls = curve((0, -3), (1, -2), (3, -4), (5, 0))
     pushes = curve((0, 2), (1, 5), (3, 3), (5, 6))
     chain = chain_of(pulls, pushes)
-    words = (
-        r"01 is no equilibrium, so the chain cannot stand there: at 1 outer needs an actuator "
-        r"force of at least 3 N \(the least there less friction\), and at 0 inner lets go at -2 N"
-    )
-    with pytest.raises(Unreachable, match=words):
+    words = "01", "no equilibrium", "1 outer", "at least 3 N", "0 inner", "-2 N"
+    with refuses(Unreachable, *words):
         chain.program("01")
-    with pytest.raises(sw.InputError, match="no one force keeps every cell in its phase"):
+    with refuses(sw.InputError, "01", "force", "every cell", "phase"):
         graph(chain, start="01")
 
 

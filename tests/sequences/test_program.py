@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
+from facts import refuses
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import Relays, fewest_strokes, relays
@@ -237,7 +238,7 @@ def test_a_state_that_only_a_hand_can_set_is_proved_out_of_reach_with_the_reason
     stiff = sw.Chain(
         [sw.Cell(sw.Band((0, 0), (0.020, 0.0))), sw.Cell(sw.Band((0, 0), (0.02, 0.01)))]
     )
-    with pytest.raises(Unreachable, match=r"goes to 1 before .* and back to 0 after it") as caught:
+    with refuses(Unreachable, "1", "before", "0", "after") as caught:
         stiff.program("01")
     assert caught.value.proved
     # From there it may leave, and it cannot come back.
@@ -399,7 +400,7 @@ def test_a_state_that_friction_alone_holds_is_a_start_and_one_that_it_does_not_i
     assert needs > 0
     held = pair(0.51 * needs)
     assert held.program("00", start="10").sequence[-1] == "00"
-    with pytest.raises(ValueError, match="start: 10 is no equilibrium"):
+    with refuses(ValueError, "start: 10", "no equilibrium"):
         pair(0.49 * needs).program("00", start="10")
 
 
@@ -455,7 +456,7 @@ def test_a_state_in_which_no_chain_could_stand_is_refused_with_both_forces():
     with pytest.raises(Unreachable, match="is no equilibrium") as caught:
         sw.Chain([eager, lazy]).program("01")
     assert caught.value.proved
-    with pytest.raises(ValueError, match="start: 01 is no equilibrium"):
+    with refuses(ValueError, "start: 01", "no equilibrium"):
         sw.Chain([eager, lazy]).program("00", start="01")
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import any_chain, concave_chain
+from facts import says
 from sizes import examples
 from stepwell.sequences import ProgramMethod, Unreachable
 from stepwell.sequences.branches import Branches
@@ -63,7 +64,7 @@ def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_
     assert found.robust == RATIO and found.hangs is None and found.landings
     assert found.turns[0].drive < plain.turns[0].low
     assert arrivals(found, 10) == {"0001"}
-    assert "for mobility ratios up to 10" in found.reason
+    says(found.reason, "mobility ratios", "10")
 
 
 def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
@@ -74,9 +75,9 @@ def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
         RACE.program("111", robust=RATIO)
     text = str(refused.value)
     assert refused.value.proved
-    assert f"the snap at {hangs.event.drive * 1e3:.4g} mm on the way up" in text
+    says(text, "snap", f"{hangs.event.drive * 1e3:.4g} mm", "up")
     assert "first, second, third" in text and f"lands in {hangs.elsewhere[0].state}" in text
-    assert "mobilities up to 10 apart" in text
+    says(text, "mobilities", "10")
     # Nearer to each other, they land where they should.
     assert RACE.program("111", robust=1.5).turning_points == plain.turning_points
 
