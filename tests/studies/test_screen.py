@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses
 from studies_bytes import bytes_of
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
@@ -198,9 +199,9 @@ def test_designs_are_kept_that_do_as_the_design_itself(simulated, tmp_path):
     assert not screen.kept("00>10>11>01>00 | 00>10>11>01>00") and not screen.kept("stopped")
     assert study(wanted="stopped").given["wanted"] == "stopped"  # who says it is heard
     simulated["trial"] = trial("Stopped at 1.000 s: the robot fell over.")
-    with pytest.raises(InputError, match=r"walk: engine = 'warp': the design itself stops early"):
+    with refuses(InputError, "walk: ", "engine = 'warp'", "itself stops"):
         study()
-    with pytest.raises(InputError, match=r"engine = 'gpu': must be one of cpu, warp"):
+    with refuses(InputError, "engine = 'gpu'", "cpu, warp"):
         study(engine="gpu")
     with pytest.raises(InputError, match="nobody knows beforehand"):
         estimate(mine, 1)
@@ -231,7 +232,7 @@ def test_a_screened_maze_wants_as_many_layouts_reached_as_the_design_itself(monk
     assert screen.verdicts([ROBOT] * 3) == ["reached, timed out", "", "reached, reached"]
     assert not screen.kept("reached, timed out") and screen.kept("reached, reached")
     assert screen.aim("reached, timed out") == 1
-    with pytest.raises(InputError, match="the design itself reaches no goal"):
+    with refuses(InputError, "itself", "no goal"):
         screen.aim("timed out, timed out")
 
 

@@ -21,6 +21,7 @@ from hypothesis import given, strategies as st
 
 import stepwell as sw
 from dying import marked
+from facts import refuses, says
 from sizes import examples
 from studies_bytes import bytes_of
 
@@ -142,7 +143,7 @@ def test_without_processes_the_bytes_are_the_same(tmp_path, undisturbed):
     study = sweep(LEG, "cycle", GRID, tmp_path / "s.zarr", chunk=CHUNK, workers=0).study
     assert multiprocessing.active_children() == before
     assert bytes_of(study.folder) == undisturbed
-    with pytest.raises(sw.InputError, match="workers = -1: must be 0 or more"):
+    with refuses(sw.InputError, "workers = -1", "0 or more"):
         resumed(study, -1)
 
 
@@ -200,7 +201,8 @@ def test_a_full_disk_ends_it_with_a_word_and_room_lets_it_go_on(tmp_path, undist
 
     full = client(folder, preexec_fn=little)
     told = full.communicate()[1].decode()
-    assert full.returncode == 1 and "File too large" in told and "goes on with the others" in told
+    assert full.returncode == 1
+    says(told.replace("\n", " "), "chunks", "File too large", "same command")
     assert not status(folder).finished
     assert resumed(opened(folder), 2).finished
     assert bytes_of(folder) == undisturbed
@@ -229,7 +231,7 @@ def test_another_study_and_another_version_are_refused(tmp_path):
     store.begun(Study(folder, "cycle", text, GRID, CHUNK))
     with pytest.raises(StudyError, match="holds another study"):
         sweep(LEG, "margin", GRID, folder, chunk=CHUNK)
-    with pytest.raises(StudyError, match=r"begun by Stepwell .*, and this is 9\.9: numbers of two"):
+    with refuses(StudyError, str(folder), "Stepwell", "this is 9.9", "another"):
         store.begun(Study(folder, "cycle", text, GRID, CHUNK, version="9.9"))
     with pytest.raises(StudyError, match="holds no study"):
         opened(tmp_path)
@@ -252,7 +254,7 @@ def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
     folder = tmp_path / "s.zarr"
     study = store.begun(Study(folder, "cycle", sw.files.dumps(LEG), GRID, CHUNK))
     folder.joinpath("zarr.json").write_text("{}")
-    with pytest.raises(SweepError, match=r"0 of 8 chunks are done\. chunk 0: .*holds no study"):
+    with refuses(SweepError, str(folder), "0 of 8", "chunk 0", "no study", "same command"):
         resumed(study, 1)
 
 
@@ -292,7 +294,7 @@ def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
         (GRID, Table(("outer.q.x",), np.array([[0.01]])), Space(AXES[:1], How.LATIN, 4))
     ):
         study = store.begun(Study(tmp_path / str(k), "cycle", sw.files.dumps(LEG), designs, 4))
-        with pytest.raises(StudyError, match="more of them would move the others"):
+        with refuses(StudyError, "move", "others"):
             extended(study, 400)
 
 
@@ -322,7 +324,7 @@ def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
     assert np.allclose(again.column("anchor")[:], first.study.column("anchor")[:], rtol=1e-9)
     group = opened(tmp_path / "b.zarr").group
     group["listed"][0] = 0.5
-    with pytest.raises(StudyError, match="its list of designs is damaged"):
+    with refuses(StudyError, "b.zarr", "list", "damaged"):
         opened(tmp_path / "b.zarr")
 
 
@@ -407,11 +409,11 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
     assert found.problems == {"StudyError": 3}  # another name than on the design as it was
     (folder / "seed" / "c" / "0").unlink()
     file.write_text(OWN + "# changed\n")
-    with pytest.raises(ValueError, match="is not the file that the study was begun with"):
+    with refuses(ValueError, str(file), "SHA-256"):
         resumed(opened(folder), 1)
     assert not (tmp_path / "__pycache__").exists()
     (tmp_path / "broken.py").write_text("1 / 0\n")
-    with pytest.raises(ValueError, match="cannot be run: ZeroDivisionError"):
+    with refuses(ValueError, "broken.py:f", "ZeroDivisionError"):
         function_of(f"{tmp_path / 'broken.py'}:f", LEG)
     for name, told in (("wrong", "must give values by name"), ("none", "no function of that name")):
         with pytest.raises(ValueError, match=told):
@@ -460,7 +462,7 @@ def test_a_name_that_is_no_folder_is_no_column_and_the_number_of_the_cell_is(tmp
     for name in ("a/b", "..", "a\\b", "__init"):
         cells = [replace(cell, name=name + str(k)) for k, cell in enumerate(LEG.cells)]
         leg = replace(LEG, cells=tuple(cells))
-        with pytest.raises(ValueError, match=r"A cell has a number too, as in 1\.q\.x"):
+        with refuses(ValueError, "column", "1.q.x"):
             sweep(leg, "cycle", Space((Axis(f"{name}1.q.x", 0.0, 0.02, 2),)), tmp_path / "s")
         assert not (tmp_path / "s").exists()
     assert sweep(leg, "cycle", Space((Axis("2.q.x", 0.0, 0.02, 2),)), tmp_path / "s").finished
@@ -531,7 +533,7 @@ def test_keys_of_a_robot_take_a_number_together_each_with_its_sign():
     assert [math.degrees(one.angle) for one in design.antennas] == pytest.approx([40.0, -40.0])
     assert [one.hook for one in design.antennas] == pytest.approx([0.009, 0.009])
     assert unit_in(robot, name) == "deg"
-    with pytest.raises(ValueError, match="is in deg and in mm: must be in one unit"):
+    with refuses(ValueError, "antenna.left.length_mm", "in deg", "in mm"):
         unit_in(robot, "antenna.left.angle_deg,antenna.left.length_mm")
     with pytest.raises(ValueError, match="leg"):
         unit_in(robot, 'leg."a,b".at_mm[0]')
@@ -549,9 +551,9 @@ def test_the_layouts_of_a_maze_differ_by_as_much_as_is_asked(monkeypatch):
         for k, met in enumerate(seen[-2:], 7):
             assert met.walls == sw.robot.other_layout(arena, k, **spread).walls
             assert met.start == sw.robot.other_start(arena, k).start
-    with pytest.raises(ValueError, match=r"place = -1.0: must be >= 0"):
+    with refuses(ValueError, "place = -1.0", ">= 0"):
         work_of("maze", given | {"place": -1.0}, robot)
-    with pytest.raises(ValueError, match=r"angle: is of layouts, and layouts = 0"):
+    with refuses(ValueError, "angle", "layouts = 0"):
         work_of("maze", given | {"layouts": 0, "angle": 1.0}, robot)
 
 
