@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import oracle
+from facts import refuses
 from oracle import OracleCell, OracleSheet, follow
 from sizes import examples
 
@@ -468,5 +469,5 @@ def test_impossible_questions_are_refused(kwargs, message):
 
 @pytest.mark.parametrize("mobility", [0.0, -1.0, math.nan, math.inf])
 def test_a_cell_that_cannot_move_is_refused(mobility):
-    with pytest.raises(ValueError, match="mobility must be finite and > 0"):
+    with refuses(ValueError, "mobility", "finite", "> 0"):
         follow([replace(INNER, mobility=mobility)], [0, S])

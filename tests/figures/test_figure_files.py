@@ -9,6 +9,7 @@ import pytest
 from fontTools.ttLib import TTFont
 from PIL import Image
 
+from facts import refuses
 from figures.drawn import says
 from stepwell import figures, files
 
@@ -41,7 +42,7 @@ def test_svg_text_is_only_the_picture(figure):
 
 
 def test_an_unknown_kind_is_refused_and_nothing_is_written(figure, tmp_path):
-    with pytest.raises(ValueError, match=r"must end in \.png, \.svg or \.pdf, not '\.xyz'"):
+    with refuses(ValueError, "force.xyz", ".png, .svg", ".pdf", "'.xyz'"):
         figures.save(figure, tmp_path / "force.xyz")
     assert list(tmp_path.iterdir()) == []
 

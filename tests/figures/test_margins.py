@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from facts import says
 from stepwell import figures, files
 from stepwell.design import Tolerances, margin
 
@@ -55,7 +56,7 @@ def test_where_nothing_changes_it_that_is_said():
     assert all(math.isinf(change.distance) for change in limits.changes)
     drawn = figures.margins(limits)
     assert bars(drawn, "margins") == []
-    assert "nothing else within 20 mm" in words(drawn)
+    says(words(drawn), "nothing else", "20 mm")
 
 
 def test_of_long_chains_the_nearest_are_shown():

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from facts import refuses
 from figures.drawn import legend_of, lines, marks, says, untidy, untidy_on_a_phone
 from lab.machine import pair, tension, unit
 from stepwell import figures, lab
@@ -136,7 +137,7 @@ def test_the_measurement_is_seen_on_both_sides_of_the_model(drawn):
 
 
 def test_nothing_to_draw_is_refused():
-    with pytest.raises(ValueError, match="tests is empty: give one unit cell"):
+    with refuses(ValueError, "tests", "empty", "one unit cell"):
         figures.measured_forces([])
-    with pytest.raises(ValueError, match="tests is empty: give one pair"):
+    with refuses(ValueError, "tests", "empty", "one pair"):
         figures.measured_pairs([])

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from facts import refuses
 from sizes import examples
 from stepwell.paper import any_cycle
 from stepwell.sequences import Sequence
@@ -73,5 +74,5 @@ def test_what_a_file_holds_is_kept_and_the_rest_added(tmp_path, monkeypatch):
     assert row["shares"][0] == 0.125 and len(row["shares"]) == 2
     assert "| all 2 |" in page.read_text()
     page.write_text("a page")
-    with pytest.raises(ValueError, match="no place for the table"):
+    with refuses(ValueError, "no place", "table"):
         any_cycle.main(file, [page])

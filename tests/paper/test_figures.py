@@ -4,6 +4,7 @@ import pytest
 from PIL import Image
 
 from cli.folders import written
+from facts import refuses
 from figures.drawn import says, untidy
 from stepwell import paper, reports
 from stepwell.reports import paper as figures
@@ -38,7 +39,7 @@ def test_six_cells_are_told_apart_by_their_anchors():
 
 def test_a_figure_is_asked_for_by_its_name():
     assert reports.figure_of("fig1").subfigs
-    with pytest.raises(ValueError, match=r"no such figure of the paper. Did you mean fig2\?"):
+    with refuses(ValueError, "'fig2d'", "no such figure", "fig2?"):
         reports.figure_of("fig2d")
 
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from facts import refuses, says
 from stepwell import paper
 from stepwell.mechanism import Band
 from stepwell.paper import (
@@ -50,11 +51,11 @@ def test_progress_is_told_for_every_claim(known_verdicts):
 
 def test_a_verdict_reads_as_one_line(verdicts):
     (verdict,) = (one for one in verdicts if one.claim.id == "share-clockwise")
-    assert repr(verdict) == ("Verdict(share-clockwise agrees: paper 0.215; ours 0.215)")
+    says(repr(verdict), "Verdict(share-clockwise agrees", "paper 0.215", "ours 0.215")
 
 
 def test_a_difference_without_a_reason_is_refused():
-    with pytest.raises(ValueError, match="must come with a reason"):
+    with refuses(ValueError, "verdict = ", "a reason"):
         paper.Finding("2", Judgement.DIFFERS)
     assert judged(False, "2").reason
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses, says
 from stepwell.statics import EventKind, drive_range
 
 STIFFNESSES = (math.inf, 300.0, 0.0)
@@ -163,7 +164,7 @@ def test_a_path_starts_in_any_state_that_can_stand_at_the_drive(stiffness, state
     past = 0.3 * (node.high - node.low) + 1e-3
     # The last phases go on for ever; all others end above.
     beyond = node.low - past if state == "11" else node.high + past
-    with pytest.raises(ValueError, match="the chain stands from"):
+    with refuses(ValueError, "stands from", " to "):
         chain.path([beyond], start=state)
 
 
@@ -171,7 +172,7 @@ def test_equal_elements_tie_and_the_advice_is_one_they_can_follow():
     element = sw.elements.trilinear()
     cycle = sw.Chain([element, element]).cycle()
     assert str(cycle.sequence) == "00>10>11>01>00"
-    assert "Scale the forces of" in cycle.degenerate[0].advice
+    says(cycle.degenerate[0].advice, "Scale the forces", "one percent")
 
 
 @pytest.mark.parametrize("name", list(sw.elements.LIBRARY))
@@ -200,7 +201,7 @@ def test_a_path_goes_on_from_the_very_drive_of_a_snap(name):
 
 def test_a_start_that_could_not_stand_there_is_refused_in_the_units_of_the_measure():
     balloons = sw.load("preset:balloon")
-    with pytest.raises(ValueError, match=r"thin at 2000 mL stands for 4\.\d+\.\.4\.\d+ kPa"):
+    with pytest.raises(ValueError, match=r"thin .*2000 mL .* 4\.\d+\.\.4\.\d+ kPa"):
         balloons.path([3e-3], start=[2e-3, 1e-3])
-    with pytest.raises(ValueError, match="3000 mL: the start has its cells at a volume of 2000 mL"):
+    with refuses(ValueError, "3000 mL", "start", "volume", "2000 mL"):
         balloons.path([3e-3], start=[1e-3, 1e-3])

@@ -9,6 +9,7 @@ from scipy.stats import binom
 
 import stepwell as sw
 from chains import any_cell, any_chain, contest
+from facts import says
 from sizes import examples
 from stepwell.statics import Elsewhere, EventKind, Landing, Proof
 from stepwell.statics.following.snap import COARSE
@@ -331,9 +332,9 @@ def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
 
 def test_a_landing_says_in_words_whether_it_holds():
     told = [str(landing) for landing in RACE.cycle().path.landings()]
-    assert told[0].startswith("holds for mobility ratios up to 10: ")
-    assert "some lead elsewhere: 00- in 5%" in told[-1]
-    assert "SNAP at 4.693 mm unloading" in repr(RACE.cycle().path.landings()[-1])
+    says(told[0], "holds", "mobility ratios", "10")
+    says(told[-1], "elsewhere", "00-", "5%")
+    says(repr(RACE.cycle().path.landings()[-1]), "SNAP", "4.693 mm", "unloading")
 
 
 def test_snaps_that_leave_a_saddle_at_once_have_one_landing():

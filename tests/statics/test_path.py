@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import concave_chain
+from facts import refuses, says
 from sizes import examples
 from stepwell.mechanism.law import pack
 from stepwell.statics import Cause, EventKind, run
@@ -74,7 +75,7 @@ def test_a_wrong_start_or_turning_point_is_refused_with_what_is_allowed(points, 
 
 
 def test_prefer_must_name_every_cell_once():
-    with pytest.raises(ValueError, match="must name each of the cells"):
+    with refuses(ValueError, "prefer = [0, 0]", "each", "0..1"):
         LEG.cycle(prefer=[0, 0])
 
 
@@ -82,7 +83,7 @@ def test_identical_cells_are_reported_as_a_tie_and_prefer_settles_it():
     twins = sw.Chain([INNER, INNER])
     cycle = twins.cycle()
     assert cycle.degenerate and "prefer=" in str(cycle.degenerate[0])
-    assert "Move an anchor of outer by more than" in str(cycle.degenerate[0])
+    says(str(cycle.degenerate[0]), "Move an anchor", "outer", "mm")
     assert str(cycle.sequence) == "00>10>11>01>00"
     assert str(twins.cycle(prefer=[1, 0]).sequence) == "00>01>11>10>00"
     assert not LEG.cycle().degenerate
@@ -234,4 +235,4 @@ def test_a_compliant_actuator_tells_position_from_stroke():
 
 def test_events_print_what_happened_in_millimetres():
     snap = next(e for e in LEG.cycle().events if e.kind is EventKind.SNAP)
-    assert repr(snap).startswith("SNAP at 37.23 mm loading: cell 1 20→17.23 mm")
+    says(repr(snap), "SNAP", "37.23 mm", "loading", "cell 1", "20→17.23 mm")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import says
 from sizes import examples
 from statics.open_cells import any_open, happened
 from stepwell.mechanism import trilinear
@@ -56,7 +57,7 @@ def test_an_actuator_of_another_stiffness_is_no_tie(share):
 def test_the_advice_on_a_neutral_actuator_ends_the_tie():
     element = sw.Element.from_points(*NEUTRAL)
     chain = sw.Chain([element], actuator_stiffness=100.0)
-    assert "Scale the forces of cell 1 by a percent" in chain.cycle().degenerate[0].advice
+    says(chain.cycle().degenerate[0].advice, "Scale the forces", "cell 1", "a percent")
     for scale in (0.99, 1.01):
         other = replace(chain, cells=[replace(element, force_scale=scale)])
         assert not other.cycle().degenerate

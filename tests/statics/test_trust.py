@@ -11,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_cell, any_chain
+from facts import refuses
 from sizes import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
@@ -178,7 +179,7 @@ def test_at_a_kink_the_smaller_stiffness_is_told():
 
 
 def test_a_force_that_steps_within_the_rounding_of_its_travel_is_refused():
-    with pytest.raises(ValueError, match="apart, must be 2e-11 m or more"):
+    with refuses(ValueError, "apart", "2e-11 m"):
         replace(PAPER, load=sw.Load((0.010, 0.010 + 1e-15), (0.0, 5.0)))
     for step in (3e-11, 1e-7):
         steep = replace(PAPER, load=sw.Load((0.010, 0.010 + step), (0.0, 5.0)))
@@ -191,7 +192,7 @@ def test_a_force_that_steps_within_the_rounding_of_its_travel_is_refused():
 def test_a_table_that_steps_is_refused_rather_than_told_wrong():
     step = sw.Table((0.0, 0.023, 0.023 + 1e-13, 0.030), (0.0, 0.023, 0.2, 0.21))
     cell = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), law=step))
-    with pytest.raises(statics.StaticsError, match="break its own certificate"):
+    with refuses(statics.StaticsError, "no answer", "mm", "certificate"):
         sw.Chain([cell, OUTER]).cycle()
 
 
@@ -340,7 +341,7 @@ def test_alike_cells_that_reach_their_stops_together_all_get_there():
 
 
 def test_cells_without_any_force_behind_a_spring_are_refused_in_words_that_fit():
-    with pytest.raises(ValueError, match="no cell has any force"):
+    with refuses(ValueError, "no cell", "force", "math.inf", "'rigid'"):
         sw.Chain([held(1.0, 1.0, 28.5, 90.0)], actuator_stiffness=1e5).cycle()
 
 
