@@ -18,7 +18,7 @@ def test_it_plays_the_designs_own_program_or_a_planned_one(stepwell, tmp_path):
     short = ("--seconds", 1, "--fps", 4)
     result = stepwell("animate", "preset:finger-selector", "--program", "-o", "own.gif", *short)
     assert (result.exit_code, result.stdout) == (0, "Wrote own.gif\n")
-    way = ("--program", "--from", "10", "--to", "01")
+    way = ("--program", "--from", "10", "--target", "01")
     result = stepwell("animate", "forward.toml", *way, "-o", "planned.gif", *short)
     assert (result.exit_code, result.stdout) == (0, "Wrote planned.gif\n")
     for name in ("own.gif", "planned.gif"):
@@ -27,7 +27,7 @@ def test_it_plays_the_designs_own_program_or_a_planned_one(stepwell, tmp_path):
 
 
 def test_a_program_that_cannot_be_had_is_a_line_and_code_3(stepwell, tmp_path):
-    result = stepwell("animate", "preset:used-before", "--program", "--to", "01")
+    result = stepwell("animate", "preset:used-before", "--program", "--target", "01")
     assert result.exit_code == 3
     assert result.output.startswith("no program leads from 00 to 01")
     assert {file.name for file in tmp_path.iterdir()} == {"forward.toml"}
@@ -41,7 +41,7 @@ def test_wrong_input_ends_in_code_2_and_writes_nothing(stepwell, tmp_path):
         ("forward.toml", "-o", "c.png"),
         ("forward.toml", "--seconds", "0"),
         ("forward.toml", "--fps", "99"),
-        ("forward.toml", "--to", "01"),
+        ("forward.toml", "--target", "01"),
         ("forward.toml", "--program", "--from", "01"),
     ):
         result = stepwell("animate", *arguments)

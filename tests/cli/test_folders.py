@@ -10,7 +10,7 @@ EVERY = {
     "demo": (),
     "run": ("forward.toml",),
     "map": ("forward.toml",),
-    "program": ("forward.toml", "--to", "01"),
+    "program": ("forward.toml", "--target", "01"),
     "design": ("00>10>11>01>00",),
     "yield": ("forward.toml",),
     "check": ("forward.toml",),
@@ -64,7 +64,7 @@ def test_every_command_keeps_a_file_of_mine_and_says_so_before_its_work(
 
 @pytest.mark.slow
 def test_the_same_command_replaces_its_own_and_another_one_does_not(stepwell, tmp_path):
-    program = ("program", "forward.toml", "--to", "01", "--out", "out")
+    program = ("program", "forward.toml", "--target", "01", "--out", "out")
     assert [stepwell(*program).exit_code for _ in range(2)] == [0, 0]
     result = stepwell("reprogram", "forward.toml", "--by", "inner.p", "--out", "out")
     assert (result.exit_code, result.stdout) == (2, "")
@@ -82,7 +82,7 @@ def test_a_folder_may_hold_the_design_that_is_run(stepwell, tmp_path):
     (tmp_path / "design.toml").write_bytes(before)
     assert stepwell("robot", "show", "robot-forward", "--out", "robot").exit_code == 0
     assert stepwell("robot", "show", "robot/robot.toml", "--out", "robot").exit_code == 0
-    result = stepwell("program", "design.toml", "--to", "01", "--out", ".")
+    result = stepwell("program", "design.toml", "--target", "01", "--out", ".")
     assert result.exit_code == 2
     assert "design.toml" in result.stderr
     assert (tmp_path / "design.toml").read_bytes() == before

@@ -2,11 +2,13 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import stepwell
 from stepwell.cli import app
@@ -90,6 +92,53 @@ def test_every_help_page_ends_with_the_exit_codes(stepwell_help, command):
     text = stepwell_help(*([command] if command else []), "--help")
     assert " ".join(text.split()).endswith(EXIT_CODES)
     assert text == stepwell_help(*([command] if command else []), "-h")
+
+
+def leaves(command, *names):
+    """Every command with its names, those of groups included."""
+    inner = getattr(command, "commands", None)
+    if inner is None:
+        yield names, command
+        return
+    for name, one in inner.items():
+        yield from leaves(one, *names, name)
+
+
+LEAVES = dict(leaves(get_command(app)))
+VERBS = ("Add", "Check", "Compare", "Compute", "Export", "Fit", "List", "Open", "Plot")
+VERBS += ("Print", "Run", "Search", "Simulate", "Stop", "Write")
+
+
+@pytest.mark.parametrize("names", LEAVES, ids=" ".join)
+def test_every_help_begins_with_a_verb_and_ends_with_an_example_that_is_understood(names):
+    text = LEAVES[names].help
+    assert text.split()[0] in VERBS
+    example = text.strip().splitlines()[-1]
+    program, *arguments = shlex.split(example.removeprefix("Example: "))
+    assert (program, *arguments[: len(names)]) == ("stepwell", *names), example
+    # Typer reads the arguments as it does before it calls the command.
+    context = LEAVES[names].make_context(" ".join(names), arguments[len(names) :])
+    assert not context.args
+
+
+# Defaults that differ on purpose: what is drawn where, and the tolerances of a first build.
+OWN_DEFAULTS = {"--out", "--samples", "--cycles", "--anchor", "--stiffness-spread"}
+OWN_DEFAULTS |= {"--travel-spread", "--drive", "--x", "--y"}
+
+
+def test_an_option_has_one_default_in_all_commands():
+    found: dict[str, set[str]] = {}
+    for command in LEAVES.values():
+        for parameter in command.params:
+            if not parameter.required:
+                found.setdefault(parameter.opts[0], set()).add(str(parameter.default))
+    unlike = {name for name, defaults in found.items() if len(defaults) > 1}
+    assert {name for name in unlike if name.startswith("--")} <= OWN_DEFAULTS
+
+
+def test_a_tolerance_and_a_target_have_one_name_in_all_commands():
+    names = {opt for command in LEAVES.values() for one in command.params for opt in one.opts}
+    assert not names & {"--wanted", "--want", "--to", "--stiffness", "--rest-length", "--travel"}
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ def test_it_prints_the_account_and_as_json_its_record(stepwell):
     for begin in ((), ("--from", "10")):
         program = chain.program("01", start="".join(begin[1:]) or None)
         found = account(program, About(text, "forward.toml"))
-        arguments = "program", "forward.toml", *begin, "--to", "01"
+        arguments = "program", "forward.toml", *begin, "--target", "01"
         result = stepwell(*arguments)
         shown = "\n".join(line.text for line in terminal(found))
         assert (result.exit_code, result.stdout) == (0, f"{shown}\n")
@@ -27,12 +27,12 @@ def test_it_prints_the_account_and_as_json_its_record(stepwell):
 
 
 def test_the_start_is_all_cells_at_0_by_default(stepwell):
-    record = json.loads(stepwell("program", "forward.toml", "--to", "01", "--json").stdout)
+    record = json.loads(stepwell("program", "forward.toml", "--target", "01", "--json").stdout)
     assert (record["from"], record["to"]) == ("00", "01")
 
 
 def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
-    arguments = ("program", "preset:used-before", "--to", "01", "--out", "out")
+    arguments = ("program", "preset:used-before", "--target", "01", "--out", "out")
     result = stepwell(*arguments)
     assert result.exit_code == 3
     assert not (tmp_path / "out").exists()
@@ -45,7 +45,7 @@ def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
 
 
 def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(stepwell, tmp_path):
-    result = stepwell("program", "forward.toml", "--to", "01", "--out", "out", "--json")
+    result = stepwell("program", "forward.toml", "--target", "01", "--out", "out", "--json")
     record = json.loads(result.stdout)
     out = tmp_path / "out"
     assert written(out) == OUT
@@ -61,7 +61,7 @@ def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(step
 
 
 def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
-    stepwell("program", "preset:three-wave", "--to", "001", "--out", "out")
+    stepwell("program", "preset:three-wave", "--target", "001", "--out", "out")
     result = stepwell("program", "out/design.toml", "--json", "--out", "again")
     record = json.loads(result.stdout)
     assert result.exit_code == 0
@@ -99,11 +99,17 @@ def test_the_slack_of_a_turn_off_the_middle_is_to_the_nearer_end(stepwell, tmp_p
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("forward.toml",), "forward.toml: has no table [program]: pass --to STATE to plan one."),
-        (("forward.toml", "--from", "10"), "--from: needs --to STATE, the state to end in."),
-        (("forward.toml", "--to", "012"), "'012': must be 2 characters 0 or 1, inner cell first."),
-        (("forward.toml", "--from", "1", "--to", "01"), "--from: '1': must be 2 characters"),
-        (("preset:robot-forward", "--to", "01"), "is a robot, and this needs a chain"),
+        (
+            ("forward.toml",),
+            "forward.toml: has no table [program]: pass --target STATE to plan one.",
+        ),
+        (("forward.toml", "--from", "10"), "--from: needs --target STATE, the state to end in."),
+        (
+            ("forward.toml", "--target", "012"),
+            "'012': must be 2 characters 0 or 1, inner cell",
+        ),
+        (("forward.toml", "--from", "1", "--target", "01"), "--from: '1': must be 2 characters"),
+        (("preset:robot-forward", "--target", "01"), "is a robot, and this needs a chain"),
     ],
 )
 def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):
@@ -116,7 +122,7 @@ def test_a_start_that_cannot_stand_is_wrong_input(stepwell, tmp_path):
     cell = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = {}\n"
     text = "[chain]\n" + cell.format("[0, 15]") + cell.format("[0, -15]")
     (tmp_path / "up.toml").write_text(text)
-    result = stepwell("program", "up.toml", "--from", "10", "--to", "11")
+    result = stepwell("program", "up.toml", "--from", "10", "--target", "11")
     assert result.exit_code == 2
     assert "is no equilibrium" in result.output
     (tmp_path / "own.toml").write_text(
@@ -142,7 +148,7 @@ def race() -> sw.Chain:
 
 def test_a_robust_program_is_found_or_proved_to_be_none(stepwell, race):
     Path("race.toml").write_text(files.dumps(race), "utf-8")
-    arguments = "program", "race.toml", "--robust", 10, "--to"
+    arguments = "program", "race.toml", "--robust", 10, "--target"
     refused = stepwell(*arguments, "111", "--json")
     assert refused.exit_code == 3
     record = json.loads(refused.stdout)
@@ -151,7 +157,7 @@ def test_a_robust_program_is_found_or_proved_to_be_none(stepwell, race):
     assert found.exit_code == 0
     record = json.loads(found.stdout)
     assert (record["robust"], record["does_it"]) == (10.0, True)
-    record = json.loads(stepwell("program", "race.toml", "--to", "010", "--json").stdout)
+    record = json.loads(stepwell("program", "race.toml", "--target", "010", "--json").stdout)
     assert record["robust"] is None
 
 
@@ -166,6 +172,6 @@ def test_the_designs_own_program_is_asked_too(stepwell, race):
 
 
 def test_a_ratio_below_one_is_refused(stepwell):
-    refused = stepwell("program", "forward.toml", "--to", "01", "--robust", 0.5)
+    refused = stepwell("program", "forward.toml", "--target", "01", "--robust", 0.5)
     assert refused.exit_code == 2
     assert "--robust" in refused.stderr

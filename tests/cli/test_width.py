@@ -18,7 +18,7 @@ WIDTHS = (40, 60, 72, 80, 100)
     "command",
     [
         ("run", "preset:three-wave"),
-        ("program", "preset:paper-forward", "--to", "01"),
+        ("program", "preset:paper-forward", "--target", "01"),
         ("map", "preset:paper-forward", "--x", "0:20:3", "--y", "-15:15:3"),
         ("robot", "show", "robot-left"),
         ("presets",),

@@ -48,19 +48,19 @@ def test_every_tolerance_has_its_option(stepwell):
 
 
 def test_another_cycle_may_be_wanted(stepwell):
-    options = ("--wanted", "00>01>11>10>00", "--samples", 1000, "--json")
+    options = ("--target", "00>01>11>10>00", "--samples", 1000, "--json")
     assert json.loads(stepwell("yield", "forward.toml", *options).stdout)["share"] == 0
 
 
 def test_what_one_stroke_cannot_do_is_said_with_what_to_ask_instead(stepwell):
-    text = stepwell("yield", "forward.toml", "--wanted", "00>11>00", "--samples", 50).stdout
+    text = stepwell("yield", "forward.toml", "--target", "00>11>00", "--samples", 50).stdout
     assert text.split("\n\n")[1].startswith("No sample reproduces the target")
     assert "One stroke out and back cannot do it: 00>11 moves 2 cells at once" in text
-    assert "stepwell program --to 11" in text.replace("\n", " ")
+    assert "stepwell program --target 11" in text.replace("\n", " ")
 
 
 def test_states_may_be_wanted(stepwell):
-    options = ("--wanted", "00,10,01,11", "--samples", 20, "--json")
+    options = ("--target", "00,10,01,11", "--samples", 20, "--json")
     record = json.loads(stepwell("yield", "forward.toml", *options).stdout)
     assert record["share"] == 1
     assert record["wanted_states"] == ["00", "10", "01", "11"]
@@ -135,8 +135,8 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         (("--stiffness-spread", 25), "--stiffness-spread"),
         (("--samples", 0), "--samples"),
         (("--anchor", "inf"), "anchor = inf [m]: must be >= 0 and finite."),
-        (("--wanted", "00>11"), "00>11"),
-        (("--wanted", "000>111"), "000>111"),
+        (("--target", "00>11"), "00>11"),
+        (("--target", "000>111"), "000>111"),
         (("--program",), "forward.toml: has no table [program]"),
         (("--program", "--sensitivity"), "--sensitivity: cannot stand with --program."),
         (("--lever-tolerance", 20), "must be smaller than the shortest lever"),

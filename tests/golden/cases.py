@@ -143,11 +143,11 @@ GRAPHS = [
 ]
 
 PROGRAMS = [
-    _folder("program/planned", "program preset:paper-forward --from 10 --to 01", shown=True),
-    _one("program/robust", "program preset:three-wave --to 011 --robust 10"),
+    _folder("program/planned", "program preset:paper-forward --from 10 --target 01", shown=True),
+    _one("program/robust", "program preset:three-wave --target 011 --robust 10"),
     _one("program/own", "program preset:combination-lock"),
-    _one("program/force", "program preset:force-control --to 01"),
-    _folder("program/unreachable", "program preset:used-before --to 01"),
+    _one("program/force", "program preset:force-control --target 01"),
+    _folder("program/unreachable", "program preset:used-before --target 01"),
 ]
 
 DESIGNED = [
@@ -184,9 +184,9 @@ YIELDS = [
     _folder(
         "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
     ),
-    _one("yield/states", "yield preset:paper-via-01 --wanted 00,01,11 --samples 100"),
+    _one("yield/states", "yield preset:paper-via-01 --target 00,01,11 --samples 100"),
     _one("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
-    _one("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
+    _one("yield/other", "yield preset:paper-forward --target '00>11>00' --samples 50"),
     _one("yield/program", "yield preset:finger-selector --program --samples 10"),
     _folder(
         "yield/calibrated",
@@ -199,7 +199,7 @@ YIELDS = [
 
 CHECKS = [
     _one("check/works", "check preset:paper-forward --samples 100"),
-    _one("check/wont", "check preset:paper-forward --want '00>01>11>10>00' --samples 50"),
+    _one("check/wont", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
     _folder(
         "check/fragile",
         "check preset:three-wave --anchor 0.5 --stiffness-spread 20 --rest-length-spread 3 "
@@ -261,9 +261,9 @@ ELEMENTS = [
     Case(
         "elements/program",
         (
-            "program trilinear.toml --from 10 --to 01 --json",
-            "program three.toml --to 21 --json",
-            "program three.toml --from 11 --to 20 --json",
+            "program trilinear.toml --from 10 --target 01 --json",
+            "program three.toml --target 21 --json",
+            "program three.toml --from 11 --target 20 --json",
             "program balloons.toml --json",
         ),
         given=DESIGNS,
@@ -287,8 +287,8 @@ ELEMENTS = [
         (
             "map mixed.toml --cell dome",
             "map mixed.toml --across dome.q.x=0:20:3 --up dome.force_scale=0.5:2:3",
-            "program three.toml --to 30",
-            "program three.toml --from 2- --to 00",
+            "program three.toml --target 30",
+            "program three.toml --from 2- --target 00",
             "graph twisting.toml",
             "reprogram balloons.toml --by thick.q",
             "reprogram balloons.toml --by thick.travel_scale",
@@ -341,7 +341,7 @@ FILES = [
         (
             "animate preset:paper-forward --seconds 0.5 --fps 4 --out cycle.gif",
             "animate preset:finger-selector --program --seconds 0.5 --fps 4",
-            "animate preset:paper-forward --program --from 10 --to 01 --seconds 0.5 --fps 4 "
+            "animate preset:paper-forward --program --from 10 --target 01 --seconds 0.5 --fps 4 "
             "--force",
         ),
     ),
@@ -376,7 +376,7 @@ LABS = [
             "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 "
             "--snaps-back 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-spread 2 --json",
             "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
-            "--wrong-hole 2 --hole-mm 4 --want '0>1>0' --samples 100 --json",
+            "--wrong-hole 2 --hole-mm 4 --target '0>1>0' --samples 100 --json",
         ),
         prepare=cells,
         within=FITTED,
@@ -518,9 +518,10 @@ STUDIES = [
             "sweep cancel margin.zarr",
             "sweep resume margin.zarr --workers 0 --json",
             "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr --json",
-            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness 4 --rest-length 2 "
-            "--lever 0.1 --friction 0.01 --travel 1 --workers 0 --out built.zarr --json",
-            "sweep program preset:paper-forward --from 00 --to 11 --vary outer.q.x=10:20:2 "
+            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness-spread 4 "
+            "--rest-length-spread 2 --lever-tolerance 0.1 --friction 0.01 --travel-spread 1 "
+            "--workers 0 --out built.zarr --json",
+            "sweep program preset:paper-forward --from 00 --target 11 --vary outer.q.x=10:20:2 "
             "--workers 0 --out program.zarr --json",
             "sweep call preset:paper-forward --function own.py:measure --vary outer.q.x=10:20:2 "
             "--workers 0 --out call.zarr --json",
@@ -548,10 +549,10 @@ STUDIES = [
             "atlas build --cells 2 --designs 2e4 --workers 0 --out two.zarr",
             "atlas build preset:paper-forward --vary outer.q.x=-8:20 --vary inner.stiffness=28:57 "
             "--designs 5000 --seed 3 --workers 0 --drive force --out leg.zarr --json",
-            "atlas show two.zarr --anchor 0.5 --stiffness 8 --rest-length 2 --json",
+            "atlas show two.zarr --anchor 0.5 --stiffness-spread 8 --rest-length-spread 2 --json",
             "atlas show leg.zarr --out leg",
-            "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness 5 "
-            "--rest-length 1 --out pair.toml --json",
+            "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness-spread 5 "
+            "--rest-length-spread 1 --out pair.toml --json",
             "atlas find 'counts to two and not remembers' two.zarr --json",
         ),
         shown=True,
@@ -659,13 +660,13 @@ WRONG = [
             "graph preset:three-wave --out wave.bmp",
             "program preset:paper-forward",
             "program preset:paper-forward --from 10",
-            "program preset:paper-forward --to 012",
+            "program preset:paper-forward --target 012",
             "design banana",
             "design '00>11>00' --samples 10",
             "yield preset:paper-forward --anchor -1",
             "reprogram preset:paper-forward --by inner",
             "reprogram preset:paper-forward --by inner.p --along 0:0",
-            "animate preset:paper-forward --to 01",
+            "animate preset:paper-forward --target 01",
             "replay preset:paper-forward --cycles 3",
             "replay robot-left --arena nowhere",
             "replay preset:paper-forward --out replay.txt",
@@ -682,7 +683,7 @@ WRONG = [
         "wrong/folders",
         (
             "reprogram preset:paper-forward --by inner.p --reach 1 --out out",
-            "program preset:paper-forward --to 01 --out out",
+            "program preset:paper-forward --target 01 --out out",
             "run preset:paper-cell-0-0 --out out",
             "run preset:paper-cell-0-0 --out forward.toml",
             "new forward.toml",

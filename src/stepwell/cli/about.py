@@ -27,6 +27,8 @@ def presets(
     """List the designs that come with Stepwell.
 
     The paper's come first, then some that go further, then robots.
+
+    Example: stepwell presets
     """
     from stepwell import files
 
@@ -50,6 +52,8 @@ def new(
     """Write a design file to start from.
 
     It is a copy of one of the designs that come with Stepwell, with its comments.
+
+    Example: stepwell new leg.toml --preset three-wave
     """
     from stepwell import files
 
@@ -84,6 +88,8 @@ def paper(
     Every claim is computed; the verdict says where we agree, where not, and why. Claims about
     measurements need the authors' recordings, which are not part of Stepwell.
     With --out, the paper's figures are drawn from the model into a folder.
+
+    Example: stepwell paper
     """
     import stepwell.paper as claims
 
@@ -98,6 +104,8 @@ def validate(as_json: Json = False) -> None:
 
     Closed forms, transition graphs and sequences that others have published are computed; the
     verdict says where we agree, where not, and why.
+
+    Example: stepwell validate
     """
     import stepwell.paper as claims
 
@@ -120,6 +128,8 @@ def schema(
 
     Every JSON that a command prints or writes names its schema and the version of it, as in
     stepwell.run/2; this prints that schema, for programs that read results.
+
+    Example: stepwell schema run
     """
     from stepwell.accounts import schema_kinds, schema_of
 
@@ -138,6 +148,8 @@ def doctor(as_json: Json = False) -> None:
     Packages and extras with the command that adds each, compiled kernels and where they are kept,
     browser, video encoder and OpenGL, cores. What is installed and does not work is listed with the
     reason. It ends with 0 where all that Stepwell needs is installed, extras or not.
+
+    Example: stepwell doctor
     """
     found = installation(
         {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 commands = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich" if styled() else None,
-    help="Tell which machines a space of designs holds, and find those that do something.",
+    help="Compute and search the transition graphs of a space of designs.",
     epilog=EXIT_CODES,
 )
 
@@ -28,8 +28,8 @@ _There = Annotated[
     Path | None,
     typer.Argument(
         metavar="STORE",
-        help="What --out of build said; an atlas of three cells that comes with Stepwell by "
-        "default.",
+        help="Path of the store that build wrote; an atlas of three cells that comes with "
+        "Stepwell by default.",
     ),
 ]
 # The paper's map for every cell, and one band up to two.
@@ -78,11 +78,13 @@ def build(
     scheduler: Scheduler = None,
     as_json: Json = False,
 ) -> None:
-    """Draw designs evenly over a space and count what they do, in closed form.
+    """Compute the transition graphs of designs drawn evenly over a space, in closed form.
 
     The space is that of --vary, or else of every cell the anchor q over the paper's map, x 0 to
     20 mm and y -15 to 15 mm, and the stiffness of one band up to two, 28.5 to 57 N/m. Counts go
-    block by block into a store; whatever was killed, the same command goes on.
+    block by block into a store; to resume after an interruption, run the same command again.
+
+    Example: stepwell atlas build --out two --designs 1e5
     """
     from stepwell.mechanism import Band, Cell, Chain
     from stepwell.studies import DRIVES, Axis, atlas
@@ -120,16 +122,19 @@ def build(
 def show(
     store: _There = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length: parts.RestLengthSpread = 0.0,
+    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length_spread: parts.RestLengthSpread = 0.0,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a store holds so far: machines, their shares and yields, what is proved."""
+    """List the machines of a store: their fractions and yields, what is proved.
+
+    Example: stepwell atlas show
+    """
     free(out, "atlas show", force)
     study = _opened(store)
-    _show(study, _charted(study, anchor, stiffness, rest_length), as_json, out, force)
+    _show(study, _charted(study, anchor, stiffness_spread, rest_length_spread), as_json, out, force)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -159,11 +164,14 @@ def find(
         ),
     ] = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length: parts.RestLengthSpread = 0.0,
+    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length_spread: parts.RestLengthSpread = 0.0,
     as_json: Json = False,
 ) -> None:
-    """Find machines of a store by what they do, those that are built most surely first."""
+    """Search the machines of a store by what they do, highest yield first.
+
+    Example: stepwell atlas find '00>10>11>01>00' --yield 90
+    """
     from stepwell import files, studies
 
     if out is not None and out.suffix != ".toml":
@@ -172,7 +180,7 @@ def find(
     study = _opened(store)
     with usable("QUERY"):
         studies.understood(query)
-    chart = _charted(study, anchor, stiffness, rest_length, checks=0)
+    chart = _charted(study, anchor, stiffness_spread, rest_length_spread, checks=0)
     machines = studies.find(chart, query, yields)
     if out is not None and machines:
         files.save(machines[0].chain, out)

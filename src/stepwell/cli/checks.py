@@ -13,7 +13,7 @@ from stepwell.cli.tolerances import Data, calibrated_on
 
 def check(
     design: Design,
-    want: Annotated[
+    target: Annotated[
         str | None,
         typer.Option(
             metavar="SEQUENCE",
@@ -34,12 +34,14 @@ def check(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say whether the real one will do it: works, fragile or won't.
+    """Check a design within tolerances: works, fragile or won't.
 
     You get the verdict with its reason, the smallest single change that breaks it, the pull and
     the energy lost, what is out of the ordinary, and which one measurement would make it surer.
     Where it won't, the exit code is 3. With --out, a report and the result as JSON are written
     into a folder, together with the design.
+
+    Example: stepwell check preset:paper-forward --anchor 0.5
     """
     from stepwell import files
     from stepwell.accounts import About, account
@@ -59,9 +61,8 @@ def check(
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    wanted = want
-    if want is None and files.loads(text, design).program is not None:
-        wanted = own(text, design)
+    program = files.loads(text, design).program if target is None else None
+    wanted = target if program is None else own(text, design)
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
     report(account(found, About(text, design, calibrated)), as_json, out, force)
@@ -76,7 +77,7 @@ def yield_(
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
     travel_spread: given.TravelSpread = 0.0,
-    wanted: Annotated[
+    target: Annotated[
         str | None,
         typer.Option(
             metavar="TARGET",
@@ -85,7 +86,7 @@ def yield_(
         ),
     ] = None,
     sensitivity: Annotated[
-        bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
+        bool, typer.Option("--sensitivity", help="Compute how much each part's tolerance counts.")
     ] = False,
     program: Annotated[
         bool,
@@ -101,11 +102,13 @@ def yield_(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say how many mechanisms, built with these tolerances, do what the design does.
+    """Compute the fraction of samples that reach the target.
 
-    Mechanisms are made at random and judged one by one; you get the share with its 95 %
+    Mechanisms are sampled at random and judged one by one; you get the fraction with its 95 %
     interval, what the others do, and the two cells that go wrong first. With --out, figures,
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
+
+    Example: stepwell yield preset:paper-forward --samples 1000
     """
     from stepwell.accounts import About, account
     from stepwell.design import survival, yields
@@ -121,7 +124,7 @@ def yield_(
         chain.measure,
     )
     free(out, "yield", force, design=text)
-    asked = {"--wanted": wanted, "--sensitivity": sensitivity, "--robust": robust}
+    asked = {"--target": target, "--sensitivity": sensitivity, "--robust": robust}
     option = next((option for option, value in asked.items() if value), None)
     if program and option:
         raise typer.BadParameter("cannot stand with --program.", param_hint=option)
@@ -129,7 +132,7 @@ def yield_(
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     played = own(text, design) if program else None
-    states = wanted.split(",") if wanted and "," in wanted else None
+    states = target.split(",") if target and "," in target else None
     with usable(design), progress("yield") as tell:
         if played is not None:
             found = survival(
@@ -148,7 +151,7 @@ def yield_(
                 spread,
                 n=samples,
                 seed=seed,
-                wanted=states or wanted,
+                wanted=states or target,
                 sensitivity=sensitivity,
                 robust=robust,
                 progress=tell,

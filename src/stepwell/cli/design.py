@@ -154,13 +154,15 @@ def design(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Find anchors for a wanted cycle, or for a wanted set of states.
+    """Search anchors for a target sequence or a target set of states.
 
     You get the anchors, checked by the engine, how many mechanisms built with these
     tolerances will do it, and which two cells go wrong first; or the certificate that nothing
     allowed does it. With --element, you get which element each cell is, and its scales. With
     --out, the design file, a figure of the forces that a cell can have, and the result as JSON
     are written into a folder.
+
+    Example: stepwell design '00>10>11>01>00' --out leg
     """
     from stepwell.accounts import account
     from stepwell.design import PAPER_LEVER, Impossible, design, usual_box
@@ -271,13 +273,15 @@ def reprogram(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Find the smallest displacement of an anchor that changes what a chain does.
+    """Search the smallest displacement of an anchor for another sequence.
 
     Or the smallest change of a number of an element.
 
     You get the displacement, the sequence just past it, and the force that has to push the
     anchor on the way: what an antenna must deliver. With --out, the design past the change,
     the way as CSV and the result as JSON are written into a folder.
+
+    Example: stepwell reprogram preset:paper-forward --by inner.p
     """
     from stepwell.accounts import About, account
     from stepwell.design import reprogram

@@ -65,28 +65,28 @@ From = Annotated[
         help="Where it begins, such as 10, inner cell first; all cells at 0 by default.",
     ),
 ]
-To = Annotated[
+Target = Annotated[
     str | None,
-    typer.Option("--to", metavar="STATE", help="The state to end in, such as 01."),
+    typer.Option("--target", metavar="STATE", help="The state to end in, such as 01."),
 ]
 
 
 def planned(
-    chain: Chain, start: str | None, to: str | None, robust: float | None = None
+    chain: Chain, start: str | None, target: str | None, robust: float | None = None
 ) -> Program:
     """The shortest program; raises `Unreachable` where there is none."""
     from stepwell.sequences import Unreachable
 
-    if to is None:
-        raise typer.BadParameter("needs --to STATE, the state to end in.", param_hint="--from")
+    if target is None:
+        raise typer.BadParameter("needs --target STATE, the state to end in.", param_hint="--from")
     last = chain.last_state
     digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
-    for option, state in (("--from", start), ("--to", to)):
+    for option, state in (("--from", start), ("--target", target)):
         if state is not None and not _is_state(state, last):
             problem = f"{state!r}: must be {len(chain)} {digits}, inner cell first."
             raise typer.BadParameter(problem, param_hint=option)
     with usable("--from", Unreachable), progress("program") as tell:
-        return chain.program(to, start=start, robust=robust, progress=tell)
+        return chain.program(target, start=start, robust=robust, progress=tell)
 
 
 def _is_state(state: str, last: str) -> bool:
@@ -100,7 +100,9 @@ def own(text: str, design: str) -> Program:
 
     chain, written = files.loads(text, design).chain, files.loads(text, design).program
     if written is None:
-        raise files.DesignError(design, ["has no table [program]: pass --to STATE to plan one."])
+        raise files.DesignError(
+            design, ["has no table [program]: pass --target STATE to plan one."]
+        )
     try:
         return written.on(chain)
     except ValueError as error:

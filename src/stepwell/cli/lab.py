@@ -61,7 +61,7 @@ def as_built(
             min=1e-6,
         ),
     ] = None,
-    want: Annotated[
+    target: Annotated[
         str | None,
         typer.Option(metavar="STATES", help="What it should do; by default what the drawing does."),
     ] = None,
@@ -90,12 +90,14 @@ def as_built(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a first build must be like to do what it did, and which anchors to move.
+    """Fit as-built parameters to a first build, and search which anchors to move.
 
     Give what you saw when it was pulled out and let back once: the order of its states, strokes of
     snaps read off a ruler, forces read off a scale, or a recording. Builds within tolerances, some
     with an anchor in a wrong hole, are drawn at random and weighed by how well they agree with it.
     With --out, the design as it was built and as it is with the best move go into a folder.
+
+    Example: stepwell lab as-built preset:paper-forward --seen '00>01>11>10>00'
     """
     from stepwell import lab
     from stepwell.accounts import About, account
@@ -122,7 +124,7 @@ def as_built(
             chain,
             told,
             spread,
-            wanted=want,
+            wanted=target,
             hole=hole * 1e-3,
             wrong_hole=wrong_hole / 100,
             n=samples,
@@ -186,10 +188,12 @@ def read(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Read recordings and say what they hold.
+    """List what recordings hold: samples, cycles, columns and units.
 
     A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
     With --out, all samples are written into a folder as one tidy table with units.
+
+    Example: stepwell lab read recordings --out tidy
     """
     from stepwell import lab as measured
     from stepwell.accounts import account
@@ -252,12 +256,14 @@ def band(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say how stiff bands are, and write a `band` table for a design file.
+    """Fit the stiffness of bands, and write a `band` table for a design file.
 
     Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
     force law that explains it best. A table of lengths and weights is enough, such as
     length (mm), weight (g). The defaults for window and cycles are the paper's.
     With --out, the table, the numbers and a figure are written into a folder.
+
+    Example: stepwell lab band recordings --window-mm 5:35
     """
     from stepwell import lab as measured
     from stepwell.accounts import About, account
@@ -343,6 +349,8 @@ def compare(
     Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
     energy judged, a pair the order of its cells and its snaps.
     With --out, verdicts, curves and figures are written into a folder.
+
+    Example: stepwell lab compare recordings --out verdicts
     """
     from stepwell import files, lab as measured
     from stepwell.accounts import About, account
@@ -386,6 +394,8 @@ def calibrate(
     Law and stiffness of the bands, loss on the way back, friction of machine and joints, weight and
     rig, with what is predicted of each geometry from the others: forces, orders, snaps.
     With --out, the numbers, a band and a pair for design files and a figure go into a folder.
+
+    Example: stepwell lab calibrate recordings
     """
     from stepwell import lab as measured
     from stepwell.accounts import About, account

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.driving import Drive, From, To, drive_of, own, planned
+from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
 from stepwell.cli.options import (
     Design,
     Force,
@@ -47,12 +47,14 @@ def run(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a design does.
+    """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
-    Its sequence, its forces, every switch and snap, how far it is from doing otherwise, and whether
-    snaps land where they do whatever the mobilities of the cells are.
+    The margin is the smallest change that gives another sequence. Snaps are checked for landings
+    that depend on the mobilities of the cells.
     With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
     written into a folder, together with the design.
+
+    Example: stepwell run preset:paper-forward
     """
     from stepwell.accounts import About, account
     from stepwell.design import Run, margin
@@ -94,12 +96,14 @@ def graph(
     force: ForceFile = False,
     as_json: Json = False,
 ) -> None:
-    """Say everything that one actuator can do to a chain.
+    """Compute the transition graph of a chain with one actuator.
 
-    Its transition graph in the terms of the field: main loop and sub-loops, Garden-of-Eden
+    It is described in the terms of the field: main loop and sub-loops, Garden-of-Eden
     states, return-point memory, scrambling, accumulators, latches, and states out of reach.
     With --out, the graph is drawn, or written for other programs. A graph of too many states to
     be listed is counted, and walked from all cells at 0 or from --start.
+
+    Example: stepwell graph preset:three-wave
     """
     from stepwell import reports
     from stepwell.accounts import About, account
@@ -134,19 +138,21 @@ def graph(
 def program(
     design: Design,
     start: From = None,
-    to: To = None,
+    target: Target = None,
     robust: Robust = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Find the fewest turning points of the actuator from one state to another.
+    """Search the fewest turning points from one state to another.
 
     Each comes with the window in which turning does the same; or you get the proof that no
-    program does it. Without --to, the program in the design file is played, and you are told
-    whether it ends as it should. With --robust, no snap on the way may land elsewhere for other
-    mobilities. With --out, a figure, the turning points as CSV, the result
-    as JSON and the design with the program in it are written into a folder.
+    program does it. Without --target, the program in the design file is played, and the
+    command reports whether it ends as it should. With --robust, no snap on the way may land
+    elsewhere for other mobilities. With --out, a figure, the turning points as CSV, the result as
+    JSON and the design with the program in it are written into a folder.
+
+    Example: stepwell program preset:paper-forward --target 01
     """
     from stepwell.accounts import About, account
     from stepwell.sequences import Unreachable
@@ -154,8 +160,8 @@ def program(
     text, chain = read_chain(design)
     free(out, "program", force)
     try:
-        if start or to:
-            found = planned(chain, start, to, robust)
+        if start or target:
+            found = planned(chain, start, target, robust)
         else:
             found = replace(own(text, design), robust=robust)
     except Unreachable as why:
@@ -177,21 +183,23 @@ def animate(
         bool,
         typer.Option(
             "--program",
-            help="Play the design's own program, or one planned to --to, instead of a full cycle.",
+            help="Play the design's own program, or one planned to --target, not a full cycle.",
         ),
     ] = False,
     start: From = None,
-    to: To = None,
+    target: Target = None,
     force: ForceFile = False,
 ) -> None:
     """Write a design in motion as a GIF.
 
     Snaps included, with the energy landscape of two cells, or the force of more, beside it.
+
+    Example: stepwell animate preset:paper-forward --out leg.gif
     """
     from stepwell import figures
 
     free_file(out, force)
-    result = _motion(design, program, start, to)
+    result = _motion(design, program, start, target)
     try:
         with progress("frames") as tell:
             figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
@@ -200,15 +208,17 @@ def animate(
     show_verbatim(f"Wrote {out}")
 
 
-def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cycle | Program:
+def _motion(design: str, program: bool, start: str | None, target: str | None) -> Cycle | Program:
     from stepwell import files
 
     if not program:
-        if start or to:
-            raise typer.BadParameter("needs --program.", param_hint="--to" if to else "--from")
+        if start or target:
+            raise typer.BadParameter(
+                "needs --program.", param_hint="--target" if target else "--from"
+            )
         return files.load(design).chain.cycle()
-    if start or to:
-        return planned(files.load(design).chain, start, to)
+    if start or target:
+        return planned(files.load(design).chain, start, target)
     return own(files.text_of(design), design)
 
 
@@ -246,11 +256,13 @@ def map_(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw the transition map over a cell's anchor, or over any two parameters of a chain.
+    """Compute the transition map over an anchor, or over two parameters.
 
-    It tells what the chain does for every place of one anchor, and where exactly that changes;
-    with --across and --up, what it does for all values of two of its parameters. With --out, the
-    picture, its data as NetCDF and the boundaries as CSV are written into a folder.
+    It shows the sequence for every place of one anchor, and the exact boundaries between
+    sequences; with --across and --up, for all values of two parameters of the chain. With
+    --out, the picture, its data as NetCDF and the boundaries as CSV are written into a folder.
+
+    Example: stepwell map preset:paper-forward --out map
     """
     from stepwell.accounts import About, account
     from stepwell.design import (

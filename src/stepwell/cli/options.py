@@ -121,10 +121,8 @@ Out = Annotated[
         callback=local,
     ),
 ]
-Force = Annotated[
-    bool, typer.Option("--force", help="Replace files that this command did not write so.")
-]
-ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
+ForceFile = Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")]
 Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
@@ -134,8 +132,7 @@ Robust = Annotated[
     typer.Option(
         "--robust",
         metavar="RATIO",
-        help="Only what works for all mobilities of the cells up to so many times apart, such as "
-        "10.",
+        help="Require the result for every ratio of cell mobilities up to RATIO, such as 10.",
         min=1,
         max=1e3,
     ),
@@ -145,8 +142,8 @@ MobilityRatio = Annotated[
     typer.Option(
         "--mobility-ratio",
         metavar="R",
-        help="Ask of every snap whether it lands in one place for all mobilities of cells up to so "
-        "many times apart; by default 10, for up to 8 cells.",
+        help="Check that every snap has one landing for all ratios of cell mobilities up to R; by "
+        "default 10, for up to 8 cells.",
     ),
 ]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]

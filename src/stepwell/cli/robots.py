@@ -58,6 +58,8 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
 
     The prediction needs no simulation. With --out, drawings from above and the side, the
     prediction and all numbers as JSON are written into a folder, together with the design.
+
+    Example: stepwell robot show robot-forward
     """
     from stepwell.accounts import About, account
 
@@ -106,6 +108,8 @@ def sweep(
     A grid over all ranges, or seeded random draws. An interrupted sweep resumes when the same
     command is run again. Table (CSV), data (NetCDF), JSON and a figure are
     written into the folder.
+
+    Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
     from stepwell.accounts import About, account
 
@@ -132,6 +136,8 @@ def converge(
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
 
     Ground reaction forces under feet and supports are compared with those at the smallest step.
+
+    Example: stepwell robot converge robot-forward
     """
     from stepwell import simulation as physics
     from stepwell.accounts import About, account
@@ -242,6 +248,8 @@ def walk(
     The actuator's position is the only command; gaits emerge from bands, weight and contact.
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
+
+    Example: stepwell walk robot-forward --cycles 4
     """
     from stepwell import simulation
     from stepwell.accounts import About, account
@@ -305,6 +313,8 @@ def maze(
     steers it but its antennas. --disconnect and --no-antennas are the controls: the same
     robot without what reprograms its legs. With --out, figures, samples as NetCDF, the result
     as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
+
+    Example: stepwell maze robot-explorer three-walls
     """
     from stepwell import files, simulation
     from stepwell.accounts import About, account
@@ -372,6 +382,8 @@ def export(
 
     MuJoCo's own viewer opens it and shows bands, levers, links and antennas. In its keyframe
     `start` the robot stands on the floor with every cell at 0.
+
+    Example: stepwell export robot-forward --out robot.xml
     """
     from stepwell import files, simulation
 
@@ -388,6 +400,8 @@ def view(robot: Robot, arena: Arena = None) -> None:
     """Simulate a robot in MuJoCo's viewer.
 
     The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
+
+    Example: stepwell view robot-forward
     """
     from stepwell import files
 

@@ -114,11 +114,13 @@ def figure(
     ] = None,
     force: ForceFile = False,
 ) -> None:
-    """Compose a figure for a paper.
+    """Plot a figure for a paper.
 
     Panels of a design, drawn at the size they have on paper, with letters. In PDF and SVG fonts are
     in the file and text stays text; PNG has 600 dpi. paper:fig1 to paper:fig4 in place of the
     design are the quantities of the paper's figures.
+
+    Example: stepwell figure preset:paper-forward --width 88mm --out leg.pdf
     """
     from stepwell import figures
 
@@ -264,6 +266,8 @@ def replay(
     its curves with one cursor, and what the numbers rest on. A design with a program is shown as
     it is programmed, any other in its full cycle. A robot is simulated, and seen from above and
     from the side.
+
+    Example: stepwell replay preset:paper-forward --out leg.html
     """
     from stepwell import files
     from stepwell.mechanism import Chain
@@ -336,13 +340,15 @@ def studio(
         bool, typer.Option("--demo", help="Begin with a guided tour of two minutes.")
     ] = False,
     no_open: Annotated[
-        bool, typer.Option("--no-open", help="Say the page's address and open no browser.")
+        bool, typer.Option("--no-open", help="Print the page's address and open no browser.")
     ] = False,
 ) -> None:
     """Open a page on which a design is dragged and everything follows.
 
     Mechanism, force, sequence and margins, all from the same engine as the other commands. Only
     this machine can reach it, with the address that is printed. Ctrl-C ends it.
+
+    Example: stepwell studio preset:paper-forward
     """
     from stepwell import files, studio as room
 
@@ -376,11 +382,13 @@ def demo(
     ] = False,
     force: Force = False,
 ) -> None:  # fmt: skip
-    """Tell in seven steps what springs can be told to do.
+    """Run a seven-step demonstration, and write it as one HTML page.
 
-    A leg is pulled, an anchor is moved, an order is wished for, a finger is put up, a robot walks
-    and feels its way. What it makes goes into a folder, with one page on which all of it moves; the
-    page opens in the browser where somebody sits at a screen. Robots need the extra `robot`.
+    It cycles a two-cell chain, moves an anchor, designs for a target sequence, plans a program, and
+    simulates a walking robot and one with antennas. Designs and page are written into a folder;
+    the page opens in a browser if a display is available. Robots need the extra `robot`.
+
+    Example: stepwell demo --no-open
     """
     from stepwell import reports
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 commands = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich" if styled() else None,
-    help="Compute one thing of many designs, on all cores; what is killed goes on.",
+    help="Compute a parameter study on all cores; it can be resumed.",
     epilog=EXIT_CODES,
 )
 
@@ -73,9 +73,13 @@ _Random = Annotated[
 ]
 _Built = Annotated[
     int | None,
-    typer.Option(metavar="N", min=1, help="N mechanisms as built, within these tolerances:"),
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="N random samples of the design within these tolerances:",
+    ),
 ]
-Seed = Annotated[int, typer.Option(help="Of what is drawn.", min=0)]
+Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 _Chunk = Annotated[
     int | None,
     typer.Option(metavar="N", min=1, help="Designs that are computed and written together."),
@@ -95,21 +99,23 @@ Scheduler = Annotated[
     ),
 ]
 _Estimate = Annotated[
-    bool, typer.Option("--estimate", help="Only say how long it will take, and how much room.")
+    bool, typer.Option("--estimate", help="Print the estimated run time and disk space, then exit.")
 ]
 _Partial = Annotated[
     bool,
     typer.Option("--partial", help="Go without designs that are missing, instead of failing."),
 ]
-_There = Annotated[Path, typer.Argument(metavar="STORE", help="What --out said.")]
+_There = Annotated[
+    Path, typer.Argument(metavar="STORE", help="Path of the study: the value given to --out.")
+]
 
 _Engine = Annotated[
     str,
     typer.Option(
         metavar="ENGINE",
         help="cpu computes every design; warp screens all of them at once on a GPU, in single "
-        "precision, and has cpu compute those that do as the design itself does, every one that it "
-        "cannot tell, and one of ten by lot.",
+        "precision; cpu then recomputes all designs that behave like the design itself, all "
+        "undecided ones, and a random 10 %.",
     ),
 ]
 
@@ -120,7 +126,7 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")],
             None,
         ),
-        "to": (Annotated[str, typer.Option("--to", metavar="STATE", help="As in 01.")], ...),
+        "to": (Annotated[str, typer.Option("--target", metavar="STATE", help="As in 01.")], ...),
     },
     "walk": {
         "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4),
@@ -194,7 +200,15 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
 
 # Robots have no tolerances.
 _OF_ROBOTS = {"walk", "maze"}
-_OF_CHAINS = {"built", "anchor", "stiffness", "rest_length", "lever", "friction", "travel"}
+_OF_CHAINS = {
+    "built",
+    "anchor",
+    "stiffness_spread",
+    "rest_length_spread",
+    "lever_tolerance",
+    "friction",
+    "travel_spread",
+}
 
 
 def _run(
@@ -209,11 +223,11 @@ def _run(
     random: _Random = None,
     built: _Built = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length: parts.RestLengthSpread = 0.0,
-    lever: parts.LeverTolerance = 0.0,
+    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length_spread: parts.RestLengthSpread = 0.0,
+    lever_tolerance: parts.LeverTolerance = 0.0,
     friction: parts.Friction = 0.0,
-    travel: parts.TravelSpread = 0.0,
+    travel_spread: parts.TravelSpread = 0.0,
     seed: Seed = 0,
     chunk: _Chunk = None,
     workers: Workers = None,
@@ -236,7 +250,14 @@ def _run(
         with usable("--table"):
             designs = studies.read_table(table, subject)
     elif built is not None:
-        within = anchor, stiffness, rest_length, lever, friction, travel
+        within = (
+            anchor,
+            stiffness_spread,
+            rest_length_spread,
+            lever_tolerance,
+            friction,
+            travel_spread,
+        )
         measure = {"measure": subject.measure} if isinstance(subject, Chain) else {}
         with usable("--built"):
             made = parts.tolerances(*within, **measure)
@@ -279,22 +300,34 @@ def _command(what: str, doc: str) -> None:
     commands.command(what, epilog=EXIT_CODES)(run)
 
 
+_GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
+_FEET = "robot-forward --vary foot.below_mm=0.6:1.0:5"
+_EXAMPLES = {
+    "cycle": _GRID,
+    "margin": _GRID,
+    "yield": _GRID,
+    "graph": _GRID,
+    "program": f"{_GRID} --target 01",
+    "walk": _FEET,
+    "maze": f"{_FEET} --arena three-walls",
+    "call": f"{_GRID} --function mine.py:count",
+}
 for _what, _doc in {
-    "cycle": "Follow the full cycle of every design: sequence, snaps, peak force, energy lost.",
-    "margin": "Say how far every design is from another sequence, by an anchor or a stiffness.",
-    "yield": "Say how many of every design, built with the usual tolerances, do what it does.",
-    "graph": "Count the states and transitions that every design has in reach.",
-    "program": "Find of every design the fewest turning points from one state to another.",
-    "walk": "Let every robot walk: advance, turn, work and gaits.",
-    "maze": "Let every robot find its way through an arena.",
-    "call": "Call a function of your own on every design.",
+    "cycle": "Compute the full cycle of every design: sequence, snaps, peak force, energy lost.",
+    "margin": "Compute how far every design is from another sequence, by an anchor or a stiffness.",
+    "yield": "Compute the yield of every design with the usual tolerances.",
+    "graph": "Compute the number of states and transitions that every design reaches.",
+    "program": "Search the fewest turning points of every design from one state to another.",
+    "walk": "Simulate a walk of every robot: advance, turn, work and gaits.",
+    "maze": "Simulate every robot in an arena: whether it reaches the goal.",
+    "call": "Compute a function of your own for every design.",
 }.items():
     _command(
         _what,
-        f"{_doc}\n\nThe designs are a grid, drawn, listed, or one design as built. What is found "
-        f"goes chunk by chunk into a store; whatever was killed, the same command goes on, and the "
-        f"finished store is the same. A design that cannot be computed has its problem told in "
-        f"its row.",
+        f"{_doc}\n\nThe designs are a grid, drawn, listed, or samples of one design. Results are "
+        f"written to a store in chunks. To resume after an interruption, run the same command "
+        f"again; the finished store is the same. If a design fails, its row contains the problem."
+        f"\n\nExample: stepwell sweep {_what} {_EXAMPLES[_what]} --out store",
     )
 
 
@@ -305,7 +338,10 @@ def resume(
     scheduler: Scheduler = None,
     as_json: Json = False,
 ) -> None:
-    """Compute what is missing in a store."""
+    """Compute what is missing in a store.
+
+    Example: stepwell sweep resume store
+    """
     from stepwell.studies import opened
 
     _resumed(opened(store), workers, scheduler, as_json)
@@ -319,7 +355,10 @@ def extend(
     scheduler: Scheduler = None,
     as_json: Json = False,
 ) -> None:
-    """Add designs to a store whose designs were drawn; those that there are stay."""
+    """Add designs to a store whose designs were drawn; those that there are stay.
+
+    Example: stepwell sweep extend store --count 2048
+    """
     from stepwell.studies import extended, opened
 
     with usable("--count"):
@@ -329,7 +368,10 @@ def extend(
 
 @commands.command(epilog=EXIT_CODES)
 def cancel(store: _There) -> None:
-    """Have whoever works on a store stop after what is being computed; what is done stays."""
+    """Stop all workers of a study after their current chunk; finished chunks are kept.
+
+    Example: stepwell sweep cancel store
+    """
     from stepwell.studies import cancel, opened
 
     cancel(opened(store))
@@ -338,7 +380,10 @@ def cancel(store: _There) -> None:
 
 @commands.command(epilog=EXIT_CODES)
 def status(store: _There, as_json: Json = False) -> None:
-    """Say how far a study is, and what it has found so far."""
+    """List the progress of a study, and its results so far.
+
+    Example: stepwell sweep status store
+    """
     from stepwell import studies
 
     found = studies.status(store)
@@ -380,7 +425,10 @@ def export(
     ] = None,
     partial: _Partial = False,
 ) -> None:
-    """Write the designs of a store as a table, units in the headings."""
+    """Export the designs of a store as a table, units in the headings.
+
+    Example: stepwell sweep export store --out table.csv
+    """
     from stepwell.studies import opened
 
     if bool(best) != bool(by):
@@ -419,7 +467,10 @@ def report(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw what a study has found, and say which number decides it, on one page."""
+    """Plot the results of a study on one page, and compute which number decides them.
+
+    Example: stepwell sweep report store --out report
+    """
     from stepwell.studies import status
 
     free(out, "sweep report", force)

@@ -24,7 +24,10 @@ ANCHOR_MM, STIFFNESS_PERCENT = USUAL_ANCHOR * 1e3, USUAL_STIFFNESS * 1e2
 Anchor = Annotated[
     float,
     typer.Option(
-        "--anchor", metavar="MM", help="Every anchor lies within this radius [mm].", min=0
+        "--anchor",
+        metavar="MM",
+        help="Anchor tolerance: radius of a uniform distribution [mm].",
+        min=0,
     ),
 ]
 StiffnessSpread = Annotated[
@@ -72,7 +75,7 @@ Samples = Annotated[
         min=1,
     ),
 ]
-Seed = Annotated[int, typer.Option(help="Which ones: the same seed, the same mechanisms.", min=0)]
+Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 
 
 def tolerances(

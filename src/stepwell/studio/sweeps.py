@@ -108,7 +108,7 @@ def command_of(study: Study) -> str:
     words = ["stepwell", "sweep", study.what, f"{stem}.toml"]
     if study.what == "program":
         words += ["--from", str(given["start"])] if given.get("start") else []
-        words += ["--to", str(given["to"])]
+        words += ["--target", str(given["to"])]
     elif study.what == "walk":
         words += ["--cycles", str(given.get("cycles", 4))]
     elif study.what == "maze":
@@ -130,15 +130,15 @@ def _words_of(study: Study) -> list[str]:
         within = designs.tolerances
         spread = {
             "--anchor": to_unit(within.anchor, "mm"),
-            "--stiffness": to_unit(within.stiffness, "percent"),
-            "--rest-length": to_unit(within.rest_length, "percent"),
-            "--lever": to_unit(within.lever, "mm"),
-            "--travel": to_unit(within.travel, "percent"),
+            "--stiffness-tolerance": to_unit(within.stiffness, "percent"),
+            "--rest-length-tolerance": to_unit(within.rest_length, "percent"),
+            "--lever-tolerance": to_unit(within.lever, "mm"),
+            "--travel-tolerance": to_unit(within.travel, "percent"),
         }
         told = [
             word
             for name, value in spread.items()
-            if value or name in ("--anchor", "--stiffness")
+            if value or name in ("--anchor", "--stiffness-tolerance")
             for word in (name, f"{value:.12g}")
         ]
         return ["--built", str(designs.count), *told, *seed]

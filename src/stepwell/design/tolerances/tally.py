@@ -393,7 +393,7 @@ def why_none(chain: Chain, wanted: str, concave: bool) -> str:
             return (
                 f"one stroke out and back cannot do it: {a}>{b} moves {len(flips)} cells at once, "
                 f"and cells of falling force go one after the other. Name every step, "
-                f"{_instead(chain)}; a program that ends in {b} is `stepwell program --to {b}`"
+                f"{_instead(chain)}; a program that ends in {b} is `stepwell program --target {b}`"
             )
     return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
 

@@ -223,7 +223,10 @@ def _finger(progress: Progress | None) -> Step:
         (moving(program, "Five fingers", str(program.sequence), progress),),
         {"fingers.toml": text},
         ("[program]", *WrittenProgram.of(program).text(hand).strip().splitlines()[1:]),
-        ("stepwell program fingers.toml", "stepwell program fingers.toml --from 00000 --to 00010"),
+        (
+            "stepwell program fingers.toml",
+            "stepwell program fingers.toml --from 00000 --target 00010",
+        ),
     )
 
 
