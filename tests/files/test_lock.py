@@ -81,7 +81,7 @@ def test_what_a_killed_writer_left_is_removed_and_its_lock_is_free(tmp_path, the
     one = begun(tmp_path, "red")
     assert one.stdout is not None
     assert one.stdout.readline() == "begun\n"
-    with refuses(BusyError, "out", "another stepwell command", "1 s"):
+    with refuses(BusyError, "out", "another stepwell command", "0 s", "Wait", "remove", ".lock"):
         write(out, "blue")
     one.kill()
     one.communicate()
