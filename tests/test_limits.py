@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import says
 from stepwell import figures, files, lab, simulation
 from stepwell.base import limits as _limits
 from stepwell.base.limits import LIMITS, VARIABLE
@@ -184,20 +185,20 @@ def test_a_file_is_not_read_beyond_its_limit(tmp_path, monkeypatch):
 
 
 def test_a_run_that_would_fill_the_memory_is_refused(monkeypatch):
-    with pytest.raises(ValueError, match=r"1e\+09 s in steps|2e\+09 s in steps"):
+    with pytest.raises(ValueError, match=r"(1e\+09|2e\+09) s .*steps"):
         robot().walk(1e9)
     slow = replace(robot(), drive=replace(robot().drive, period=1e6))
-    with pytest.raises(ValueError, match=r"8e\+06 s in steps of 0\.001 s are 8000\d* time steps"):
+    with pytest.raises(ValueError, match=r"8e\+06 s .*0\.001 s .* 8000\d* time steps"):
         slow.walk()
     monkeypatch.setenv(VARIABLE, "readings=100")
-    with pytest.raises(ValueError, match=r"samples of [0-9]+ numbers are [0-9]+ readings"):
+    with pytest.raises(ValueError, match=r"[0-9]+ numbers .*[0-9]+ readings.* 100"):
         robot().walk(0.2, settings=simulated())
 
 
 def test_a_video_of_too_many_frames_is_refused_before_any_is_drawn(tmp_path, monkeypatch):
     walk = robot().walk(0.2, settings=simulated())
     monkeypatch.setenv(VARIABLE, "frames=3")
-    with pytest.raises(VideoError, match=r"\d+ frames of a video: at most 3 .* higher speed"):
+    with pytest.raises(VideoError, match=r"\d+ frames .* at most 3 .* speed"):
         simulation.video(walk, tmp_path / "walk.gif")
     assert not list(tmp_path.iterdir())
 
@@ -275,7 +276,7 @@ def test_a_map_of_every_second_square_is_drawn_in_one_pass():
 @pytest.mark.parametrize("key", ["[x{}]", "x{} = 1", "y = 2\n  x{} = 1", "y = {{ x{} = 1 }}"])
 @pytest.mark.parametrize("part", [".a", " . 'a.b'", '."a\\".b"'])
 def test_a_deep_key_is_refused_before_it_is_read(key, part):
-    with pytest.raises(DesignError, match=r"line \d+: has 30001 names in one key: at most 100"):
+    with pytest.raises(DesignError, match=r"line \d+: .*30001 names .* at most 100"):
         files.loads(CHAIN + key.format(30_000 * part))
 
 
@@ -292,7 +293,7 @@ def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypa
     text = CHAIN + "".join(f"key_{i} = 1\n" for i in range(20_000))
     with pytest.raises(DesignError) as error:
         files.loads(text)
-    assert str(error.value).endswith("and 19960 more like these.")
+    says(str(error.value).splitlines()[-1], "19960 more")
     assert len(asked) < 1200
     with pytest.raises(DesignError, match="cell: is missing"):
         files.loads("[chain]\n" + "".join(f"key_{i} = 1\n" for i in range(3000)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import says
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
@@ -83,7 +84,7 @@ def test_a_drive_that_is_too_soft_leaves_the_robot_in_a_state_after_the_first_st
     assert [each.gait for each in said.legs] == ["10"] * 2
     assert [each.rigid_gait for each in said.legs] == [FORWARD] * 2
     assert said.strokes == pytest.approx((0.020, 0.020), abs=1e-6)
-    assert "too soft" in said.too_soft and "is stuck in state 10" in said.too_soft
+    says(said.too_soft, "too soft", "50 N/m", "state 10")
     assert said.too_soft in repr(said)
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stepwell as sw
+from facts import refuses
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Profile
 
 CELL = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), 30.0))
@@ -113,7 +114,7 @@ def test_a_cell_of_a_leg_is_found_by_number_and_by_name():
 
 
 def test_a_cell_that_a_leg_has_not_is_answered_with_those_it_has():
-    with pytest.raises(ValueError, match="'inner', 'outer', or a number up to 2"):
+    with refuses(ValueError, "leg 'left'", "'middle'", "'inner', 'outer'", "up to 2"):
         Leg("left", CHAIN, (0.0, 0.05)).cell_index("middle")
 
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
+from facts import says
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, gaits, leg, motion, robot
 from sizes import examples
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Motion, PushEnd, Robot
@@ -225,7 +226,7 @@ def test_a_prediction_is_frozen_and_says_what_it_rests_on():
     said = robot().predict()
     with pytest.raises(FrozenInstanceError):
         said.advance = 1.0  # pyright: ignore[reportAttributeAccessIssue]
-    assert repr(said).startswith("Prediction(walks forward: left 00>10>11>01>00, right")
+    says(repr(said), "Prediction(walks forward", "left 00>10>11>01>00", "right")
     assert any("inertia" in line for line in said.assumptions)
     assert "forward while loading" in repr(said.legs[0].pushes[0])
     with pytest.raises(ValueError, match="leg = 'middle'"):

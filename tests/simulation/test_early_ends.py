@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import says
 from simulation.robots import cell, robot
 from stepwell.robot import Body, Leg, Robot
 from stepwell.simulation import Linkage, Settings, Walk, engine, walk
@@ -54,9 +55,7 @@ def with_stiff_bands(stiffness: float) -> Robot:
 
 def test_a_time_step_far_too_long_breaks_a_rod_and_says_which_and_when():
     broken = walk(robot(), 2, settings=Settings(time_step=0.01, contact_time=0.02))
-    assert re.fullmatch(
-        r"the rod '(left|right)\.\w+\.\w+' came off its length", ended_early(broken)
-    )
+    assert re.fullmatch(r"the rod '(left|right)\.\w+\.\w+' .* length", ended_early(broken))
 
 
 def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
@@ -69,10 +68,9 @@ def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
     data = run.samples().data
     data[3:, column] = length + 1.5e-3
     time = np.linspace(0.0, 0.02 * (len(data) - 1), len(data))
-    assert engine.stopped_at(time, data, run.where, rods) == (
-        3,
-        f"Stopped at 0.060 s: the rod {name!r} came off its length.",
-    )
+    index, why = engine.stopped_at(time, data, run.where, rods)
+    assert index == 3
+    says(why, "0.060 s", f"rod {name!r}", "length")
 
 
 def test_of_two_reasons_at_the_same_time_the_one_that_explains_more_is_given():
@@ -101,7 +99,7 @@ def test_a_run_that_blows_up_is_told_and_keeps_finite_samples(linkage, stiffness
 def test_a_robot_that_falls_over_is_told():
     # Its weight is 250 mm above the pivots and just inside the supports.
     fallen = walk(robot(body=Body(centre=(0.037, 0.0, 0.25))), 4)
-    assert ended_early(fallen) == "the robot fell over"
+    says(ended_early(fallen), "robot fell over")
     assert len(fallen.time) > 20
 
 

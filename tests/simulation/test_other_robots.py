@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses
 from simulation.robots import FORWARD, cell, explorer, leg_of_three, robot
 from stepwell.robot import Body, Drive, Floor, Leg, Profile, Robot
 from stepwell.simulation import Linkage, Settings, mjcf, spec, walk
@@ -105,14 +106,14 @@ def test_a_load_on_a_cell_is_refused_with_the_leg_and_the_cell():
     heavy = replace(cell("inner", 0.010), load=sw.Load.constant(0.1))
     chain = sw.Chain([heavy, cell("outer", 0.020)])
     legs = [Leg("left", chain, (0.008, 0.0575)), Leg("right", chain, (0.008, -0.0575))]
-    with pytest.raises(ValueError, match=r"leg 'left', cell 'inner' has a load"):
+    with refuses(ValueError, "leg 'left'", "cell 'inner'", "a load"):
         mjcf(Robot(legs))
 
 
 def test_an_antenna_on_an_outer_cell_is_refused():
     one = explorer()
     antennas = [replace(antenna, cell="outer") for antenna in one.antennas]
-    with pytest.raises(ValueError, match=r"moves an anchor of outer: .* the innermost cell only"):
+    with refuses(ValueError, "antenna ", "outer", "innermost cell"):
         walk(replace(one, antennas=antennas), 1)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from facts import refuses
 from simulation.robots import cell, explorer, robot, walked
 from stepwell.simulation import sweep
 from stepwell.simulation.sweeps import Trial
@@ -74,7 +75,7 @@ def test_a_sweep_is_a_table_with_units(tmp_path):
 
 
 def test_a_sweep_refuses_values_that_do_not_match_its_robots():
-    with pytest.raises(ValueError, match=r"values\['q'\] has 2 numbers: must have 3"):
+    with refuses(ValueError, "values['q']", "2 numbers", "3"):
         sweep([robot(q) for q in ANCHORS], values={"q": (1, 2)})
     with pytest.raises(ValueError, match=r"cycles = 0: must be >= 1"):
         sweep([robot()], cycles=0)

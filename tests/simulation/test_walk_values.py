@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from facts import refuses
 from simulation.robots import explorer, robot, walked
 from stepwell.robot import Drive
 from stepwell.simulation import Integrator, Linkage, Settings, Walk, walk
@@ -120,7 +121,7 @@ def test_a_walk_that_stopped_counts_only_the_cycles_it_finished():
         name: getattr(seen, name)[late]
         for name in ("time", "x", "y", "z", "yaw", "pitch", "roll", "travel")
     }
-    assert replace(seen, **samples, stopped="Stopped at 3.900 s: it fell.").cycles == 1
+    assert replace(seen, **samples, stopped="at 3.900 s").cycles == 1
 
 
 def test_work_is_the_force_over_the_stroke():
@@ -151,9 +152,9 @@ def test_slip_counts_only_feet_that_carry_weight():
 
 def test_questions_about_what_is_not_there_say_what_is():
     seen = invented()
-    with pytest.raises(ValueError, match=r"cycle = 2: must be from 0 to 1"):
+    with refuses(ValueError, "cycle = 2", "0 to 1"):
         seen.gait("left", 2)
-    with pytest.raises(ValueError, match=r"leg = 'middle': must be one of 'left', 'right'"):
+    with refuses(ValueError, "leg = 'middle'", "'left', 'right'"):
         seen.state("middle", 0.0)
 
 
