@@ -6,9 +6,11 @@ A test of a message gives what makes it useful and leaves the sentence around it
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 import pytest
 
+_E = TypeVar("_E", bound=Exception)
 _WORD = re.compile(r"(?<!\S)\S*[^\W\d_]{2}\S*")
 
 
@@ -31,7 +33,7 @@ def says(text: str | Iterable[str], *facts: str) -> None:
 
 
 @contextmanager
-def refuses(kind: type[Exception], *facts: str) -> Iterator[pytest.ExceptionInfo[Exception]]:
+def refuses(kind: type[_E], *facts: str) -> Iterator[pytest.ExceptionInfo[_E]]:
     """Fail unless the block raises such an error, whose text has all facts in this order."""
     with pytest.raises(kind) as refused:
         yield refused

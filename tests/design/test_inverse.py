@@ -673,6 +673,7 @@ def test_a_design_tells_what_was_searched_and_what_it_stands_on():
     assert made.critical is made.yield_.critical
     text = str(made)
     says(text, "yield 100 %", "95 % confidence", " to ")
+    assert made.robustness is not None
     says(text, "all anchors", f"{made.robustness.radius * 1e3:.4g} mm")
     assert all(f"{name}: q (" in text for name in made.chain.names)
     assert made.chain.title == f"Designed for {NESTED}"
