@@ -16,7 +16,7 @@ def rows() -> list[tuple[str, str, str]]:
     three = [
         cycle(a, b) for a in permutations(range(3)) for b in permutations(range(3))
     ]  # 36 of them
-    design(three[0], n=100)  # compiles, or reads what was compiled
+    design(three[0], samples=100)  # compiles, or reads what was compiled
     found = [
         _row("36 cycles of three cells, yield of 100,000 included", three, "each under 2 s"),
         _row("the same on a 5 mm hole grid, best choice proved", three, "-", holes=0.005),

@@ -22,12 +22,12 @@ def rows() -> list[tuple[str, str, str]]:
     some = Tolerances(anchor=0.001, stiffness=0.05)
     every = Tolerances(0.001, 0.05, 0.05, lever=0.0002, friction=0.02)
 
-    rate = MANY / timed(lambda: yields(pair, some, n=MANY))
-    with_all = MANY / timed(lambda: yields(pair, every, n=MANY))
-    long = LONG / timed(lambda: yields(twelve, some, n=LONG))
-    indices = timed(lambda: yields(pair, every, n=1, sensitivity=True))
+    rate = MANY / timed(lambda: yields(pair, some, samples=MANY))
+    with_all = MANY / timed(lambda: yields(pair, every, samples=MANY))
+    long = LONG / timed(lambda: yields(twelve, some, samples=LONG))
+    indices = timed(lambda: yields(pair, every, samples=1, sensitivity=True))
 
-    made = yields(pair, some, n=FOLLOWED)
+    made = yields(pair, some, samples=FOLLOWED)
     start = time.perf_counter()
     done = [str(made.mechanism(i).cycle().sequence) for i in range(FOLLOWED)]
     ratio = rate * (time.perf_counter() - start) / FOLLOWED

@@ -121,7 +121,7 @@ CASES = {
         ),
         6,
     ),
-    "yields": ("samples", lambda: yields(leg(), Tolerances(anchor=1e-4), n=70), 70),
+    "yields": ("samples", lambda: yields(leg(), Tolerances(anchor=1e-4), samples=70), 70),
     "robots": ("robots", lambda: simulation.sweep([robot()] * 2, cycles=1, settings=FAST), 2),
     "a walk": ("steps", lambda: robot().walk(0.01, settings=simulated()), 20),
     "a maze": ("steps", lambda: robot().maze(Arena(), limit=0.02, settings=simulated()), 20),

@@ -94,11 +94,11 @@ RESULTS = {
     "graph": LEG.graph,
     "reading": lambda: LEG.graph().reading,
     "program": lambda: LEG.program("01"),
-    "yield": lambda: LEG.yields(n=50),
+    "yield": lambda: LEG.yields(samples=50),
     "margin": LEG.margin,
     "reprogramming": lambda: reprogram(LEG, None, "inner.p"),
     "no reprogramming": lambda: reprogram(LEG, None, "inner.p", reach=0.0001),
-    "design": lambda: design("00>10>11>01>00", n=50),
+    "design": lambda: design("00>10>11>01>00", samples=50),
     "robot": lambda: sw.preset("robot-antennas"),
 }
 
@@ -117,7 +117,7 @@ def test_results_of_other_chains_are_other_results():
     other = sw.preset("paper-backward")
     assert LEG.cycle() != other.cycle()
     assert LEG.graph() != other.graph()
-    assert LEG.yields(n=50) != LEG.yields(n=50, seed=1)
+    assert LEG.yields(samples=50) != LEG.yields(samples=50, seed=1)
     assert LEG.path([0.0, 0.03]) != LEG.path([0.0, 0.031])
 
 

@@ -14,13 +14,13 @@ BACK = "00>01>11>10>00"
 
 @pytest.fixture(scope="module")
 def back():
-    return sw.design(BACK, n=40)
+    return sw.design(BACK, samples=40)
 
 
 @pytest.fixture(scope="module")
 def scaled():
     elements = [LIBRARY[kind].make(name=kind) for kind in ("trilinear", "curved-beam")]
-    return sw.design("00>10>11>01>00", elements=elements, actuator_stiffness=0.0, n=20)
+    return sw.design("00>10>11>01>00", elements=elements, actuator_stiffness=0.0, samples=20)
 
 
 def _forms(found) -> tuple[str, ...]:
@@ -71,7 +71,7 @@ def test_a_card_follows_no_branch(back, monkeypatch):
     def refuse(*_, **__):
         raise AssertionError("a card calls the engine")
 
-    again = sw.design(BACK, n=20)
+    again = sw.design(BACK, samples=20)
     for name in ("reached", "robustness"):
         monkeypatch.setattr(f"stepwell.design.synthesis.designed.{name}", refuse)
     assert card(account(again))
@@ -92,7 +92,7 @@ def test_elements_have_scales_and_a_share_of_their_forces(scaled):
 
 
 def test_of_long_chains_states_are_counted_and_not_listed():
-    found = account(sw.design(states="all", cells=13, n=5))
+    found = account(sw.design(states="all", cells=13, samples=5))
     assert violations(found.record) == []
     assert (found.record["state_count"], found.record["states"]) == (2**13, None)
     assert "8192 states" in _forms(found)[0]

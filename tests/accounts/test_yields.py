@@ -19,7 +19,7 @@ _LOOSE = Tolerances(anchor=2e-3, stiffness=0.1)
 
 @pytest.fixture(scope="module")
 def loose():
-    return sw.preset("paper-forward").yields(_LOOSE, n=1000, sensitivity=True)
+    return sw.preset("paper-forward").yields(_LOOSE, samples=1000, sensitivity=True)
 
 
 def _forms(found) -> tuple[str, ...]:
@@ -33,7 +33,7 @@ def _forms(found) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("name", _CHAINS)
 def test_the_record_of_every_preset_keeps_to_the_generated_schema(name):
-    found = account(sw.preset(name).yields(n=5))
+    found = account(sw.preset(name).yields(samples=5))
     assert violations(found.record) == []
     assert all(_forms(found))
 
@@ -41,8 +41,8 @@ def test_the_record_of_every_preset_keeps_to_the_generated_schema(name):
 def test_states_a_ratio_of_mobilities_and_a_calibration_keep_to_the_schema_too():
     chain = sw.preset("paper-forward")
     given = Calibrated("rubber", {"a.csv": "0" * 64}, "linear", ["k = 28.5 N/m"], 0.02)
-    of_states = account(chain.yields(n=5, wanted=["00", "10", "11", "01"]))
-    robust = account(chain.yields(n=5, robust=2.0), About(chain, calibrated=given))
+    of_states = account(chain.yields(samples=5, target=["00", "10", "11", "01"]))
+    robust = account(chain.yields(samples=5, robust=2.0), About(chain, calibrated=given))
     for found in (of_states, robust):
         assert violations(found.record) == []
     assert of_states.record["wanted_states"] == ["00", "10", "01", "11"]
@@ -78,13 +78,13 @@ def test_the_record_has_counts_and_what_each_part_makes_of_the_variance(loose):
 
 
 def test_forces_of_a_chain_of_pressures_are_in_its_units():
-    record = account(sw.preset("balloon").yields(n=5)).record
+    record = account(sw.preset("balloon").yields(samples=5)).record
     assert "gap_deviation_kPa" in record
     assert {"friction_kPa", "volume_percent"} <= record["tolerances"].keys()
 
 
 def test_it_is_warned_of_where_no_sample_reproduces_the_target():
-    found = account(sw.preset("paper-forward").yields(n=5, wanted="00>01>11>10>00"))
+    found = account(sw.preset("paper-forward").yields(samples=5, target="00>01>11>10>00"))
     assert found.record["share"] == 0.0
     assert [*found.warnings[0].lines] == [found.record["advice"]] != [""]
 
@@ -92,7 +92,7 @@ def test_it_is_warned_of_where_no_sample_reproduces_the_target():
 def test_a_survival_has_its_program_and_its_share():
     chain = sw.preset("force-control")
     program = chain.program("01")
-    found = account(chain.survival(program.turning_points, "01", n=20))
+    found = account(chain.survival(program.turning_points, "01", samples=20))
     assert violations(found.record) == []
     record = found.record
     assert record["schema"] == "stepwell.survival/1"

@@ -38,7 +38,7 @@ def test_json_alone_says_everything(stepwell, tmp_path):
     for cell, told in zip(chain.cells, record["cells"], strict=True):
         assert told["F0_N"] == pytest.approx(cell.force_0)
         assert told["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
-    again = yields(chain, Tolerances(0.0003, 0.05), n=2000)
+    again = yields(chain, Tolerances(0.0003, 0.05), samples=2000)
     assert record["yield"]["share"] == again.share
     assert len(record.pop("files")) == 6
     assert record == json.loads((tmp_path / "out" / "design.json").read_text())

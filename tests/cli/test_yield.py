@@ -15,7 +15,7 @@ ROUGH = ("--anchor", 2, "--stiffness-spread", 10, "--samples", 20_000)
 
 def test_the_account_of_the_yield_is_printed(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH)
-    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), n=20_000)
+    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
     assert result.exit_code == 0
     assert result.stdout.splitlines() == [line.text for line in terminal(account(found))]
 
@@ -23,7 +23,7 @@ def test_the_account_of_the_yield_is_printed(stepwell):
 def test_json_alone_says_everything(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH, "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
-    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), n=20_000)
+    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
     assert record["schema"] == "stepwell.yield/1"
     assert record["share"] == found.share
     assert (record["share_low"], record["share_high"]) == found.interval
@@ -39,7 +39,7 @@ def test_every_tolerance_has_its_option(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH, *options, "--seed", 3, "--json")
     record = json.loads(result.stdout)
     given = Tolerances(0.002, 0.1, 0.04, 0.0005, 0.02)
-    found = yields(sw.load("forward.toml"), given, n=20_000, seed=3)
+    found = yields(sw.load("forward.toml"), given, samples=20_000, seed=3)
     assert record["share"] == found.share
     told = record["tolerances"]
     assert (told["rest_length_percent"], told["lever_mm"], told["friction_N"]) == (4, 0.5, 0.02)
@@ -116,7 +116,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         (0.0, 0.060, 0.020),
         "00100",
         Tolerances(anchor=0.003, stiffness=0.05),
-        n=30,
+        samples=30,
     )
     assert record["schema"] == "stepwell.survival/1"
     assert record["successes"] == found.successes

@@ -110,7 +110,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     for chain in random_chains(examples(10)):
         tolerances = Tolerances(0.0015, 0.10)
         found = check(chain, None, tolerances, samples=4000)
-        counted = yields(chain, tolerances, n=4000, wanted=found.wanted)
+        counted = yields(chain, tolerances, samples=4000, target=found.wanted)
         each = {
             name: with_known(counted, name, _left(tolerances, part.tolerance), 4000)
             for name, part in parts_of(counted).items()
@@ -153,7 +153,7 @@ def test_a_program_of_another_chain_and_no_cycle_are_refused():
     hand = sw.load("preset:finger-selector")
     with pytest.raises(StepwellError, match="of another"):
         check(sw.load("preset:paper-forward"), hand.program("00100"))
-    with pytest.raises(StepwellError, match="want"):
+    with pytest.raises(StepwellError, match="target"):
         check(hand, "0>1")
 
 

@@ -84,13 +84,13 @@ def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     rises = sw.Element.from_points([0.0, 1e-3, 2e-3], [0.0, 1.0, 2.5], "rises")
     alone = sw.Chain([rises], drive)
     assert alone.cycle().sequence == "0"
-    found = alone.yields(n=5, sensitivity=True)
+    found = alone.yields(samples=5, sensitivity=True)
     assert found.share == 1.0
     assert found.sensitivities is not None
     assert not found.sensitivities.parameters
     assert alone.margin().changes[0].distance == math.inf
     beside = sw.Chain([rises, SNAP], drive)
-    assert beside.yields(n=5).wanted == beside.cycle().sequence == "00>01>00"
+    assert beside.yields(samples=5).wanted == beside.cycle().sequence == "00>01>00"
 
 
 def test_switching_forces_of_lever_cells_and_elements_are_told_together():
@@ -154,7 +154,7 @@ def test_the_forces_of_drawn_elements_are_those_of_the_elements_that_are_built()
 def test_yields_count_what_the_engine_finds_of_each_mechanism(drive):
     chain = sw.Chain([strong(SNAP, 1.0, "a"), strong(SOFT, 1.1, "b")], drive)
     wanted = "00>10>11>01>00"
-    found = chain.yields(TOLERANCES, n=40, seed=5, wanted=wanted)
+    found = chain.yields(TOLERANCES, samples=40, seed=5, target=wanted)
     draws = Draws(chain, TOLERANCES, 5)
     does = Counter(str(draws.sample(k).cycle().sequence) for k in range(40))
     assert found.successes == does.pop(wanted, 0)
@@ -164,7 +164,7 @@ def test_yields_count_what_the_engine_finds_of_each_mechanism(drive):
 
 def test_relays_of_several_phases_are_judged_as_the_engine_does():
     chain = sw.Chain([LEAPS, strong(STEPS, 0.9, "b")], FORCE)
-    found = chain.yields(TOLERANCES, n=30, seed=1)
+    found = chain.yields(TOLERANCES, samples=30, seed=1)
     draws = Draws(chain, TOLERANCES, 1)
     does = Counter(str(draws.sample(k).cycle().sequence) for k in range(30))
     assert found.wanted == chain.cycle().sequence
@@ -174,7 +174,7 @@ def test_relays_of_several_phases_are_judged_as_the_engine_does():
 
 def test_yields_of_elements_name_the_critical_switches_and_the_parts_that_count():
     chain = sw.Chain([SNAP, strong(STEPS, 1.05, "steps")], FORCE)
-    found = chain.yields(TOLERANCES, n=2000, sensitivity=True)
+    found = chain.yields(TOLERANCES, samples=2000, sensitivity=True)
     assert found.critical is not None
     assert set(found.critical.names) <= {"snap", "steps 0-1", "steps 1-2"}
     assert found.sensitivities is not None
@@ -188,19 +188,21 @@ def test_yields_of_elements_name_the_critical_switches_and_the_parts_that_count(
 
 def test_states_of_elements_can_be_wanted():
     chain = pair(FORCE)
-    every = chain.yields(sw.Tolerances(stiffness=0.01), n=5, wanted=["00", "10", "01", "11"])
+    every = chain.yields(sw.Tolerances(stiffness=0.01), samples=5, target=["00", "10", "01", "11"])
     assert every.successes == 5
-    assert chain.yields(sw.Tolerances(stiffness=0.01), n=5, wanted=["00", "10", "11"]).share == 0
+    assert (
+        chain.yields(sw.Tolerances(stiffness=0.01), samples=5, target=["00", "10", "11"]).share == 0
+    )
     with pytest.raises(ValueError, match="digits up to 11"):
-        chain.yields(n=5, wanted=["00", "20"])
+        chain.yields(samples=5, target=["00", "20"])
 
 
 def test_a_program_survives_where_elements_end_in_their_phases():
     chain = pair(FORCE)
     program = chain.program("01")
-    exact = chain.survival(program.turning_points, "01", sw.Tolerances(), n=2)
+    exact = chain.survival(program.turning_points, "01", sw.Tolerances(), samples=2)
     assert exact.share == 1.0
-    loose = chain.survival(program.turning_points, "01", sw.Tolerances(stiffness=0.2), n=40)
+    loose = chain.survival(program.turning_points, "01", sw.Tolerances(stiffness=0.2), samples=40)
     assert 0.0 < loose.share < 1.0
     says(loose.assumptions, "all forces", "element", "alike")
 
@@ -383,10 +385,10 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
     doing = [chain for chain in tried if relay_cycle(chain) == cycle]
     if not doing:
         with pytest.raises(Impossible) as why:
-            sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, n=20)
+            sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, samples=20)
         assert why.value.proved
         return
-    found = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, n=20)
+    found = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, samples=20)
     assert found.proved
     assert found.chain.cycle().sequence == found.sequence == cycle
     assert found.robustness is not None
@@ -399,7 +401,7 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
 
 def test_elements_are_designed_for_states_in_reach():
     found = sw.design(
-        states=["00", "10", "11"], elements=[SNAP, SOFT], actuator_stiffness=FORCE, n=10
+        states=["00", "10", "11"], elements=[SNAP, SOFT], actuator_stiffness=FORCE, samples=10
     )
     assert set(found.reached.states) == {"00", "10", "11"}
     assert found.yield_.states == ("00", "10", "11")
@@ -410,7 +412,7 @@ def test_elements_are_designed_for_states_in_reach():
 
 def test_elements_of_several_phases_are_designed_phase_by_phase():
     cycle = "00>10>11>12>11>10>00"
-    found = sw.design(cycle, elements=[SNAP, STEPS], actuator_stiffness=FORCE, n=10)
+    found = sw.design(cycle, elements=[SNAP, STEPS], actuator_stiffness=FORCE, samples=10)
     assert found.chain.cycle().sequence == cycle
     assert found.chain.names == ("snap", "steps")
     with refuses(ValueError, "00>10>11>12>11>10>00", "cell 2", "3 phases", "2"):
@@ -418,7 +420,7 @@ def test_elements_of_several_phases_are_designed_phase_by_phase():
 
 
 def test_elements_under_a_stroke_do_what_is_wanted_by_the_engine_and_nothing_is_called_proved():
-    found = sw.design("00>10>11>01>00", elements=[SNAP], n=10)
+    found = sw.design("00>10>11>01>00", elements=[SNAP], samples=10)
     assert found.chain.cycle().sequence == "00>10>11>01>00"
     assert not found.proved
     assert found.yield_.by_engine == 10
@@ -445,5 +447,5 @@ def test_designs_that_cannot_be_followed_are_counted_and_not_raised(monkeypatch)
 
     monkeypatch.setattr("stepwell.sequences.cycles.full_cycles", leaves_all)
     monkeypatch.setattr("stepwell.sequences.cycles.cycle", fails)
-    found = pair(STROKE).yields(n=3, wanted="00>10>11>01>00")
+    found = pair(STROKE).yields(samples=3, target="00>10>11>01>00")
     assert found.outcomes == {"no answer": 3}

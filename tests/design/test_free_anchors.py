@@ -17,7 +17,7 @@ HOLES = 0.005
 
 
 def test_placing_p_beside_a_fixed_q_is_placing_q_in_the_mirror():
-    over = {"holes": HOLES, "n": 20}
+    over = {"holes": HOLES, "samples": 20}
     q_placed = sw.design(THREE, **over)
     p_placed = sw.design(THREE, free="p", **over)
     np.testing.assert_allclose(p_placed.forces, q_placed.forces, rtol=1e-12)
@@ -32,7 +32,7 @@ def test_placing_p_beside_a_fixed_q_is_placing_q_in_the_mirror():
 
 
 def test_a_fixed_q_may_be_anywhere():
-    found = sw.design(CYCLE, free="p", q=(0.012, 0.002), n=20)
+    found = sw.design(CYCLE, free="p", q=(0.012, 0.002), samples=20)
     for cell in found.chain.cells:
         assert isinstance(cell, sw.Cell)
         assert cell.bands[0].q == (0.012, 0.002)
@@ -43,7 +43,7 @@ def test_a_fixed_q_may_be_anywhere():
 
 def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
     box = AnchorBox(0.0, 0.010, -0.005, 0.005)
-    found = sw.design(CYCLE, free="both", within=box, holes=HOLES, objective="worst", n=20)
+    found = sw.design(CYCLE, free="both", within=box, holes=HOLES, objective="worst", samples=20)
     assert found.proved
     assert found.robustness is not None
     for cell in found.chain.cells:
@@ -117,7 +117,7 @@ def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
 
 @pytest.mark.parametrize("holes", [None, HOLES])
 def test_measured_bands_are_placed_and_the_engine_decides(holes):
-    found = sw.design(THREE, bands=[Stock.of(rubber(), 0.04)], holes=holes, n=20)
+    found = sw.design(THREE, bands=[Stock.of(rubber(), 0.04)], holes=holes, samples=20)
     assert found.chain.cycle().sequence == THREE
     assert not found.proved
     assert "no proof" in found.assumptions

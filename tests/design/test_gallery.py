@@ -40,7 +40,7 @@ def test_the_program_in_the_file_ends_where_the_file_says(name):
 def test_ninety_five_of_a_hundred_built_with_care_do_it(name):
     chain, plan = sw.preset(name), files.load(f"preset:{name}").program
     assert plan is not None and plan.ends is not None
-    made = survival(chain, plan.turning_points, plan.ends, CAREFUL, start=plan.start, n=200)
+    made = survival(chain, plan.turning_points, plan.ends, CAREFUL, start=plan.start, samples=200)
     assert made.interval[0] > 0.95
 
 

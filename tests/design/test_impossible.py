@@ -49,7 +49,7 @@ def sequence(cells: Sequence[sw.Cell]) -> str:
 def answer(*wanted: str, **how) -> Design | Impossible:
     """The design, or why there is none."""
     try:
-        return design(*wanted, n=1, **how)
+        return design(*wanted, samples=1, **how)
     except Impossible as reason:
         return reason
 
@@ -78,12 +78,17 @@ def random_case(rng: np.random.Generator, cells: int):
 def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     made = design(
-        ISSUE, within=box, holes=0.005, bands=(LONG,), tolerances=Tolerances(anchor=0.001), n=100
+        ISSUE,
+        within=box,
+        holes=0.005,
+        bands=(LONG,),
+        tolerances=Tolerances(anchor=0.001),
+        samples=100,
     )
     assert str(made.chain.cycle().sequence) == ISSUE == made.sequence
     known = [(0.010, 0.010), (0.010, -0.005), (0.005, -0.010)]
     other = sw.Chain([c for q in known if (c := cell(LONG, q)) is not None])
-    same = other.yields(Tolerances(anchor=0.001), n=100, wanted=ISSUE)
+    same = other.yields(Tolerances(anchor=0.001), samples=100, target=ISSUE)
     assert 0.6 < same.share <= made.yield_.share + 0.1
     assert not made.proved
     says(made.method, "no closed form")
@@ -150,7 +155,7 @@ def test_what_is_left_out_is_not_called_proved(monkeypatch):
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     monkeypatch.setattr(remaining, "_THROUGH_A_CYCLE", 6)
     with refuses(Impossible, "2 of 371 choices") as refusal:
-        design(ISSUE, within=box, holes=0.005, bands=(LONG,), n=1)
+        design(ISSUE, within=box, holes=0.005, bands=(LONG,), samples=1)
     assert not refusal.value.proved
     says(str(refusal.value), f"{ISSUE}: not found", "anchors q", "5 mm apart")
     says(str(refusal.value), "x 0 to 10 mm", "y -10 to 10 mm")
@@ -211,12 +216,12 @@ def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
 
 
 def test_a_lever_gets_a_box_of_its_own_size_unless_one_is_named():
-    wide = design("00>01>11>10>00", lever=0.030, n=10)
+    wide = design("00>01>11>10>00", lever=0.030, samples=10)
     ratio = 0.030 / PAPER_LEVER
     box = AnchorBox(*(ratio * side for side in (0.0, 0.020, -0.015, 0.015)))
     assert np.all(box.holds(wide.anchors)) and not np.all(PAPER_BOX.holds(wide.anchors))
     assert usual_box(PAPER_LEVER) == PAPER_BOX
-    named = design("00>01>11>10>00", lever=0.030, within=PAPER_BOX, n=10)
+    named = design("00>01>11>10>00", lever=0.030, within=PAPER_BOX, samples=10)
     assert np.all(PAPER_BOX.holds(named.anchors))
     with refuses(Impossible, "80 mm apart", "x 0 to 42.43 mm"):
         design("00>01>11>10>00", lever=0.030, holes=0.080)

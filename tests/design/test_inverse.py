@@ -65,7 +65,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
     loading, unloading
 ):
     wanted = cycle(loading, unloading)
-    made = design(wanted, n=FEW)
+    made = design(wanted, samples=FEW)
     refuses_nothing(made, wanted)
     assert np.all(PAPER_BOX.holds(made.anchors))
     for cell in made.chain.levers:
@@ -83,27 +83,27 @@ def test_random_cycles_of_more_cells_are_found(cells):
     for _ in range(examples(3)):
         loading, unloading = (rng.permutation(cells).tolist() for _ in range(2))
         wanted = cycle(loading, unloading)
-        made = design(wanted, n=FEW)
+        made = design(wanted, samples=FEW)
         refuses_nothing(made, wanted)
         assert (made.loading, made.unloading) == (tuple(loading), tuple(unloading))
         assert np.all(PAPER_BOX.holds(made.anchors))
 
 
 def test_the_end_forces_stand_in_the_wanted_orders():
-    made = design("0000>0100>0101>1101>1111>0111>0110>0010>0000", n=FEW)
+    made = design("0000>0100>0101>1101>1111>0111>0110>0010>0000", samples=FEW)
     assert np.argsort(made.forces[:, 0]).tolist() == [1, 3, 0, 2] == list(made.loading)
     assert np.argsort(-made.forces[:, 1]).tolist() == [0, 3, 1, 2] == list(made.unloading)
 
 
 def test_which_cell_is_which_does_not_matter_to_where_anchors_go():
-    one = design(cycle((0, 1, 2, 3), (2, 0, 3, 1)), n=1)
+    one = design(cycle((0, 1, 2, 3), (2, 0, 3, 1)), samples=1)
     label = [2, 0, 3, 1]
-    other = design(cycle(label, [label[i] for i in (2, 0, 3, 1)]), n=1)
+    other = design(cycle(label, [label[i] for i in (2, 0, 3, 1)]), samples=1)
     np.testing.assert_allclose(other.anchors[label], one.anchors, atol=1e-9)
 
 
 def test_a_design_is_the_same_every_time():
-    first, second = design(NESTED, n=FEW), design(NESTED, n=FEW)
+    first, second = design(NESTED, samples=FEW), design(NESTED, samples=FEW)
     np.testing.assert_array_equal(first.anchors, second.anchors)
     assert first.yield_.successes == second.yield_.successes
 
@@ -119,7 +119,7 @@ ROUGH = Tolerances(anchor=0.0015, stiffness=0.12)
 )
 def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
     wanted, n = cycle(loading, unloading), 20_000
-    made = design(wanted, tolerances=ROUGH, n=n)
+    made = design(wanted, tolerances=ROUGH, samples=n)
     assert 0.5 < made.yield_.share < 0.9999
     noise = 3 * math.sqrt(made.yield_.share * (1 - made.yield_.share) / n)
     for i, move in product(range(len(loading)), ((1, 0), (-1, 0), (0, 1), (0, -1))):
@@ -127,7 +127,7 @@ def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
         q[i] = PAPER_BOX.clamped(q[i : i + 1] + 0.001 * np.array(move))[0]
         moved = sw.Chain([paper_cell(*place) for place in q.tolist()])
         # The same seed makes the same errors, so that only the move counts.
-        other = yields(moved, ROUGH, n=n, wanted=wanted)
+        other = yields(moved, ROUGH, samples=n, target=wanted)
         assert other.share < made.yield_.share + noise
 
 
@@ -139,16 +139,16 @@ def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
 def test_a_designed_yield_is_above_those_of_obvious_designs(cells, tolerances, more):
     equal = [(x, 0.0) for x in np.linspace(0, 0.020, cells).tolist()]
     obvious = sw.Chain([paper_cell(*place) for place in equal])
-    made = design(cycle(range(cells), range(cells)), tolerances=tolerances, n=20_000)
+    made = design(cycle(range(cells), range(cells)), tolerances=tolerances, samples=20_000)
     assert str(obvious.cycle().sequence) == made.sequence
-    assert made.yield_.share > yields(obvious, tolerances, n=20_000).share + more
+    assert made.yield_.share > yields(obvious, tolerances, samples=20_000).share + more
 
 
 @pytest.mark.slow
 def test_each_objective_wins_by_its_own_measure():
     nested = cycle(range(6), range(6))
-    sure = design(nested, n=20_000)
-    worst = design(nested, n=20_000, objective="worst")
+    sure = design(nested, samples=20_000)
+    worst = design(nested, samples=20_000, objective="worst")
     assert sure.yield_.share > worst.yield_.share
     assert sure.robustness is not None and worst.robustness is not None
     assert worst.robustness.radius > 1.1 * sure.robustness.radius
@@ -158,7 +158,7 @@ def test_each_objective_wins_by_its_own_measure():
 @pytest.mark.parametrize("x", [(0.01, 9.82, 19.97), (0.0, 20 / 3, 40 / 3, 20.0)])
 def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
     known = robustness(sw.Chain([paper_cell(mm * 1e-3, 0.0) for mm in x]))
-    made = design(states="all", cells=len(x), objective="worst", n=FEW)
+    made = design(states="all", cells=len(x), objective="worst", samples=FEW)
     assert len(made.states) == 2 ** len(x)
     assert made.robustness is not None
     assert made.robustness.radius > known.radius
@@ -205,8 +205,8 @@ def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair(
 
 def test_small_tolerances_do_not_stop_the_search():
     # Every chance is 1 to the last digit; the gaps are still made as wide as can be.
-    exact = design(states="all", cells=3, tolerances=Tolerances(), n=1)
-    tiny = design(states="all", cells=3, tolerances=Tolerances(anchor=1e-6), n=1)
+    exact = design(states="all", cells=3, tolerances=Tolerances(), samples=1)
+    tiny = design(states="all", cells=3, tolerances=Tolerances(anchor=1e-6), samples=1)
     for made in (exact, tiny):
         assert made.robustness is not None
         assert made.robustness.radius > 0.0039
@@ -220,7 +220,7 @@ def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
     rule = candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
     found = rule.everything(PAPER_BOX, q)
     chain = sw.Chain([paper_cell(*place) for place in q.tolist()])
-    made = yields(chain, tolerances, n=4000).end_forces(4000)
+    made = yields(chain, tolerances, samples=4000).end_forces(4000)
     np.testing.assert_allclose(found.down, np.std(made, axis=0), rtol=0.06)
     np.testing.assert_array_equal(found.up, found.down)
     # Friction raises all F0 alike, and lowers all F1.
@@ -272,7 +272,7 @@ def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
         there = any_choice(f0, f1, loading, unloading)
         count += there
         if there:
-            made = design(wanted, within=within, holes=pitch, n=1)
+            made = design(wanted, within=within, holes=pitch, samples=1)
             refuses_nothing(made, wanted)
             assert made.proved
             steps = (made.anchors - (within.left, within.bottom)) / pitch
@@ -280,7 +280,7 @@ def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
             assert np.all(within.holds(made.anchors))
         else:
             with pytest.raises(Impossible, match="complete search") as refusal:
-                design(wanted, within=within, holes=pitch, n=1)
+                design(wanted, within=within, holes=pitch, samples=1)
             proof = refusal.value
             assert proof.proved
             assert proof.largest_gap == 0.0 < proof.gap_needed
@@ -292,7 +292,7 @@ def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they
     # Cell 1 is to have the smallest F0, but all its places give the largest.
     apart = (AnchorBox(0.018, 0.020, 0.0, 0.001), AnchorBox(0.0, 0.002, 0.0, 0.001))
     with pytest.raises(Impossible) as refusal:
-        design("00>10>11>01>00", within=apart, holes=0.002, n=1)
+        design("00>10>11>01>00", within=apart, holes=0.002, samples=1)
     right, left = (holes_by_brute_force(lattice(region, 0.002)) for region in apart)
     best = max(
         min(b0 - a0, a1 - b1)
@@ -405,12 +405,12 @@ def test_each_set_of_states_of_few_cells_is_had_or_refused_with_the_engine_as_wi
             wanted = {every[0], every[-1], *middle}
             if frozenset(wanted) not in possible:
                 with pytest.raises(Impossible) as refusal:
-                    design(states=wanted, n=1)
+                    design(states=wanted, samples=1)
                 # A cell that overtakes might reach more than orders tell; but no concave chain
                 # goes on without a way from all at 0 to all at 1, one cell at a time.
                 assert refusal.value.proved == (not one_by_one(wanted, every[0]))
                 continue
-            made = design(states=wanted, n=1)
+            made = design(states=wanted, samples=1)
             assert set(made.states) == wanted
             for state in every:
                 if state in wanted:
@@ -479,7 +479,7 @@ def test_a_partial_order_of_dimension_three_is_refused():
 
 
 def test_programmable_chains_have_every_pair_of_loops_nested():
-    made = design(states="all", cells=4, n=FEW)
+    made = design(states="all", cells=4, samples=FEW)
     assert made.loading == made.unloading
     by_f0 = made.forces[np.argsort(made.forces[:, 0])]
     assert np.all(np.diff(by_f0[:, 1]) < 0)
@@ -487,7 +487,7 @@ def test_programmable_chains_have_every_pair_of_loops_nested():
 
 
 def test_on_holes_states_are_found_or_proved_impossible_too():
-    made = design(states="all", cells=4, holes=0.005, n=FEW)
+    made = design(states="all", cells=4, holes=0.005, samples=FEW)
     assert made.proved
     assert len(made.states) == 16
     with pytest.raises(Impossible) as refusal:
@@ -509,7 +509,7 @@ L_SHAPE = AnchorPolygon(
     "within", [L_SHAPE, AnchorPolygon(((0, -0.012), (0.020, -0.002), (0.004, 0.014)))]
 )
 def test_anchors_stay_in_a_polygon(within, objective):
-    made = design(NESTED, within=within, objective=objective, n=FEW)
+    made = design(NESTED, within=within, objective=objective, samples=FEW)
     refuses_nothing(made, NESTED)
     away = np.linalg.norm(within.clamped(made.anchors) - made.anchors, axis=1)
     assert np.all(away < 1e-6)
@@ -521,12 +521,12 @@ def test_each_cell_may_have_its_own_region():
         AnchorBox(0.0, 0.020, -0.002, 0.002),
         AnchorPolygon(((0, -0.015), (0.020, -0.015), (0.020, 0.015))),
     )
-    made = design(NESTED, within=within, n=FEW)
+    made = design(NESTED, within=within, samples=FEW)
     refuses_nothing(made, NESTED)
     for region, q in zip(within, made.anchors, strict=True):
         assert np.linalg.norm(region.clamped(q[None])[0] - q) < 1e-6
     # For states any order will do, and the best one is not that of the cells' numbers.
-    free = design(states="all", cells=3, within=within, n=FEW)
+    free = design(states="all", cells=3, within=within, samples=FEW)
     assert free.loading[0] != 0
     assert free.yield_.share > made.yield_.share
 
@@ -562,17 +562,17 @@ def test_the_nearest_place_in_a_polygon_is_in_it_and_none_on_its_sides_is_nearer
 
 
 def test_no_end_force_is_beyond_the_actuators():
-    made = design(NESTED, most_force=0.4, n=FEW)
+    made = design(NESTED, most_force=0.4, samples=FEW)
     refuses_nothing(made, NESTED)
     assert np.all(np.abs(made.forces) <= 0.4)
     assert abs(made.chain.cycle().peak_force) <= 0.4 + 1e-9
     with refuses(Impossible, "band", "actuator", "stronger actuator") as refusal:
-        design(NESTED, most_force=0.05, n=FEW)
+        design(NESTED, most_force=0.05, samples=FEW)
     # A lattice is not every place: this is no proof, and among holes it is.
     assert not refusal.value.proved
     assert "not found" in str(refusal.value)
     with pytest.raises(Impossible) as refusal:
-        design(NESTED, most_force=0.05, holes=0.005, n=FEW)
+        design(NESTED, most_force=0.05, holes=0.005, samples=FEW)
     assert refusal.value.proved
 
 
@@ -585,7 +585,7 @@ def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
     from stepwell.concave import certify, simple
 
     wide = AnchorBox(-0.010, 0.020, -0.015, 0.015)
-    made = design(NESTED, within=wide, tolerances=ROUGH, n=FEW)
+    made = design(NESTED, within=wide, tolerances=ROUGH, samples=FEW)
     for cell in made.chain.cells:
         numbers = simple(cell)
         assert numbers is not None
@@ -595,39 +595,39 @@ def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
 @pytest.mark.slow
 def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
     loose, tight = Stock(28.5, 0.010, 0.10, "loose"), Stock(28.5, 0.010, 0.01, "tight")
-    made = design(NESTED, bands=(loose, tight), n=FEW)
+    made = design(NESTED, bands=(loose, tight), samples=FEW)
     assert made.yield_.tolerances.stiffness == 0.01
     # With bands of other strength there is more to choose from.
     nested = cycle(range(8), range(8))
-    one = design(nested, bands=(Stock(),), tolerances=ROUGH, n=5000)
+    one = design(nested, bands=(Stock(),), tolerances=ROUGH, samples=5000)
     three = tuple(Stock(k) for k in (15.0, 28.5, 60.0))
-    several = design(nested, bands=three, tolerances=ROUGH, n=5000)
+    several = design(nested, bands=three, tolerances=ROUGH, samples=5000)
     assert {cell.bands[0].stiffness for cell in several.chain.levers} <= {15.0, 28.5, 60.0}
     assert several.yield_.share > one.yield_.share + 0.1
 
 
 def test_of_several_levers_one_is_chosen_for_all():
-    made = design(NESTED, lever=(0.010, 0.018), within=PAPER_BOX, n=FEW)
+    made = design(NESTED, lever=(0.010, 0.018), within=PAPER_BOX, samples=FEW)
     assert len({cell.lever for cell in made.chain.levers}) == 1
-    each = [design(NESTED, lever=r, within=PAPER_BOX, n=FEW) for r in (0.010, 0.018)]
+    each = [design(NESTED, lever=r, within=PAPER_BOX, samples=FEW) for r in (0.010, 0.018)]
     assert any(np.array_equal(made.anchors, one.anchors) for one in each)
     assert "2 combinations" in made.method
 
 
 def test_unequal_levers_are_taken_only_if_the_engine_agrees():
-    mixed = design(NESTED, lever=(0.012, 0.018), equal_levers=False, n=FEW)
+    mixed = design(NESTED, lever=(0.012, 0.018), equal_levers=False, samples=FEW)
     refuses_nothing(mixed, NESTED)
     assert len({cell.lever for cell in mixed.chain.levers}) == 2
     assert mixed.robustness is None
     # A lever five times as long empties the short one in a snap; the next best is taken.
-    made = design("00>10>11>01>00", lever=(0.004, 0.020), equal_levers=False, n=FEW)
+    made = design("00>10>11>01>00", lever=(0.004, 0.020), equal_levers=False, samples=FEW)
     refuses_nothing(made, "00>10>11>01>00")
     says(made.method, "engine", "(00>10>01>11>01>10>00)")
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 5.0, 30.0, 500.0])
 def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
-    made = design("000>010>011>111>110>010>000", actuator_stiffness=stiffness, n=50)
+    made = design("000>010>011>111>110>010>000", actuator_stiffness=stiffness, samples=50)
     assert made.chain.actuator_stiffness == stiffness
     refuses_nothing(made, "000>010>011>111>110>010>000")
     assert made.robustness is None
@@ -640,7 +640,7 @@ def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
     monkeypatch.setattr(target, "cycle", lambda chain: other)
     with refuses(Impossible, "00>01>11>10>00", "engine", "00>10>11>01>00") as refusal:
-        design("00>01>11>10>00", n=1)
+        design("00>01>11>10>00", samples=1)
     assert not refusal.value.proved
     assert len(refusal.value.region) == 1
 
@@ -649,7 +649,7 @@ def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
 
 
 def test_the_region_holds_the_end_forces_of_all_allowed_anchors_and_no_others():
-    made = design(NESTED, n=FEW)
+    made = design(NESTED, samples=FEW)
     (outline,) = made.region
     round_it = AnchorPolygon([tuple(point) for point in outline.tolist()[:-1]])
     rng = np.random.default_rng(0)
@@ -665,7 +665,7 @@ def test_the_region_holds_the_end_forces_of_all_allowed_anchors_and_no_others():
 
 
 def test_a_design_tells_what_was_searched_and_what_it_stands_on():
-    made = design(NESTED, n=FEW)
+    made = design(NESTED, samples=FEW)
     assert "local optimum" in made.method
     assert not made.proved
     assert "concave" in made.assumptions and "engine" in made.assumptions
@@ -680,14 +680,16 @@ def test_a_design_tells_what_was_searched_and_what_it_stands_on():
 
 
 def test_drawn_anchors_are_whole_micrometres():
-    made = design(NESTED, n=1)
+    made = design(NESTED, samples=1)
     um = made.anchors * 1e6
     np.testing.assert_allclose(um, np.round(um), atol=1e-6)
 
 
 def test_progress_never_goes_back_and_arrives():
     calls: list[tuple[int, int]] = []
-    design(states="all", cells=3, lever=(0.012, 0.014), n=1, progress=lambda *c: calls.append(c))
+    design(
+        states="all", cells=3, lever=(0.012, 0.014), samples=1, progress=lambda *c: calls.append(c)
+    )
     done = [c[0] for c in calls]
     assert done == sorted(done)
     assert calls[-1][0] == calls[-1][1]
@@ -722,7 +724,7 @@ def test_progress_never_goes_back_and_arrives():
         ({"sequence": NESTED, "tolerances": 0.001}, "must be Tolerances"),
         ({"sequence": NESTED, "objective": "best"}, "must be one of"),
         ({"sequence": NESTED, "most_force": 0.0}, "most_force = 0.0 N: must be > 0"),
-        ({"sequence": NESTED, "n": 0}, "n = 0"),
+        ({"sequence": NESTED, "samples": 0}, "samples = 0"),
         ({"sequence": NESTED, "actuator_stiffness": -1.0}, "actuator_stiffness"),
     ],
 )

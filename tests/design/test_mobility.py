@@ -27,17 +27,17 @@ RACE = sw.Chain(
 
 
 def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
-    plain, robust = RACE.yields(NARROW, n=5), RACE.yields(NARROW, n=5, robust=RATIO)
+    plain, robust = RACE.yields(NARROW, samples=5), RACE.yields(NARROW, samples=5, robust=RATIO)
     assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
     assert (robust.share, robust.robust, robust.proved) == (0.0, RATIO, 0)
     assert dict(robust.outcomes) == {HANGS: 5}
     says(robust.advice, "mobilities", "smaller ratio", "Tolerances(mobility=...)")
-    assert RACE.yields(NARROW, n=5, robust=1.5).share == 1.0
+    assert RACE.yields(NARROW, samples=5, robust=1.5).share == 1.0
 
 
 def test_what_is_counted_is_right_and_all_its_landings_hold():
     chain = any_chain(np.random.default_rng(4), 3, friction=False)
-    found = chain.yields(sw.Tolerances(anchor=0.0005), n=examples(6), robust=RATIO)
+    found = chain.yields(sw.Tolerances(anchor=0.0005), samples=examples(6), robust=RATIO)
     made = [found.mechanism(number).cycle() for number in range(found.n)]
     right = [one for one in made if str(one.sequence) == found.wanted and not one.degenerate]
     holding = [one for one in right if all(x.holds for x in one.path.landings(RATIO))]
@@ -49,13 +49,13 @@ def test_what_is_counted_is_right_and_all_its_landings_hold():
 @pytest.mark.parametrize("stiffness", [math.inf, 300.0, 0.0])
 def test_what_end_forces_tell_counts_as_proved_for_any_mobilities(stiffness):
     chain = replace(concave_chain(np.random.default_rng(5), 4), actuator_stiffness=stiffness)
-    plain = chain.yields(n=2000)
-    robust = chain.yields(n=2000, robust=1000.0)
+    plain = chain.yields(samples=2000)
+    robust = chain.yields(samples=2000, robust=1000.0)
     assert plain.by_engine == robust.by_engine == 0
     assert (robust.successes, robust.proved) == (plain.successes, plain.successes)
     assert dict(robust.outcomes) == dict(plain.outcomes)
     # And it is: drawn mobilities change nothing that the closed form told.
-    drawn = chain.yields(sw.Tolerances(0.0003, 0.05, mobility=1000.0), n=2000)
+    drawn = chain.yields(sw.Tolerances(0.0003, 0.05, mobility=1000.0), samples=2000)
     assert drawn.successes == plain.successes
     for number in range(examples(5)):
         assert found_by_engine(drawn, number) == found_by_engine(plain, number)
@@ -68,9 +68,9 @@ def found_by_engine(found: Yield, number: int) -> str:
 def test_states_are_wanted_with_landings_that_hold():
     states = [label for label in RACE.graph(start="000").reachable() if "-" not in label]
     wanted = {state.partition("#")[0] for state in states}
-    plain = RACE.yields(NARROW, n=2, wanted=wanted)
+    plain = RACE.yields(NARROW, samples=2, target=wanted)
     assert plain.share == 1.0
-    assert dict(RACE.yields(NARROW, n=2, wanted=wanted, robust=RATIO).outcomes) == {HANGS: 2}
+    assert dict(RACE.yields(NARROW, samples=2, target=wanted, robust=RATIO).outcomes) == {HANGS: 2}
 
 
 def test_mobilities_are_drawn_evenly_on_a_scale_of_logarithms_within_their_ratio():
@@ -105,7 +105,7 @@ def test_a_mechanism_by_number_is_the_one_that_was_counted():
 
 
 def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
-    found = RACE.yields(replace(NARROW, mobility=10.0), n=60)
+    found = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
     assert 0.5 < found.share < 1.0
     assert HANGS not in found.outcomes
 
@@ -119,6 +119,6 @@ def test_a_ratio_below_one_is_refused(ratio):
 def test_mobilities_that_no_cell_can_have_are_refused_with_the_ratio_that_is_left():
     fast = replace(RACE, cells=tuple(replace(cell, mobility=10.0) for cell in RACE.cells))
     with pytest.raises(ValueError, match="100 at most"):
-        fast.yields(sw.Tolerances(mobility=101.0), n=1)
-    assert fast.yields(sw.Tolerances(mobility=100.0), n=2).n == 2
-    assert RACE.yields(sw.Tolerances(mobility=1e4), n=2).n == 2
+        fast.yields(sw.Tolerances(mobility=101.0), samples=1)
+    assert fast.yields(sw.Tolerances(mobility=100.0), samples=2).n == 2
+    assert RACE.yields(sw.Tolerances(mobility=1e4), samples=2).n == 2

@@ -111,7 +111,7 @@ def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_inde
     rng = np.random.default_rng([seed, 2024])
     wish = random_wish(rng)
     try:
-        made = design(**wish, n=20_000)
+        made = design(**wish, samples=20_000)
     except Impossible:
         pytest.skip("nothing in this box does it")
     n = 4_000

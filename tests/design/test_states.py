@@ -70,14 +70,14 @@ def by_random_strokes(chain: sw.Chain, rng: np.random.Generator, strokes: int) -
 def test_small_boxes_and_stocks_in_which_a_cell_overtakes_give_no_design_that_reaches_more():
     # What the end forces alone would have chosen is in the wanted orders.
     with pytest.raises(Impossible, match="also reaches 011") as refusal:
-        design(states=WANTED, within=CROSSING, bands=STOCKS, p=(0, 0), tolerances=FINE, n=20)
+        design(states=WANTED, within=CROSSING, bands=STOCKS, p=(0, 0), tolerances=FINE, samples=20)
     assert not refusal.value.proved
     says(str(refusal.value), "random choices", "wanted orders")
 
 
 @pytest.mark.slow
 def test_where_only_some_placements_overtake_another_is_taken():
-    made = design(states=WANTED, within=PARTLY, bands=OTHERS, p=(0, 0), tolerances=FINE, n=20)
+    made = design(states=WANTED, within=PARTLY, bands=OTHERS, p=(0, 0), tolerances=FINE, samples=20)
     says(made.method, "engine", "reaches 011")
     assert in_reach(made.chain) == set(WANTED) == set(made.states)
     assert made.reached.whole
@@ -85,7 +85,7 @@ def test_where_only_some_placements_overtake_another_is_taken():
 
 @pytest.mark.parametrize("states", [WANTED, ["000", "100", "110", "111"]])
 def test_the_drawing_is_searched_whole_and_told_so(states):
-    made = design(states=states, n=20)
+    made = design(states=states, samples=20)
     assert in_reach(made.chain) == set(states) == set(made.states)
     assert made.reached.whole
     assert made.yield_.states == made.states
@@ -94,7 +94,7 @@ def test_the_drawing_is_searched_whole_and_told_so(states):
 
 def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
     rough = Tolerances(anchor=0.002, stiffness=0.15)
-    made = design(states=WANTED, tolerances=rough, n=examples(30))
+    made = design(states=WANTED, tolerances=rough, samples=examples(30))
     right = 0
     for number in range(made.yield_.n):
         right += in_reach(made.yield_.mechanism(number)) == set(WANTED)
@@ -104,11 +104,11 @@ def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
 
 def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
     chain, exact = crossed(), Tolerances()
-    found = yields(chain, exact, n=3, wanted=WANTED)
+    found = yields(chain, exact, samples=3, target=WANTED)
     assert found.share == 0.0
     assert dict(found.outcomes) == {"also reaches 011": 3}
-    assert yields(chain, exact, n=3, wanted=[*WANTED, "011"]).share == 1.0
-    lacking = yields(chain, exact, n=3, wanted=[*WANTED, "011", "010"])
+    assert yields(chain, exact, samples=3, target=[*WANTED, "011"]).share == 1.0
+    lacking = yields(chain, exact, samples=3, target=[*WANTED, "011", "010"])
     assert dict(lacking.outcomes) == {"does not reach 010": 3}
     assert "the drawing reaches 000 100 001 110 101 011 111" in lacking.advice
 
@@ -129,16 +129,16 @@ def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
     rng = np.random.default_rng(2)
     every = [f"{k:03b}" for k in range(8)]
     rough = Tolerances(anchor=0.003, stiffness=0.1)
-    made = design(states="all", cells=3, tolerances=rough, n=200)
+    made = design(states="all", cells=3, tolerances=rough, samples=200)
     some = rng.choice(200, 25, replace=False).tolist()
     done = [set(every) == in_reach(made.yield_.mechanism(i)) for i in some]
     text = made.yield_.assumptions
     says(text, "proved", "all states")
     for number, right in zip(some, done, strict=True):
-        alone = yields(made.yield_.mechanism(number), Tolerances(), n=1, wanted=every)
+        alone = yields(made.yield_.mechanism(number), Tolerances(), samples=1, target=every)
         assert (alone.successes == 1) == right
     # Levers that differ are beyond the proof: then each is followed.
-    levers = yields(made.chain, Tolerances(lever=0.0001), n=5, wanted=every)
+    levers = yields(made.chain, Tolerances(lever=0.0001), samples=5, target=every)
     assert levers.by_engine == 5
 
 
@@ -148,18 +148,18 @@ def test_what_cannot_be_searched_whole_says_so():
         return str(made) + made.reached.how + made.assumptions
 
     nine = ["1" * k + "0" * (9 - k) for k in range(10)]
-    long = design(states=nine, n=20)
+    long = design(states=nine, samples=20)
     assert not long.reached.whole
     assert set(long.states) == set(nine)
     says(str(long), "surely")
     assert "8 cells" in told(long)
     assert long.yield_.states is None and long.yield_.wanted == long.sequence
     says(long.assumptions, "yield", "cycle")
-    rubbing = design(states=WANTED, tolerances=Tolerances(anchor=0.0003, friction=0.01), n=20)
+    rubbing = design(states=WANTED, tolerances=Tolerances(anchor=0.0003, friction=0.01), samples=20)
     assert rubbing.reached.whole  # as drawn it has none
     assert rubbing.yield_.states is None
     says(rubbing.assumptions, "with friction", "a chain stops")
-    nested = design(states="all", cells=9, n=20)
+    nested = design(states="all", cells=9, samples=20)
     assert nested.reached.whole and nested.reached.count == 512 == len(nested.states)
 
 
@@ -174,7 +174,7 @@ def test_what_cannot_be_searched_whole_says_so():
 )
 def test_states_that_cannot_be_counted_are_refused(chain, tolerances, wanted, words):
     with pytest.raises(ValueError, match=words):
-        yields(chain, tolerances, n=1, wanted=wanted)
+        yields(chain, tolerances, samples=1, target=wanted)
 
 
 def ideals(up: Iterable[float], down: Iterable[float]) -> set[str]:

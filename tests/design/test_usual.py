@@ -27,34 +27,37 @@ ODD = sw.Chain([sw.Cell(cell.band, unusual=True) for cell in LEG.cells])
 
 
 def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
-    found = [LEG.yields(n=300), yields(LEG, n=300), yields(LEG, USUAL, n=300)]
+    found = [LEG.yields(samples=300), yields(LEG, samples=300), yields(LEG, USUAL, samples=300)]
     assert {one.tolerances for one in found} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
     assert len({one.share for one in found}) == 1
-    assert survival(LEG, (0.0, 0.04), "11", n=3).tolerances == USUAL
-    assert design("00>10>11>01>00", n=10).yield_.tolerances.anchor == USUAL.anchor
+    assert survival(LEG, (0.0, 0.04), "11", samples=3).tolerances == USUAL
+    assert design("00>10>11>01>00", samples=10).yield_.tolerances.anchor == USUAL.anchor
 
 
 def test_what_a_tolerance_does_not_name_is_exact():
     assert sw.Tolerances() == sw.Tolerances(0.0, 0.0, 0.0, 0.0, 0.0)
-    assert LEG.yields(sw.Tolerances(), n=10).share == 1.0
+    assert LEG.yields(sw.Tolerances(), samples=10).share == 1.0
 
 
 def test_few_are_made_where_the_engine_follows_each():
     two_bands = sw.Chain([sw.Cell([b, b]) for b in (c.bands[0] for c in LEG.cells)])
     states = ["00", "10", "01", "11"]
     assert LEG.yields().n == 100_000
-    assert survival(LEG, (0.0, 0.04), "11").n == LEG.yields(wanted=states).n == 500
-    assert two_bands.yields(sw.Tolerances(), n=3).by_engine == 3
+    assert survival(LEG, (0.0, 0.04), "11").n == LEG.yields(target=states).n == 500
+    assert two_bands.yields(sw.Tolerances(), samples=3).by_engine == 3
 
 
 def test_a_yield_without_friction_says_so():
     f = min(abs(force) for cell in LEG.cells for force in (cell.force_0, cell.force_1))
     told = f"without any friction, beside forces F0 and F1 of {f * 1e3:.3g} mN and more"
-    assert told in LEG.yields(n=10).assumptions
-    assert told in survival(LEG, (0.0, 0.04), "11", n=1).assumptions
+    assert told in LEG.yields(samples=10).assumptions
+    assert told in survival(LEG, (0.0, 0.04), "11", samples=1).assumptions
     rubbing = sw.Tolerances(friction=0.01)
-    assert "without any friction" not in LEG.yields(rubbing, n=10).assumptions
-    assert "without any friction" not in survival(LEG, (0.0, 0.04), "11", rubbing, n=1).assumptions
+    assert "without any friction" not in LEG.yields(rubbing, samples=10).assumptions
+    assert (
+        "without any friction"
+        not in survival(LEG, (0.0, 0.04), "11", rubbing, samples=1).assumptions
+    )
 
 
 def across(chain: sw.Chain) -> object:
@@ -64,9 +67,13 @@ def across(chain: sw.Chain) -> object:
 @pytest.mark.parametrize(
     ("ask", "name", "meant"),
     [
-        (lambda c: c.yields(sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
-        (lambda c: c.yields(sw.Tolerances(friction=30), n=1), "friction", 0.03),
-        (lambda c: survival(c, (0, 0.04), "11", sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
+        (lambda c: c.yields(sw.Tolerances(anchor=0.3), samples=1), "anchor", 0.0003),
+        (lambda c: c.yields(sw.Tolerances(friction=30), samples=1), "friction", 0.03),
+        (
+            lambda c: survival(c, (0, 0.04), "11", sw.Tolerances(anchor=0.3), samples=1),
+            "anchor",
+            0.0003,
+        ),
         (lambda c: c.margin(reach=20), "reach", 0.020),
         (lambda c: reprogram(c, None, "inner.p", reach=20), "reach", 0.020),
         (across, "outer.q.x", 0.020),
@@ -95,7 +102,7 @@ def test_a_number_far_off_the_chain_is_refused_and_a_chain_that_is_unusual_takes
 
 def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
     with refuses(SlipError, "turning_points[1] = 40 m", "0.04 m?"):
-        survival(LEG, (0.0, 40.0, 0.0), "00", n=1)
+        survival(LEG, (0.0, 40.0, 0.0), "00", samples=1)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +120,7 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
 )
 def test_a_wish_in_another_unit_is_refused_with_what_was_meant(wish, name, meant):
     with pytest.raises(SlipError) as refused:
-        design("00>10>11>01>00", n=1, **wish)
+        design("00>10>11>01>00", samples=1, **wish)
     (slip,) = refused.value.slips
     assert slip.name == name
     assert slip.meant == pytest.approx(meant)
@@ -122,18 +129,18 @@ def test_a_wish_in_another_unit_is_refused_with_what_was_meant(wish, name, meant
 def test_a_wish_that_is_unusual_is_followed_and_its_cells_say_so():
     far = AnchorBox(0.8, 0.82, -0.015, 0.015)
     with pytest.raises(SlipError):
-        design("00>10>11>01>00", within=far, n=1)
-    made = design("00>10>11>01>00", within=far, n=1, unusual=True)
+        design("00>10>11>01>00", within=far, samples=1)
+    made = design("00>10>11>01>00", within=far, samples=1, unusual=True)
     assert made.chain.unusual
-    assert not design("00>10>11>01>00", n=1).chain.unusual
+    assert not design("00>10>11>01>00", samples=1).chain.unusual
 
 
 def test_a_search_is_never_asked_wherever_it_goes():
     # A box round the place where q is zero: anchors nobody would type.
     near = AnchorBox(-1e-5, 0.015, -1e-5, 0.015)
-    made = design("00>10>11>01>00", within=near, n=20)
+    made = design("00>10>11>01>00", within=near, samples=20)
     assert math.isfinite(made.yield_.share)
-    LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), n=200, sensitivity=True)
+    LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), samples=200, sensitivity=True)
 
 
 @pytest.mark.parametrize("scale", [0.03, 30.0])
@@ -145,7 +152,7 @@ def test_a_mechanism_of_any_ordinary_size_is_asked_all_questions_without_a_word(
     chain = sw.Chain([sw.Cell(band, lever=PAPER_LEVER * scale) for band in bands])
     axis = np.linspace(-0.02, 0.02, 3) * scale
     loose = sw.Tolerances(anchor=0.003 * scale, stiffness=0.2, friction=0.01)
-    found = chain.yields(loose, n=50)
+    found = chain.yields(loose, samples=50)
     transition_map(chain, x=axis, y=axis)
     parameter_map(chain, ("1.stiffness", [0.1, 1e4]), ("2.rest_length", [0.0, 0.02 * scale]))
     assert chain.margin().reach == reprogram(chain, None, "1.p").reach == 0.020

@@ -108,7 +108,7 @@ def test_one_yield_whether_the_closed_form_counts_or_the_engine(seed):
 def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
     rng = np.random.default_rng(2)
     for cells in (2, 3, 4):
-        found = yields(concave_chain(rng, cells), tolerances, n=examples(200), seed=5)
+        found = yields(concave_chain(rng, cells), tolerances, samples=examples(200), seed=5)
         done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
         assert found.successes == done.count(found.wanted)
         for sequence, times in found.outcomes.items():
@@ -119,7 +119,7 @@ def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
 def test_where_the_closed_form_is_not_proved_the_engine_decides():
     # Anchors that the tolerance brings to where the force no longer falls all the way.
     chain = sw.Chain((cell(-3, 4), cell(12)))
-    found = yields(chain, Tolerances(anchor=0.004), n=60)
+    found = yields(chain, Tolerances(anchor=0.004), samples=60)
     assert 0 < found.by_engine < found.n
     done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
     assert found.successes == done.count(found.wanted)
@@ -194,7 +194,7 @@ def test_the_interval_covers_a_probability_known_on_paper():
     a, b = (c.force_0 for c in chain.levers)
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     assert 0.8 < truth < 0.99
-    found = yields(chain, Tolerances(stiffness=0.12), n=examples(200_000))
+    found = yields(chain, Tolerances(stiffness=0.12), samples=examples(200_000))
     assert found.wanted == CLOCKWISE
     low, high = found.interval
     assert low < found.share < high and low < truth < high
@@ -208,7 +208,7 @@ def test_nineteen_intervals_in_twenty_cover_it():
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     covered = 0
     for seed in range(200):
-        low, high = yields(chain, Tolerances(stiffness=0.12), n=500, seed=seed).interval
+        low, high = yields(chain, Tolerances(stiffness=0.12), samples=500, seed=seed).interval
         covered += low <= truth <= high
     assert covered >= 185
 
@@ -216,25 +216,27 @@ def test_nineteen_intervals_in_twenty_cover_it():
 def test_exact_parts_always_work():
     rng = np.random.default_rng(7)
     for cells in (1, 2, 3):
-        found = yields(concave_chain(rng, cells), Tolerances(), n=1000)
+        found = yields(concave_chain(rng, cells), Tolerances(), samples=1000)
         assert found.share == 1.0 and not found.outcomes
         assert found.interval[1] == 1.0 and 0.99 < found.interval[0] < 1.0
 
 
 def test_wider_tolerances_yield_less():
-    shares = [yields(leg(), Tolerances(anchor=r), n=20_000).share for r in (0.001, 0.003, 0.006)]
+    shares = [
+        yields(leg(), Tolerances(anchor=r), samples=20_000).share for r in (0.001, 0.003, 0.006)
+    ]
     assert shares[0] > shares[1] > shares[2]
 
 
 def test_two_equal_cells_do_either_thing():
     chain = sw.Chain((cell(10), cell(10)))
-    found = yields(chain, Tolerances(stiffness=0.05), n=20_000, wanted=CLOCKWISE)
+    found = yields(chain, Tolerances(stiffness=0.05), samples=20_000, target=CLOCKWISE)
     assert found.interval[0] < 0.5 < found.interval[1]
-    says(yields(chain, Tolerances(stiffness=0.05), n=10).assumptions, "drawing", "tie")
+    says(yields(chain, Tolerances(stiffness=0.05), samples=10).assumptions, "drawing", "tie")
 
 
 def test_a_tie_is_no_success():
-    found = yields(sw.Chain((cell(10), cell(10))), Tolerances(), n=100, wanted=CLOCKWISE)
+    found = yields(sw.Chain((cell(10), cell(10))), Tolerances(), samples=100, target=CLOCKWISE)
     assert found.successes == 0 and dict(found.outcomes) == {TIED: 100}
 
 
@@ -242,9 +244,9 @@ def test_a_tie_is_no_success():
 
 
 def test_the_same_seed_gives_the_same_answer():
-    first, again = (yields(leg(), ALL, n=3000, seed=8) for _ in range(2))
+    first, again = (yields(leg(), ALL, samples=3000, seed=8) for _ in range(2))
     assert (first.successes, first.outcomes) == (again.successes, again.outcomes)
-    other = yields(leg(), ALL, n=3000, seed=9)
+    other = yields(leg(), ALL, samples=3000, seed=9)
     assert (first.successes, first.outcomes) != (other.successes, other.outcomes)
 
 
@@ -302,7 +304,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
         chain = any_chain(rng, 2)
         if Judge.of(chain, np.zeros(5), np.zeros((2, 2), np.int64)) is not None:
             continue
-        found = yields(chain, replace(ALL, lever=0.0002), n=12)
+        found = yields(chain, replace(ALL, lever=0.0002), samples=12)
         assert found.by_engine == 12 and found.critical is None
         says(found.assumptions, "general engine", "all 12")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
@@ -315,7 +317,7 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
     zigzag = tuple(0.01 * (i % 2) + 1e-4 * i for i in range(8000))
     extension = np.linspace(0, 0.04, len(zigzag)).tolist()
     rubber = sw.Band.from_table((-0.010, 0.0), (0.010, 0.0), 0.01, extension, zigzag)
-    found = yields(sw.Chain((sw.Cell(rubber), cell(20))), Tolerances(), n=3, wanted=CLOCKWISE)
+    found = yields(sw.Chain((sw.Cell(rubber), cell(20))), Tolerances(), samples=3, target=CLOCKWISE)
     assert dict(found.outcomes) == {NO_ANSWER: 3}
     # A spring that may push, and whose ends meet if q is off by half a millimetre.
     spring = sw.Band((0.0, 0.0), (-LEVER - 0.0005, 0.0), rest_length=0.005, two_sided=True)
@@ -328,7 +330,7 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
 def test_chains_too_long_to_tell_orders_apart_still_count_successes():
     rng = np.random.default_rng(12)
     chain = concave_chain(rng, 12)
-    found = yields(chain, Tolerances(stiffness=0.001), n=40)
+    found = yields(chain, Tolerances(stiffness=0.001), samples=40)
     done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
     assert found.successes == done.count(found.wanted)
     assert sum(found.outcomes.values()) == found.n - found.successes
@@ -338,7 +340,7 @@ def test_chains_too_long_to_tell_orders_apart_still_count_successes():
 def test_rare_outcomes_are_counted_as_one(monkeypatch):
     monkeypatch.setattr(tally, "_KEPT", 3)
     chain = sw.Chain([cell(x) for x in (10, 10.2, 10.4, 10.6)])
-    found = yields(chain, Tolerances(stiffness=0.1), n=500)
+    found = yields(chain, Tolerances(stiffness=0.1), samples=500)
     assert len(found.outcomes) == 4 and list(found.outcomes)[-1] == tally.ANOTHER
     assert found.successes + sum(found.outcomes.values()) == 500
 
@@ -347,15 +349,15 @@ def test_rare_outcomes_are_counted_as_one(monkeypatch):
 
 
 def test_a_sequence_that_the_drawing_does_not_do_may_be_wanted():
-    found = yields(leg(), Tolerances(anchor=0.0005), n=500, wanted="00>01>11>10>00")
+    found = yields(leg(), Tolerances(anchor=0.0005), samples=500, target="00>01>11>10>00")
     assert found.share == 0.0 and dict(found.outcomes) == {CLOCKWISE: 500}
     assert found.critical is not None and found.critical.share == 1.0
-    with_spaces = yields(leg(), Tolerances(), n=5, wanted="00 > 10 > 11 > 01 > 00")
+    with_spaces = yields(leg(), Tolerances(), samples=5, target="00 > 10 > 11 > 01 > 00")
     assert with_spaces.share == 1.0 and with_spaces.wanted == CLOCKWISE
 
 
 def test_two_cells_at_once_is_no_cycle_of_concave_cells():
-    found = yields(leg(), ALL, n=500, wanted="00>11>00")
+    found = yields(leg(), ALL, samples=500, target="00>11>00")
     assert found.share == 0.0 and found.critical is None
     assert CLOCKWISE in found.outcomes
 
@@ -374,19 +376,19 @@ def test_two_cells_at_once_is_no_cycle_of_concave_cells():
 )
 def test_a_sequence_that_is_no_full_cycle_is_refused_with_an_example(wanted, advice):
     with pytest.raises(ValueError, match=advice) as refused:
-        yields(leg(), Tolerances(), wanted=wanted)
+        yields(leg(), Tolerances(), target=wanted)
     assert "'00>10>11>01>00'" in str(refused.value)
 
 
 @pytest.mark.parametrize(
     ("arguments", "advice"),
     [
-        ({"n": 0}, "n = 0: must be a whole number >= 1"),
-        ({"n": 2.5}, "n = 2.5"),
+        ({"samples": 0}, "samples = 0: must be a whole number >= 1"),
+        ({"samples": 2.5}, "samples = 2.5"),
         ({"seed": -1}, "seed = -1"),
         ({"tolerances": 0.05}, "must be Tolerances, for example"),
         ({"tolerances": Tolerances(lever=0.02)}, "must be smaller than the shortest lever"),
-        ({"sensitivity": True, "wanted": "00>11>00"}, "not every step moves one cell"),
+        ({"sensitivity": True, "target": "00>11>00"}, "not every step moves one cell"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
@@ -401,7 +403,7 @@ def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
 @pytest.mark.slow
 def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     chain = sw.Chain([cell(x) for x in (10, 14, 14.6, 19)])
-    found = yields(chain, Tolerances(stiffness=0.03), n=5000)
+    found = yields(chain, Tolerances(stiffness=0.03), samples=5000)
     critical = found.critical
     assert critical is not None
     assert {critical.first, critical.second} == {1, 2}
@@ -413,17 +415,19 @@ def test_the_critical_pair_is_the_one_that_changes_places_most_often():
 
 
 def test_where_nothing_fails_the_critical_pair_is_the_nearest():
-    critical = yields(sw.Chain([cell(x) for x in (10, 14, 15)]), Tolerances(1e-5), n=50).critical
+    critical = yields(
+        sw.Chain([cell(x) for x in (10, 14, 15)]), Tolerances(1e-5), samples=50
+    ).critical
     assert critical is not None
     assert critical.share == 0.0 and critical.narrowest > 0.3
     assert {critical.first, critical.second} == {1, 2}
-    assert yields(sw.Chain((cell(10),)), Tolerances(1e-5), n=5).critical is None
+    assert yields(sw.Chain((cell(10),)), Tolerances(1e-5), samples=5).critical is None
 
 
 def test_sensitivities_of_two_stiffnesses_are_those_on_paper():
     # The gap of straight bands is k2 b - k1 a: additive, each share is its own variance.
     chain = leg()
-    found = yields(chain, Tolerances(stiffness=0.05), n=10, sensitivity=True).sensitivities
+    found = yields(chain, Tolerances(stiffness=0.05), samples=10, sensitivity=True).sensitivities
     assert found is not None
     a, b = (c.force_0 for c in chain.levers)
     shares = np.array([a * a, b * b]) / (a * a + b * b)
@@ -436,7 +440,7 @@ def test_sensitivities_of_two_stiffnesses_are_those_on_paper():
 def test_sensitivities_share_out_the_variance_and_rank_the_obvious_first():
     chain = sw.Chain((cell(10), replace(cell(16), name="far")))
     tolerances = Tolerances(0.0001, stiffness=0.1, rest_length=0.001, lever=1e-6, friction=1e-4)
-    found = yields(chain, tolerances, n=10, sensitivity=True).sensitivities
+    found = yields(chain, tolerances, samples=10, sensitivity=True).sensitivities
     assert found is not None
     assert len(found.parameters) == 10 and "far.d" in found.parameters
     order = np.argsort(-found.total)
@@ -448,31 +452,33 @@ def test_sensitivities_share_out_the_variance_and_rank_the_obvious_first():
 
 
 def test_sensitivities_do_not_depend_on_how_often_a_mechanism_is_made():
-    few, many = (yields(leg(), ALL, n=n, sensitivity=True).sensitivities for n in (1, 500))
+    few, many = (yields(leg(), ALL, samples=n, sensitivity=True).sensitivities for n in (1, 500))
     assert few is not None and many is not None
     np.testing.assert_array_equal(few.total, many.total)
 
 
 def test_a_gap_that_does_not_vary_is_said_to():
-    still = yields(leg(), Tolerances(), n=5, sensitivity=True).sensitivities
+    still = yields(leg(), Tolerances(), samples=5, sensitivity=True).sensitivities
     assert still is not None
     assert still.deviation == 0.0 and still.parameters == ()
     assert "does not vary" in str(still) and "does not vary" in repr(still)
     # A rest length of nothing has no spread either.
     chain = sw.Chain((cell(10, rest_length=0.0), cell(14, rest_length=0.0)))
-    none = yields(chain, Tolerances(rest_length=0.1), n=5, sensitivity=True).sensitivities
+    none = yields(chain, Tolerances(rest_length=0.1), samples=5, sensitivity=True).sensitivities
     assert none is not None
     assert none.deviation == 0.0 and np.all(none.total == 0.0) and len(none.parameters) == 2
 
 
 def test_a_single_cell_has_no_gap_to_vary():
-    alone = yields(sw.Chain((cell(10),)), Tolerances(0.001), n=5, sensitivity=True).sensitivities
+    alone = yields(
+        sw.Chain((cell(10),)), Tolerances(0.001), samples=5, sensitivity=True
+    ).sensitivities
     assert alone is not None and alone.deviation == 0.0 and "does not vary" in str(alone)
 
 
 def test_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain([replace(cell(x), name="leg") for x in (10, 14)])
-    found = yields(chain, Tolerances(lever=1e-4), n=5, sensitivity=True).sensitivities
+    found = yields(chain, Tolerances(lever=1e-4), samples=5, sensitivity=True).sensitivities
     assert found is not None and found.parameters == ("1.lever", "2.lever")
 
 
@@ -480,7 +486,7 @@ def test_cells_of_one_name_are_told_apart_by_number():
 
 
 def full_result() -> Yield:
-    return yields(leg(), ALL, n=400, sensitivity=True)
+    return yields(leg(), ALL, samples=400, sensitivity=True)
 
 
 def test_a_result_reads_like_a_sentence():
@@ -489,9 +495,9 @@ def test_a_result_reads_like_a_sentence():
     says(text, "400 mechanisms", CLOCKWISE, "95 % confidence")
     says(text, "critical: ", "variance", "assumed: ")
     assert repr(found).startswith(f"Yield({CLOCKWISE}: ")
-    assert "100 %" in str(yields(leg(), Tolerances(), n=5))
+    assert "100 %" in str(yields(leg(), Tolerances(), samples=5))
     # Rounding must not turn nearly certain into certain.
-    nearly = yields(leg(), Tolerances(stiffness=0.06), n=20_000)
+    nearly = yields(leg(), Tolerances(stiffness=0.06), samples=20_000)
     assert 0.9999 > nearly.share > 0.99
     assert "100.00 %" not in str(nearly)
 
@@ -529,7 +535,7 @@ def test_only_mechanisms_that_were_made_can_be_looked_at():
 def test_progress_rises_to_all():
     calls: list[tuple[int, int]] = []
     chain = sw.Chain((cell(-3, 4), cell(12)))
-    yields(chain, Tolerances(anchor=0.004), n=40, progress=lambda a, b: calls.append((a, b)))
+    yields(chain, Tolerances(anchor=0.004), samples=40, progress=lambda a, b: calls.append((a, b)))
     done = [a for a, _ in calls]
     assert done == sorted(done) and calls[-1] == (40, 40) and len(calls) > 1
     assert {b for _, b in calls} == {40}
@@ -548,7 +554,7 @@ def test_progress_rises_to_all():
     ],
 )
 def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, words):
-    found = yields(leg(), Tolerances(anchor=0.0003), n=50, wanted=wanted)
+    found = yields(leg(), Tolerances(anchor=0.0003), samples=50, target=wanted)
     assert found.share == 0.0
     says(found.advice, "one stroke", "cannot")
     assert words in found.advice and found.advice in str(found)
@@ -556,17 +562,17 @@ def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, wor
 
 
 def test_any_other_cycle_that_none_makes_comes_with_one_that_the_drawing_makes():
-    found = yields(leg(), Tolerances(anchor=0.0003), n=50, wanted="00>01>11>10>00")
+    found = yields(leg(), Tolerances(anchor=0.0003), samples=50, target="00>01>11>10>00")
     says(found.advice, "such as", CLOCKWISE, "drawing")
     assert "cannot" not in found.advice
-    assert yields(leg(), Tolerances(anchor=0.0003), n=50).advice == ""
+    assert yields(leg(), Tolerances(anchor=0.0003), samples=50).advice == ""
 
 
 def test_cells_that_move_together_are_not_told_that_they_cannot():
     rising = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 30.0, 0.0))
     stiffer = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 31.0, 0.0))
     pair = sw.Chain((rising, stiffer))
-    found = yields(pair, Tolerances(anchor=0.0002), n=5, wanted=CLOCKWISE)
+    found = yields(pair, Tolerances(anchor=0.0002), samples=5, target=CLOCKWISE)
     assert found.by_engine == 5
     assert "cells of falling force" not in found.advice
 
@@ -584,8 +590,8 @@ def tables(rest: float = 0.010) -> sw.Chain:
 @pytest.mark.slow
 def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds():
     tolerances = Tolerances(anchor=0.002, stiffness=0.05, rest_length=0.02)
-    found = yields(tables(), tolerances, n=20, sensitivity=True).sensitivities
-    closed = yields(leg(), tolerances, n=20, sensitivity=True).sensitivities
+    found = yields(tables(), tolerances, samples=20, sensitivity=True).sensitivities
+    closed = yields(leg(), tolerances, samples=20, sensitivity=True).sensitivities
     assert found is not None and closed is not None
     assert found.parameters == closed.parameters
     assert (found.points, closed.points) == (1024, 4096)
@@ -601,7 +607,7 @@ def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(
 def test_parts_of_several_bands_in_a_cell_are_one_part():
     two = sw.Cell((*cell(10).bands, *cell(12).bands))
     chain = sw.Chain((two, cell(18)), 100.0)
-    found = yields(chain, Tolerances(stiffness=0.05), n=5, sensitivity=True).sensitivities
+    found = yields(chain, Tolerances(stiffness=0.05), samples=5, sensitivity=True).sensitivities
     assert found is not None
     assert found.parameters == ("inner.stiffness", "outer.stiffness")
     assert np.all(found.total > 0.05)

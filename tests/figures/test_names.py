@@ -44,7 +44,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     chain = named(sw.preset("paper-forward"), name)
     cycle, x, y = chain.cycle(), np.linspace(0, 0.02, 4), np.linspace(-0.015, 0.015, 4)
     parameters = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
-    spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
+    spread = yields(chain, Tolerances(anchor=0.003), samples=100, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
     yield partial(figures.compose, {name: [partial(figures.force_stroke, cycle)]})

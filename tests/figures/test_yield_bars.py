@@ -14,7 +14,7 @@ LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
 
 @pytest.fixture(scope="module")
 def found():
-    return yields(files.preset("paper-forward"), LOOSE, n=20_000, sensitivity=True)
+    return yields(files.preset("paper-forward"), LOOSE, samples=20_000, sensitivity=True)
 
 
 def test_bars_are_as_long_as_the_shares(found):
@@ -35,7 +35,7 @@ def test_the_interval_is_drawn_and_told(found):
 @pytest.mark.parametrize("anchor", [0.0003, 0.002, 0.0035])
 @pytest.mark.parametrize("name", ["paper-forward", "three-wave"])
 def test_the_interval_strikes_through_no_word(name, anchor):
-    figure = figures.yield_bars(yields(files.preset(name), Tolerances(anchor), n=2000))
+    figure = figures.yield_bars(yields(files.preset(name), Tolerances(anchor), samples=2000))
     (interval,) = lines(figure, "interval")
     box = interval.get_window_extent()
     assert not [t.get_text() for t in words(figure) if t.get_window_extent().overlaps(box)]
@@ -54,8 +54,8 @@ def test_parts_are_sorted_by_what_their_tolerance_causes(found):
 
 
 def test_words_stay_apart_and_on_the_page(found):
-    shuffle = yields(files.preset("four-shuffle"), LOOSE, n=20_000, sensitivity=True)
-    plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), n=1000)
+    shuffle = yields(files.preset("four-shuffle"), LOOSE, samples=20_000, sensitivity=True)
+    plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), samples=1000)
     for result, width in ((found, 180.0), (shuffle, 180.0), (plain, 85.0)):
         figure = figures.yield_bars(result)
         assert untidy(figure, 7.0) == []
@@ -63,7 +63,7 @@ def test_words_stay_apart_and_on_the_page(found):
 
 
 def test_rare_outcomes_are_counted_together(found):
-    shuffle = yields(files.preset("four-shuffle"), LOOSE, n=20_000)
+    shuffle = yields(files.preset("four-shuffle"), LOOSE, samples=20_000)
     figure = figures.yield_bars(shuffle)
     assert f"{len(shuffle.outcomes) - 6} other outcomes" in says(figure)
     assert sum(bar.get_width() for bar in boxes(figure, "outcomes")) == pytest.approx(100.0)
@@ -77,7 +77,7 @@ def test_axes_say_what_is_counted(found):
 
 def test_a_share_near_one_does_not_look_certain():
     nearly = yields(
-        files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), n=20_000
+        files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), samples=20_000
     )
     assert 0.99 < nearly.share < 1.0
     (told,) = [word for word in says(figures.yield_bars(nearly)) if word.endswith("as wanted")]

@@ -71,7 +71,7 @@ def test_a_map_of_parameters_names_them_in_its_head(tmp_path):
 
 
 def test_outcomes_are_counted_in_a_table_of_three_columns(tmp_path):
-    found = yields(sw.preset("paper-forward"), Tolerances(anchor=0.003), n=200)
+    found = yields(sw.preset("paper-forward"), Tolerances(anchor=0.003), samples=200)
     found.to_csv(tmp_path / "yield.csv")
     head, *counts = rows((tmp_path / "yield.csv").read_text("utf-8"))
     assert head == ["outcome", "count", "share_1"]

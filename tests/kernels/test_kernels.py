@@ -143,9 +143,9 @@ def test_maps_yields_and_choices_have_the_same_bits_interpreted_and_compiled(eac
         found = sw.transition_map(leg, cell=1, x=x, y=y)
         told = [repr(found[name].values.tolist()) for name in found]
         usual = sw.Tolerances(anchor=3e-4, stiffness=0.05)
-        told.append(repr(leg.yields(usual, n=400)))
+        told.append(repr(leg.yields(usual, samples=400)))
         told.append(repr(leg.margin()))
-        told.append(repr(sw.design("00>10>11>01>00", holes=0.005, n=500)))
+        told.append(repr(sw.design("00>10>11>01>00", holes=0.005, samples=500)))
         return told
 
     interpreted, compiled = each_way(results)
@@ -498,6 +498,6 @@ def test_every_array_that_machine_code_gets_is_whole_so_that_it_is_made_once(mon
     # Blocks of many designs are parts of what they fill.
     many = np.linspace(0, 0.02, 160)
     sw.transition_map(leg, cell=1, x=many, y=many)
-    sw.design("00>10>11>01>00", holes=0.005, n=500)
+    sw.design("00>10>11>01>00", holes=0.005, samples=500)
     assert len(asked) >= 8
     assert not [name for name, whole in asked.items() if not whole]

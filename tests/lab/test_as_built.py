@@ -48,7 +48,7 @@ def test_numbers_of_a_build_lie_within_their_doubt():
     errors: list[float] = []
     for k in range(examples(4, 200)):
         truth = Draws(LEG, OFF, 101).sample(k)
-        found = as_built(LEG, seen(truth, rng), OFF, n=100)
+        found = as_built(LEG, seen(truth, rng), OFF, samples=100)
         for one in found.known:
             value = of(one.parameter, truth)
             if one.parameter.part.startswith("q."):
@@ -68,7 +68,7 @@ def test_forces_tell_a_stiffness_better_than_strokes_alone():
     strokes = np.linspace(0.002, 0.036, 8)
     forces = np.interp(strokes, cycle.path.stroke[: top + 1], cycle.path.force[: top + 1])
     pulls = tuple(Pull(1, u, f) for u, f in zip(strokes.tolist(), forces.tolist(), strict=True))
-    given = {"n": 100, "wrong_hole": 0.0}
+    given = {"samples": 100, "wrong_hole": 0.0}
     blind = as_built(LEG, seen(truth, np.random.default_rng(2)), **given)
     told = seen(truth, np.random.default_rng(2), pulls=pulls, scale=0.01)
     weighed = as_built(LEG, told, **given)
@@ -89,7 +89,7 @@ def test_the_move_that_is_advised_mends_builds_that_were_reversed():
     for k in range(examples(2)):
         truth = Draws(reversed_, OFF, 7).sample(k)
         assert str(truth.cycle().sequence) != WANTED
-        found = as_built(LEG, seen(truth, rng), n=100)
+        found = as_built(LEG, seen(truth, rng), samples=100)
         assert found.share == 0.0 and (found.wrong or found.wider > 1)
         move = found.moves[0]
         mended.append(str(move.of(truth).cycle().sequence) == WANTED)
@@ -154,7 +154,7 @@ def test_an_anchor_in_the_wrong_hole_is_found_and_hooked_back():
     truth = parameter(CLOSE, "inner.q").displaced(CLOSE, (0.005, 0.0))
     truth = parameter(truth, "outer.stiffness").scaled(truth, 0.93)
     assert str(truth.cycle().sequence) == REVERSED
-    found = as_built(CLOSE, seen(truth, np.random.default_rng(0)), OFTEN_OFF, n=100)
+    found = as_built(CLOSE, seen(truth, np.random.default_rng(0)), OFTEN_OFF, samples=100)
     says(str(found.wrong[0]), "q of inner", "one", "outwards")
     assert found.share == 0.0
     assert str(found.moves[0].of(truth).cycle().sequence) == WANTED
@@ -174,7 +174,7 @@ def test_two_anchors_are_moved_where_one_mends_half_of_the_builds():
 
 
 def test_a_build_that_does_what_it_should_is_left_alone():
-    found = as_built(LEG, seen(LEG, np.random.default_rng(4)), n=100)
+    found = as_built(LEG, seen(LEG, np.random.default_rng(4)), samples=100)
     assert found.share > 0.99 and not found.moves
     assert found.advice.startswith("leave its anchors")
     assert found.wider == 1.0
@@ -184,13 +184,13 @@ def test_a_build_that_does_what_it_should_is_left_alone():
 def test_the_chain_that_is_told_does_what_was_seen():
     truth = parameter(LEG, "outer.q").displaced(LEG, (-0.003, 0.001))
     observed = seen(truth, np.random.default_rng(5))
-    assert math.isfinite(observed.misfit(as_built(LEG, observed, n=100).chain.cycle()))
+    assert math.isfinite(observed.misfit(as_built(LEG, observed, samples=100).chain.cycle()))
 
 
 @pytest.mark.slow
 def test_one_seed_gives_one_answer_and_another_seed_another():
     observed = seen(LEG, np.random.default_rng(6))
-    first, again, other = (as_built(LEG, observed, n=100, seed=k) for k in (1, 1, 2))
+    first, again, other = (as_built(LEG, observed, samples=100, seed=k) for k in (1, 1, 2))
     assert first == again
     assert first.known != other.known
 
@@ -198,7 +198,7 @@ def test_one_seed_gives_one_answer_and_another_seed_another():
 def test_elements_of_other_measures_have_scales_and_no_anchors():
     balloons = sw.preset("balloon")
     cycle = balloons.cycle()
-    found = as_built(balloons, Observed(str(cycle.sequence)), n=100)
+    found = as_built(balloons, Observed(str(cycle.sequence)), samples=100)
     assert {one.parameter.part for one in found.known} <= {"force_scale", "travel_scale"}
     assert not found.moves and "no anchor" in found.advice
 
@@ -206,7 +206,7 @@ def test_elements_of_other_measures_have_scales_and_no_anchors():
 @pytest.mark.slow
 def test_what_no_build_does_is_said_with_what_to_look_at():
     with refuses(LabError, "none of 100", "8 times", "anchors ±1 mm", "innermost"):
-        as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), n=100)
+        as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), samples=100)
 
 
 @pytest.mark.parametrize(
@@ -216,8 +216,8 @@ def test_what_no_build_does_is_said_with_what_to_look_at():
         (lambda: Observed(WANTED, ruler=0.0), "ruler = 0.0"),
         (lambda: Observed(WANTED, scale=math.inf), "scale = inf"),
         (lambda: as_built(LEG, Observed("00>01>10")), "seen = '00>01>10'"),
-        (lambda: as_built(LEG, Observed(WANTED), wanted="0>1"), "wanted = '0>1'"),
-        (lambda: as_built(LEG, Observed(WANTED), n=99), "n = 99"),
+        (lambda: as_built(LEG, Observed(WANTED), target="0>1"), "target = '0>1'"),
+        (lambda: as_built(LEG, Observed(WANTED), samples=99), "samples = 99"),
         (lambda: as_built(LEG, Observed(WANTED), hole=0.0), "hole = 0.0"),
         (lambda: as_built(LEG, Observed(WANTED), wrong_hole=0.5), "wrong_hole = 0.5"),
     ],

@@ -24,7 +24,7 @@ def of_recordings() -> dict[str, Any]:
     test = lab.band_test(pulled)
     sorted_ = lab.sort_series(rubbers)
     values = (
-        lab.as_built(built, lab.Observed("00>10>11>01>00"), n=100),
+        lab.as_built(built, lab.Observed("00>10>11>01>00"), samples=100),
         batch,
         batch.recordings[0],
         test,

@@ -228,7 +228,7 @@ def _():
 
 @route("end forces of many that are made", FORCE)
 def _():
-    return PAIR.yields(n=20).end_forces(3)
+    return PAIR.yields(samples=20).end_forces(3)
 
 
 @route("gaps of many that are made", FORCE)

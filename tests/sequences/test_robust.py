@@ -153,4 +153,4 @@ def test_a_ratio_that_is_none_is_refused(ratio):
     with pytest.raises(ValueError, match="robust"):
         RACE.program("111", robust=ratio)
     with pytest.raises(ValueError, match="robust"):
-        RACE.yields(n=1, robust=ratio)
+        RACE.yields(samples=1, robust=ratio)

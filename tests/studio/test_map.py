@@ -225,7 +225,7 @@ def test_a_yield_shows_few_first_and_is_pythons():
     tolerances = sw.Tolerances(anchor=3e-3, stiffness=USUAL.stiffness)
     chain = sw.preset("paper-forward")
     assert last.header == _judged(chain, chain.yields(tolerances))
-    assert [one.header for one in shown] == [_judged(chain, chain.yields(tolerances, n=1000))]
+    assert [one.header for one in shown] == [_judged(chain, chain.yields(tolerances, samples=1000))]
 
 
 def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
@@ -247,4 +247,4 @@ def test_the_verdict_is_that_of_check(name: str, verdict: str):
 def test_where_each_has_to_be_followed_a_thousand_are_enough():
     header = ask("yield", tables("slack")).header
     assert header["samples"] == header["by_engine"] == 1000
-    assert header["share"] == sw.preset("slack").yields(n=1000).share
+    assert header["share"] == sw.preset("slack").yields(samples=1000).share

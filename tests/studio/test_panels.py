@@ -297,7 +297,7 @@ def test_a_program_that_cannot_be_is_refused(keys: Any, words: str):
 def test_the_yield_is_pythons():
     header = ask("yield", FORWARD, anchor_mm=0.5, stiffness_percent=3, samples=2000).header
     tolerances = sw.Tolerances(anchor=0.5e-3, stiffness=0.03)
-    found = account(sw.preset("paper-forward").yields(tolerances, n=2000)).record
+    found = account(sw.preset("paper-forward").yields(tolerances, samples=2000)).record
     told = json.loads(json.dumps(found))
     assert {key: header[key] for key in told} == told
 

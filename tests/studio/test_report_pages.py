@@ -38,7 +38,7 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     for name in ("paper-forward", "paper-identical"):
         write(Run.of(files.preset(name)), folder / name)
-    write(yields(files.preset("friction"), n=200, sensitivity=True), folder / "yield")
+    write(yields(files.preset("friction"), samples=200, sensitivity=True), folder / "yield")
     return {one.parent.name: one for one in folder.glob("*/report.html")}
 
 

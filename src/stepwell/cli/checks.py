@@ -141,7 +141,7 @@ def yield_(
                 played.to,
                 spread,
                 start=played.start,
-                n=samples,
+                samples=samples,
                 seed=seed,
                 progress=tell,
             )
@@ -149,9 +149,9 @@ def yield_(
             found = yields(
                 chain,
                 spread,
-                n=samples,
+                samples=samples,
                 seed=seed,
-                wanted=states or target,
+                target=states or target,
                 sensitivity=sensitivity,
                 robust=robust,
                 progress=tell,

@@ -203,7 +203,7 @@ def design(
                 most_force=math.inf if force_limit is None else force_limit,
                 actuator_stiffness=stiffness_of(drive),
                 unusual=unusual,
-                n=samples,
+                samples=samples,
                 seed=seed,
                 progress=tell,
             )

@@ -124,10 +124,10 @@ def as_built(
             chain,
             told,
             spread,
-            wanted=target,
+            target=target,
             hole=hole * 1e-3,
             wrong_hole=wrong_hole / 100,
-            n=samples,
+            samples=samples,
             seed=seed,
             progress=tell,
         )

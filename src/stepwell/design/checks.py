@@ -336,7 +336,7 @@ class Check(ByValue):
 
 def check(
     chain: Chain,
-    want: str | Program | None = None,
+    target: str | Program | None = None,
     tolerances: Tolerances = USUAL,
     *,
     samples: int | None = None,
@@ -347,8 +347,8 @@ def check(
 
     Args:
         chain: the design.
-        want: the full cycle that counts, such as "00>10>11>01>00", or a program of this chain; the
-            cycle of the drawing by default.
+        target: the full cycle that counts, such as "00>10>11>01>00", or a program of this chain;
+            the cycle of the drawing by default.
         tolerances: how far the parts may be from the drawing; as for `yields` by default.
         samples: how many mechanisms are made at random; as many as for `yields`, or for `survival`,
             by default.
@@ -364,16 +364,17 @@ def check(
 
     Source: ours; the rule is the decision "A verdict is an interval's".
     """
-    if isinstance(want, Program):
-        if want.chain != chain:
-            raise InputError("want: must be a program of this chain, and is one of another.")
-        return _of_program(want, tolerances, samples, seed, progress)
+    if isinstance(target, Program):
+        if target.chain != chain:
+            raise InputError("target: must be a program of this chain, and is one of another.")
+        return _of_program(target, tolerances, samples, seed, progress)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
-    wanted = does if want is None else checked_cycle(want, chain.last_state, "want")
-    found = yields(chain, tolerances, n=samples, seed=seed, wanted=wanted, progress=progress)
-    killer = killer_of_cycle(chain, tolerances) if does == wanted else None
-    return _told(path, wanted, does, does == wanted, found, killer)
+    sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
+    counted = {"samples": samples, "seed": seed, "progress": progress}
+    found = yields(chain, tolerances, target=sequence, **counted)
+    killer = killer_of_cycle(chain, tolerances) if does == sequence else None
+    return _told(path, sequence, does, does == sequence, found, killer)
 
 
 def _of_program(
@@ -385,7 +386,7 @@ def _of_program(
 ) -> Check:
     chain, points, start, to = program.chain, program.turning_points, program.start, program.to
     found = survival(
-        chain, points, to, tolerances, start=start, n=samples, seed=seed, progress=progress
+        chain, points, to, tolerances, start=start, samples=samples, seed=seed, progress=progress
     )
     does_it = ends_right(chain, points, start, to)
     killer = killer_of_program(program, tolerances) if does_it else None

@@ -11,7 +11,7 @@ from stepwell.concave import ideals
 from stepwell.sequences import Sequence
 
 
-def checked_cycle(wanted: str, last: str, name: str = "wanted") -> str:
+def checked_cycle(wanted: str, last: str, name: str = "target") -> str:
     """A full cycle without its spaces; messages call it `name`.
 
     Args:

@@ -68,5 +68,5 @@ class Run(ByValue):
         if len(self.chain) > LONGEST_FOLLOWED:
             return None
         wanted = str(self.cycle.sequence)
-        few = yields(self.chain, n=_FOLLOWED, wanted=wanted)
-        return few if few.by_engine else yields(self.chain, n=_IN_CLOSED_FORM, wanted=wanted)
+        few = yields(self.chain, samples=_FOLLOWED, target=wanted)
+        return few if few.by_engine else yields(self.chain, samples=_IN_CLOSED_FORM, target=wanted)

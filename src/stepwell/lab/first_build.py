@@ -316,10 +316,10 @@ def as_built(
     seen: Observed,
     tolerances: Tolerances = FIRST_BUILD,
     *,
-    wanted: str | None = None,
+    target: str | None = None,
     hole: float = 0.005,
     wrong_hole: float = WRONG_HOLE,
-    n: int = 200,
+    samples: int = 200,
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
 ) -> AsBuilt:
@@ -334,10 +334,10 @@ def as_built(
         drawing: what was meant to be built.
         seen: what it did.
         tolerances: how far its parts may be off.
-        wanted: what it should do; what the drawing does by default.
+        target: what it should do; what the drawing does by default.
         hole: how far apart holes are [m].
         wrong_hole: how likely an anchor is in the hole beside its own, along x or y [1].
-        n: how many builds.
+        samples: how many builds.
         seed: which.
         progress: called with (done, total) builds and moves.
 
@@ -348,17 +348,17 @@ def as_built(
         LabError: nothing that is drawn within eight times the tolerances does what was seen.
         ValueError: an argument out of range.
     """
-    check.whole("n", n, 100)
+    check.whole("samples", samples, 100)
     check.whole("seed", seed, 0)
     if not 0 < hole < math.inf:
         raise InputError(f"hole = {hole} m: must be > 0, how far apart holes are.")
     if not 0 <= wrong_hole <= _MOST_WRONG:
         raise InputError(f"wrong_hole = {wrong_hole}: must be 0 to {_MOST_WRONG}, 0 for never.")
     last = drawing.last_state
-    want = str(drawing.cycle().sequence) if wanted is None else checked_cycle(wanted, last)
+    sequence = str(drawing.cycle().sequence) if target is None else checked_cycle(target, last)
     if seen.sequence is not None:
         checked_cycle(seen.sequence, last, "seen")
-    done, total = 0, n * (1 + 4 * STEPS) + moves_of(drawing)
+    done, total = 0, samples * (1 + 4 * STEPS) + moves_of(drawing)
 
     def tell() -> None:
         nonlocal done
@@ -370,15 +370,16 @@ def as_built(
     wider = 1.0
     while True:
         given = _wide(tolerances, wider, drawing)
-        found = population(Draws(drawing, given, seed), holes, seen, n, tell)
+        found = population(Draws(drawing, given, seed), holes, seen, samples, tell)
         if (found is not None and _agrees(found, seen)) or wider >= _MOST_WIDE:
             break
         wider *= 2.0
-        total += n * (1 + 4 * STEPS)
+        total += samples * (1 + 4 * STEPS)
     if found is None:
         raise LabError(
             "what was seen",
-            f"none of {n} builds with parts up to {wider:g} times as far off as {tolerances!r} "
+            f"none of {samples} builds with parts up to {wider:g} times as far off as "
+            f"{tolerances!r} "
             f"does this: check that this design was built, which cell is innermost, and from "
             f"where strokes were counted.",
         )
@@ -386,15 +387,15 @@ def as_built(
     likely = _at_means(drawing, known)
     if likely is None or math.isinf(_misfit(likely, seen)):
         likely = found.built[int(np.argmin(found.misfits))]
-    share = sum(does(one, want) for one in found.built) / n
-    moves = best_moves(drawing, found.built, want, hole, share, tell)
+    share = sum(does(one, sequence) for one in found.built) / samples
+    moves = best_moves(drawing, found.built, sequence, hole, share, tell)
     return AsBuilt(
         drawing,
         seen,
-        want,
+        sequence,
         given,
         wider,
-        n,
+        samples,
         seed,
         found.share,
         known,

@@ -328,14 +328,14 @@ class Chain(ByValue, Drawn):
         self,
         tolerances: Tolerances | None = None,
         *,
-        n: int | None = None,
+        samples: int | None = None,
         seed: int = 0,
-        wanted: str | Iterable[str] | None = None,
+        target: str | Iterable[str] | None = None,
         sensitivity: bool = False,
         robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
-        """Make a mechanism n times at random within its tolerances and count those that work.
+        """Make a mechanism many times at random within its tolerances and count those that work.
 
         A mechanism whose cells are all proved taut with falling force does what the order of its F0
         + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
@@ -347,16 +347,16 @@ class Chain(ByValue, Drawn):
         each, but where all 2^N states are wanted of cells of one travel and every two loops are
         nested, which proves it.
 
-        The same seed gives the same mechanisms, and a larger n keeps the first ones.
+        The same seed gives the same mechanisms, and more `samples` keep the first ones.
 
         Args:
             tolerances: how far the parts may be from it; what a careful workshop can do by
                 default, anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is
                 exact.
-            n: how many mechanisms to make; by default 100,000 where end forces tell what they
+            samples: how many mechanisms to make; by default 100,000 where end forces tell what they
                 do, and 500 where the engine has to follow each.
             seed: which ones.
-            wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default
+            target: the full cycle that counts as success, such as "00>10>11>01>00", by default
                 what the drawing does; or a list of states, such as ["00", "10", "11"]: all that
                 shall be in reach from all cells at 0, and no others.
             sensitivity: also ask which part's tolerance counts, by Sobol' indices of the
@@ -367,7 +367,7 @@ class Chain(ByValue, Drawn):
                 tell holds for any mobilities; of others every landing on the way has to hold, as
                 `Path.landings` says. What some mobilities drawn at random would do, tell
                 Tolerances(mobility=...).
-            progress: called with (done, n).
+            progress: called with (done, samples).
 
         Returns:
             The share that works, its confidence interval, and what the others do.
@@ -377,7 +377,7 @@ class Chain(ByValue, Drawn):
                 states where not all that can be reached can be looked at (friction, more than
                 eight cells), or sensitivities where the cycle has no two orders, or not all can
                 be built.
-            StaticsError: the drawing itself has no answer, and `wanted` was not given.
+            StaticsError: the drawing itself has no answer, and no `target` was given.
 
         Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
         """
@@ -386,9 +386,9 @@ class Chain(ByValue, Drawn):
         return yields(
             self,
             tolerances or USUAL,
-            n=n,
+            samples=samples,
             seed=seed,
-            wanted=wanted,
+            target=target,
             sensitivity=sensitivity,
             robust=robust,
             progress=progress,
@@ -458,33 +458,33 @@ class Chain(ByValue, Drawn):
     def survival(
         self,
         turning_points: Sequence[float],
-        ends: str,
+        target: str,
         tolerances: Tolerances | None = None,
         *,
         start: str | None = None,
-        n: int | None = None,
+        samples: int | None = None,
         seed: int = 0,
         progress: Callable[[int, int], None] | None = None,
     ) -> Survival:
-        """Make a mechanism n times at random and run the same stroke program on each.
+        """Make a mechanism many times at random and run the same stroke program on each.
 
         Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
         where the program says, or as far as the mechanism lets it.
 
         Args:
             turning_points: as for `Chain.path`; of a Program its `turning_points`.
-            ends: the state wanted at the end, such as "010".
+            target: the state wanted at the end, such as "010".
             tolerances: how far the parts may be from the drawing; as for `yields` by default.
             start: the state at the beginning; all cells at 0 by default.
-            n: how many mechanisms to make; 500 by default.
+            samples: how many mechanisms to make; 500 by default.
             seed: which ones; the same seed gives the same mechanisms as `yields`.
-            progress: called with (done, n).
+            progress: called with (done, samples).
 
         Returns:
             The share that ends right. One that cannot be built or followed does not.
 
         Raises:
-            ValueError: a state that this chain cannot have, n below 1, or turning points or
+            ValueError: a state that this chain cannot have, `samples` below 1, or turning points or
                 tolerances that are probably in another unit.
         """
         from stepwell.design import USUAL, survival
@@ -492,10 +492,10 @@ class Chain(ByValue, Drawn):
         return survival(
             self,
             turning_points,
-            ends,
+            target,
             tolerances or USUAL,
             start=start,
-            n=n,
+            samples=samples,
             seed=seed,
             progress=progress,
         )

@@ -49,7 +49,7 @@ def cycle_of(cells: int, number: int) -> str:
 def share(anchor: float, cells: int, number: int) -> float:
     """The share that works of the chain that `design` finds for that cycle."""
     tolerances = Tolerances(anchor=anchor, stiffness=SPREAD)
-    return design(cycle_of(cells, number), tolerances=tolerances, n=MADE).yield_.share
+    return design(cycle_of(cells, number), tolerances=tolerances, samples=MADE).yield_.share
 
 
 def table(rows: list[dict[str, Any]]) -> str:

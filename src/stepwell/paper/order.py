@@ -140,7 +140,7 @@ _TRIED, _MADE = 20_000, 1_000_000
 def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
     """Anchors for the cycle that goes back the way it came: last in, first out."""
     cycle = Sequence.full_cycle(range(cells), reversed(range(cells)))
-    return design(str(cycle), tolerances=tolerances, n=n)
+    return design(str(cycle), tolerances=tolerances, samples=n)
 
 
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
@@ -150,7 +150,7 @@ def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
     so what makes it counts (theory page, "Stroke programs").
     """
     cycle = Sequence.full_cycle(range(cells), range(cells))
-    return design(str(cycle), tolerances=tolerances, n=n)
+    return design(str(cycle), tolerances=tolerances, samples=n)
 
 
 @cache

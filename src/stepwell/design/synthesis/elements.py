@@ -423,7 +423,7 @@ def _at_random(
     wanted = goal.cycle or sorted(goal.states or ())
 
     def share(chain: Chain) -> float:
-        return yields(chain, allowed.tolerances, n=_MADE, wanted=wanted).share
+        return yields(chain, allowed.tolerances, samples=_MADE, target=wanted).share
 
     return Scaled(
         max(done, key=share),

@@ -61,7 +61,7 @@ def design(
     force_scale: Range = (0.5, 2.0),
     travel_scale: Range = (1.0, 1.0),
     unusual: bool = False,
-    n: int | None = None,
+    samples: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Design:
@@ -109,7 +109,7 @@ def design(
         elements: those that can be had, each as often as it is needed.
         force_scale, travel_scale: least and largest of each, times an element's own.
         unusual: True where sizes far off the levers are meant, as for a Cell.
-        n: mechanisms made at random for the yield; by default 100,000 where their end forces
+        samples: mechanisms made at random for the yield; by default 100,000 where their end forces
             tell what they do, and 500 where the engine has to follow each.
         seed: which ones.
         progress: called with (done, total).
@@ -130,15 +130,15 @@ def design(
         if within is not None or holes is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
-        _refuse_count(n)
+        _refuse_count(samples)
         goal = goal_of(sequence, states, cells)
         made = scaled(goal, allowed, actuator_stiffness, seed, progress)
-        return _of_elements(goal, made, allowed, n, seed)
+        return _of_elements(goal, made, allowed, samples, seed)
     levers = list(map(float, np.atleast_1d(lever)))
     _refuse_anchors(p, q, free)
     _refuse_sizes(bands, levers, limit)
     _refuse_aims(tolerances, objective, bands, most_force)
-    _refuse_count(n)
+    _refuse_count(samples)
     if within is None:
         within = usual_box(max(levers), free)
     fixed = q if free == "p" else p
@@ -168,7 +168,9 @@ def design(
     result = cycle(chain)
     counted = _counted(target, chain, tolerances, str(result.sequence))
     widest = _widest(found, chain, bands, tolerances)
-    share = yields(chain, widest, n=n or _usual_count(found, counted), seed=seed, wanted=counted)
+    share = yields(
+        chain, widest, samples=samples or _usual_count(found, counted), seed=seed, target=counted
+    )
     tries.end()
     return Design(
         chain,
@@ -207,7 +209,7 @@ def _of_elements(goal: Goal, made: Scaled, allowed: Allowed, n: int | None, seed
     return Design(
         chain,
         result,
-        yields(chain, allowed.tolerances, n=n, seed=seed, wanted=counted),
+        yields(chain, allowed.tolerances, samples=n, seed=seed, target=counted),
         # All forces of an element grow together: a line from the least to the largest.
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
         None,
@@ -314,7 +316,7 @@ def _refuse_aims(
 
 def _refuse_count(n: int | None) -> None:
     if n is not None and n < 1:
-        raise InputError(f"n = {n}: must be 1 mechanism or more.")
+        raise InputError(f"samples = {n}: must be 1 mechanism or more.")
 
 
 def _refuse_slips(rule: Rule, holes: float | None) -> None:

@@ -465,7 +465,7 @@ class Tries:
 
     def _share(self, chain: Chain, tolerances: Tolerances) -> float:
         counted = None if self.target.states is None or tolerances.friction else self.target.states
-        return yields(chain, tolerances, n=_MADE, seed=self.seed, wanted=counted).share
+        return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
         allowed = told(self.regions, self.holes, self.free)

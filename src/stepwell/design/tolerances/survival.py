@@ -55,11 +55,11 @@ class Survival(Counted):
 def survival(
     chain: Chain,
     turning_points: Sequence[float],
-    ends: str,
+    target: str,
     tolerances: Tolerances = USUAL,
     *,
     start: str | None = None,
-    n: int | None = None,
+    samples: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Survival:
@@ -68,19 +68,19 @@ def survival(
     All else as for `Chain.survival`.
     """
     start = checked_state(chain, "start", chain.first_state if start is None else start)
-    checked_state(chain, "ends", ends)
-    n = ONE_BY_ONE if n is None else n
-    if n < 1:
-        raise InputError(f"n = {n}: must be 1 or more.")
-    require("samples", n, "n =")
+    checked_state(chain, "target", target)
+    samples = ONE_BY_ONE if samples is None else samples
+    if samples < 1:
+        raise InputError(f"samples = {samples}: must be 1 or more.")
+    require("samples", samples, "samples =")
     meet(tolerances, chain)
     slips = sizes.drives(chain, turning_points)
     if slips:
         raise SlipError(slips, "")
     points = tuple(float(point) for point in turning_points)
-    successes = count_ends(Draws(chain, tolerances, seed), points, start, ends, n, progress)
-    counted = {"chain": chain, "tolerances": tolerances, "n": n, "seed": seed}
-    return Survival(points, start, ends, successes=successes, **counted)
+    successes = count_ends(Draws(chain, tolerances, seed), points, start, target, samples, progress)
+    counted = {"chain": chain, "tolerances": tolerances, "n": samples, "seed": seed}
+    return Survival(points, start, target, successes=successes, **counted)
 
 
 def count_ends(

@@ -229,9 +229,9 @@ def yields(
     chain: Chain,
     tolerances: Tolerances = USUAL,
     *,
-    n: int | None = None,
+    samples: int | None = None,
     seed: int = 0,
-    wanted: str | Iterable[str] | None = None,
+    target: str | Iterable[str] | None = None,
     sensitivity: bool = False,
     robust: float | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -240,70 +240,70 @@ def yields(
 
     All else as for `Chain.yields`.
     """
-    _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
+    _refuse(chain, tolerances, ONE_BY_ONE if samples is None else samples, seed)
     robust = None if robust is None else a_ratio("robust", robust)
-    states = _states(chain, tolerances, wanted)
-    drawing = cycle(chain) if wanted is None or states is not None else None
-    target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), chain.last_state)
-    tally = Tally(Draws(chain, tolerances, seed), target, states, robust)
+    states = _states(chain, tolerances, target)
+    drawing = cycle(chain) if target is None or states is not None else None
+    sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
+    tally = Tally(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
         raise InputError(
-            f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
+            f"sensitivity = True: neighbours in an order are compared, and {short(sequence)} has "
             f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
-    if n is None:
-        n = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
-    tally.count(n, progress)
+    if samples is None:
+        samples = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
+    tally.count(samples, progress)
     listed = None if states is None else by_cells_at_1(states)
     return Yield(
-        target if listed is None else f"states {' '.join(listed)}",
+        sequence if listed is None else f"states {' '.join(listed)}",
         listed,
         ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
         robust,
         None if robust is None else tally.proved,
-        "; ".join(filter(None, _assumptions(tally, n, drawing))),
-        _sensitivities(tally, n) if sensitivity else None,
-        _advice(tally, target),
+        "; ".join(filter(None, _assumptions(tally, samples, drawing))),
+        _sensitivities(tally, samples) if sensitivity else None,
+        _advice(tally, sequence),
         chain=chain,
         tolerances=tolerances,
-        n=n,
+        n=samples,
         seed=seed,
         successes=tally.successes,
     )
 
 
 def _states(
-    chain: Chain, tolerances: Tolerances, wanted: str | Iterable[str] | None
+    chain: Chain, tolerances: Tolerances, target: str | Iterable[str] | None
 ) -> frozenset[str] | None:
     """The states wanted; None where a cycle is."""
-    if wanted is None or isinstance(wanted, str):
+    if target is None or isinstance(target, str):
         return None
-    states = frozenset(str(state) for state in wanted)
+    states = frozenset(str(state) for state in target)
     if not states or not all(is_state(state, chain.last_state) for state in states):
         digits = f"digits up to {chain.last_state}" if chain.elements else "characters 0 or 1"
         raise InputError(
-            f"wanted = {sorted(states)}: must be states of {len(chain)} {digits}, one a "
+            f"target = {sorted(states)}: must be states of {len(chain)} {digits}, one a "
             f"cell, inner first."
         )
     why = unsearchable(chain, tolerances.friction)
     if why:
         raise InputError(
-            f"wanted = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
+            f"target = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
         )
     return states
 
 
-def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
+def _refuse(chain: Chain, tolerances: Tolerances, samples: int, seed: int) -> None:
     if not isinstance(tolerances, Tolerances):
         raise InputError(
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
         )
-    check.whole("n", n, 1)
+    check.whole("samples", samples, 1)
     check.whole("seed", seed, 0)
-    require("samples", n, "n =")
+    require("samples", samples, "samples =")
     shortest = min((cell.lever for cell in levers_of(chain)), default=np.inf)
     if tolerances.lever >= shortest:
         raise InputError(

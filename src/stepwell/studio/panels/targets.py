@@ -83,11 +83,12 @@ def answer_yield(design: Design, ask: Ask) -> View:
     chain = design.chain
     tied = bool(cycle(chain).path.degenerate)
     if n is None:
-        first = yields(chain, tolerances, n=_FIRST, seed=seed, progress=ask.tell)
+        first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.tell)
         if first.by_engine > _FIRST // 10:
             return View(_yield_told(first, tied))
         ask.show(View(_yield_told(first, tied)))
-    return View(_yield_told(yields(chain, tolerances, n=n, seed=seed, progress=ask.tell), tied))
+    found = yields(chain, tolerances, samples=n, seed=seed, progress=ask.tell)
+    return View(_yield_told(found, tied))
 
 
 def _yield_told(found: Yield, tied: bool) -> dict[str, Any]:
