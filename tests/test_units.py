@@ -70,14 +70,13 @@ def test_a_unit_that_is_none_is_no_factor_of_one():
         to_unit(1.0, "furlong")
 
 
-# Ratios and penalties, not units. The rooms in TO_DO are not done yet.
+# Ratios and penalties, not units.
 NO_UNITS = {
     "design/margins/nearest.py",
     "figures/common/legends.py",
     "files/program.py",
     "statics/following/flow.py",
 }
-TO_DO = ("cli",)
 
 
 def test_no_number_is_converted_by_a_factor_in_line():
@@ -92,4 +91,4 @@ def test_no_number_is_converted_by_a_factor_in_line():
                     isinstance(one, ast.Constant) and repr(one.value) == "1000.0" for one in ends
                 ):
                     found.add(where.as_posix())
-    assert {name for name in found if not name.startswith(TO_DO)} <= NO_UNITS
+    assert found <= NO_UNITS

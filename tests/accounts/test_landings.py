@@ -42,7 +42,7 @@ def race():
 def elsewhere(chain: sw.Chain, events: Any, landings: Any) -> list[list[str]]:
     """The cells of the table of other landings."""
     (table,) = elsewhere_section(chain, events, landings).within(Level.TERMINAL)
-    assert isinstance(table, Table)
+    assert isinstance(table, Table) and callable(table.rows)
     return [[column.cell(row) for column in table.columns] for row in table.rows()]
 
 

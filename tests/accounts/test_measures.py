@@ -201,7 +201,7 @@ def test_the_smallest_changes_are_reported_by_what_they_change():
         least = min(one.distance for one in margin.changes if one.parameter == kind)
         assert f"{number(least * 100)} {label}" in words
     (table,) = margin_section(margin).within(Level.TERMINAL)
-    assert isinstance(table, Table)
+    assert isinstance(table, Table) and callable(table.rows)
     columns, rows = [*table.columns], table.rows()
     ways = [columns[3].cell(row) for row in rows]
     assert any(re.match(r"pressures by [-+][\d.]+ %$", way) for way in ways)

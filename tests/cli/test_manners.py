@@ -112,6 +112,7 @@ VERBS += ("Print", "Run", "Search", "Simulate", "Stop", "Write")
 @pytest.mark.parametrize("names", LEAVES, ids=" ".join)
 def test_every_help_begins_with_a_verb_and_ends_with_an_example_that_is_understood(names):
     text = LEAVES[names].help
+    assert text is not None
     assert text.split()[0] in VERBS
     example = text.strip().splitlines()[-1]
     program, *arguments = shlex.split(example.removeprefix("Example: "))
@@ -122,8 +123,8 @@ def test_every_help_begins_with_a_verb_and_ends_with_an_example_that_is_understo
 
 
 # Defaults that differ on purpose: what is drawn where, and the tolerances of a first build.
-OWN_DEFAULTS = {"--out", "--samples", "--cycles", "--anchor", "--stiffness-spread"}
-OWN_DEFAULTS |= {"--travel-spread", "--drive", "--x", "--y"}
+OWN_DEFAULTS = {"--out", "--samples", "--cycles", "--anchor", "--stiffness-tolerance"}
+OWN_DEFAULTS |= {"--travel-tolerance", "--drive", "--x", "--y"}
 
 
 def test_an_option_has_one_default_in_all_commands():

@@ -10,7 +10,7 @@ from cli.folders import written
 from stepwell.accounts import account, terminal
 from stepwell.design import Tolerances, survival, yields
 
-ROUGH = ("--anchor", 2, "--stiffness-spread", 10, "--samples", 20_000)
+ROUGH = ("--anchor", 2, "--stiffness-tolerance", 10, "--samples", 20_000)
 
 
 def test_the_account_of_the_yield_is_printed(stepwell):
@@ -35,7 +35,7 @@ def test_json_alone_says_everything(stepwell):
 
 
 def test_every_tolerance_has_its_option(stepwell):
-    options = ("--rest-length-spread", 4, "--lever-tolerance", 0.5, "--friction", 0.02)
+    options = ("--rest-length-tolerance", 4, "--lever-tolerance", 0.5, "--friction", 0.02)
     result = stepwell("yield", "forward.toml", *ROUGH, *options, "--seed", 3, "--json")
     record = json.loads(result.stdout)
     given = Tolerances(0.002, 0.1, 0.04, 0.0005, 0.02)
@@ -132,7 +132,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
     ("arguments", "message"),
     [
         (("--anchor", -1), "--anchor"),
-        (("--stiffness-spread", 25), "--stiffness-spread"),
+        (("--stiffness-tolerance", 25), "--stiffness-tolerance"),
         (("--samples", 0), "--samples"),
         (("--anchor", "inf"), "anchor = inf [m]: must be >= 0 and finite."),
         (("--target", "00>11"), "00>11"),

@@ -67,7 +67,8 @@ def _folder(name: str, command: str, **rest: Any) -> Case:
 _FORWARD = preset_text("paper-forward")
 _BACK = "00>01>11>10>00"
 _TOLERANCES = (
-    "--anchor 0.5 --stiffness-spread 4 --rest-length-spread 3 --lever-tolerance 0.2 --friction 0.01"
+    "--anchor 0.5 --stiffness-tolerance 4 --rest-length-tolerance 3 --lever-tolerance 0.2"
+    " --friction 0.01"
 )
 # Of a cell, a chain and another drive; all others are slow.
 _QUICK = {"paper-forward", "paper-cell-0-m15", "three-wave", "force-control"}
@@ -178,7 +179,7 @@ DESIGNED = [
 YIELDS = [
     _folder(
         "yield/cycle",
-        "yield preset:paper-forward --anchor 6 --stiffness-spread 20 --samples 100 --seed 2",
+        "yield preset:paper-forward --anchor 6 --stiffness-tolerance 20 --samples 100 --seed 2",
         shown=True,
     ),
     _folder(
@@ -202,8 +203,8 @@ CHECKS = [
     _one("check/wont", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
     _folder(
         "check/fragile",
-        "check preset:three-wave --anchor 0.5 --stiffness-spread 20 --rest-length-spread 3 "
-        "--lever-tolerance 0.2 --friction 0.01 --travel-spread 0 --samples 100 --seed 2",
+        "check preset:three-wave --anchor 0.5 --stiffness-tolerance 20 --rest-length-tolerance 3 "
+        "--lever-tolerance 0.2 --friction 0.01 --travel-tolerance 0 --samples 100 --seed 2",
         shown=True,
     ),
     _one("check/tie", "check preset:paper-identical --samples 100"),
@@ -271,8 +272,8 @@ ELEMENTS = [
     Case(
         "elements/yield",
         (
-            "yield mixed.toml --stiffness-spread 12 --sensitivity --samples 8 --json",
-            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --samples 40 --json",
+            "yield mixed.toml --stiffness-tolerance 12 --sensitivity --samples 8 --json",
+            "yield balloons.toml --stiffness-tolerance 12 --travel-tolerance 8 --samples 40 --json",
         ),
         given=DESIGNS,
         slow=True,
@@ -371,10 +372,10 @@ LABS = [
         "lab/as-built",
         (
             "lab as-built preset:paper-forward --data data/2unit_00_11/x/2unit_MMT_1.txt "
-            "--scale 0.05 --anchor 0.5 --stiffness-spread 5 --rest-length-spread 2 "
-            "--friction 0.02 --travel-spread 0 --samples 100 --seed 1 --out out",
+            "--scale 0.05 --anchor 0.5 --stiffness-tolerance 5 --rest-length-tolerance 2 "
+            "--friction 0.02 --travel-tolerance 0 --samples 100 --seed 1 --out out",
             "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 "
-            "--snaps-back 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-spread 2 --json",
+            "--snaps-back 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-tolerance 2 --json",
             "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
             "--wrong-hole 2 --hole-mm 4 --target '0>1>0' --samples 100 --json",
         ),
@@ -518,8 +519,8 @@ STUDIES = [
             "sweep cancel margin.zarr",
             "sweep resume margin.zarr --workers 0 --json",
             "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr --json",
-            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness-spread 4 "
-            "--rest-length-spread 2 --lever-tolerance 0.1 --friction 0.01 --travel-spread 1 "
+            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness-tolerance 4 "
+            "--rest-length-tolerance 2 --lever-tolerance 0.1 --friction 0.01 --travel-tolerance 1 "
             "--workers 0 --out built.zarr --json",
             "sweep program preset:paper-forward --from 00 --target 11 --vary outer.q.x=10:20:2 "
             "--workers 0 --out program.zarr --json",
@@ -549,10 +550,11 @@ STUDIES = [
             "atlas build --cells 2 --designs 2e4 --workers 0 --out two.zarr",
             "atlas build preset:paper-forward --vary outer.q.x=-8:20 --vary inner.stiffness=28:57 "
             "--designs 5000 --seed 3 --workers 0 --drive force --out leg.zarr --json",
-            "atlas show two.zarr --anchor 0.5 --stiffness-spread 8 --rest-length-spread 2 --json",
+            "atlas show two.zarr --anchor 0.5 --stiffness-tolerance 8 --rest-length-tolerance 2 "
+            "--json",
             "atlas show leg.zarr --out leg",
-            "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness-spread 5 "
-            "--rest-length-spread 1 --out pair.toml --json",
+            "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 "
+            "--stiffness-tolerance 5 --rest-length-tolerance 1 --out pair.toml --json",
             "atlas find 'counts to two and not remembers' two.zarr --json",
         ),
         shown=True,

@@ -154,7 +154,7 @@ def shapes() -> Iterable[Shape]:
             yield Shape(measure, force_driven, levers, elements, folds)
 
 
-def of_class(kind: type, schema: Schema) -> Schema:
+def of_class(kind: type, schema: Iterable[Quantity]) -> Schema:
     """The same quantities, None of a value of another class."""
 
     def read(quantity: Quantity) -> Callable[[Any], Any]:

@@ -122,8 +122,8 @@ def build(
 def show(
     store: _There = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length_spread: parts.RestLengthSpread = 0.0,
+    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
+    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -134,7 +134,13 @@ def show(
     """
     free(out, "atlas show", force)
     study = _opened(store)
-    _show(study, _charted(study, anchor, stiffness_spread, rest_length_spread), as_json, out, force)
+    _show(
+        study,
+        _charted(study, anchor, stiffness_tolerance, rest_length_tolerance),
+        as_json,
+        out,
+        force,
+    )
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -164,8 +170,8 @@ def find(
         ),
     ] = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length_spread: parts.RestLengthSpread = 0.0,
+    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
+    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
     as_json: Json = False,
 ) -> None:
     """Search the machines of a store by what they do, highest yield first.
@@ -180,7 +186,7 @@ def find(
     study = _opened(store)
     with usable("QUERY"):
         studies.understood(query)
-    chart = _charted(study, anchor, stiffness_spread, rest_length_spread, checks=0)
+    chart = _charted(study, anchor, stiffness_tolerance, rest_length_tolerance, checks=0)
     machines = studies.find(chart, query, yields)
     if out is not None and machines:
         files.save(machines[0].chain, out)

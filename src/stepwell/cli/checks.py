@@ -22,11 +22,11 @@ def check(
         ),
     ] = None,
     anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
-    rest_length_spread: given.RestLengthSpread = 0.0,
+    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
+    rest_length_tolerance: given.RestLengthTolerance = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    travel_spread: given.TravelSpread = 0.0,
+    travel_tolerance: given.TravelTolerance = 0.0,
     data: Data = None,
     samples: given.Samples = None,
     seed: given.Seed = 0,
@@ -50,11 +50,11 @@ def check(
     text, chain = read_chain(design)
     spread = given.tolerances(
         anchor,
-        stiffness_spread,
-        rest_length_spread,
+        stiffness_tolerance,
+        rest_length_tolerance,
         lever_tolerance,
         friction,
-        travel_spread,
+        travel_tolerance,
         chain.measure,
     )
     free(out, "check", force, design=text)
@@ -72,11 +72,11 @@ def check(
 def yield_(
     design: Design,
     anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
-    rest_length_spread: given.RestLengthSpread = 0.0,
+    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
+    rest_length_tolerance: given.RestLengthTolerance = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    travel_spread: given.TravelSpread = 0.0,
+    travel_tolerance: given.TravelTolerance = 0.0,
     target: Annotated[
         str | None,
         typer.Option(
@@ -116,11 +116,11 @@ def yield_(
     text, chain = read_chain(design)
     spread = given.tolerances(
         anchor,
-        stiffness_spread,
-        rest_length_spread,
+        stiffness_tolerance,
+        rest_length_tolerance,
         lever_tolerance,
         friction,
-        travel_spread,
+        travel_tolerance,
         chain.measure,
     )
     free(out, "yield", force, design=text)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from stepwell.base import REACH
+from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
 from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
@@ -140,8 +140,8 @@ def design(
     force_scale: _Scale = FORCE_SCALE,
     travel_scale: _Scale = TRAVEL_SCALE,
     anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
-    rest_length_spread: given.RestLengthSpread = 0.0,
+    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
+    rest_length_tolerance: given.RestLengthTolerance = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
     unusual: Annotated[
@@ -168,9 +168,9 @@ def design(
     from stepwell.design import PAPER_LEVER, Impossible, design, usual_box
 
     wanted = wish(target)
-    lengths = [lever / 1e3 for lever in levers or ()] or [PAPER_LEVER]
+    lengths = [from_unit(lever, "mm") for lever in levers or ()] or [PAPER_LEVER]
     spread = given.tolerances(
-        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+        anchor, stiffness_tolerance, rest_length_tolerance, lever_tolerance, friction
     )
     kinds = [one for text in elements or () for one in elements_of(text)]
     if kinds and (x or y or holes or bands or levers):
@@ -187,14 +187,14 @@ def design(
                 if kinds
                 else replace(
                     usual_box(max(lengths), place),
-                    **({} if x is None else {"left": x.start / 1e3, "right": x.stop / 1e3}),
-                    **({} if y is None else {"bottom": y.start / 1e3, "top": y.stop / 1e3}),
+                    **_sides("left", "right", x),
+                    **_sides("bottom", "top", y),
                 ),
                 free=place.value,
                 elements=kinds,
                 force_scale=(force_scale.start, force_scale.stop),
                 travel_scale=(travel_scale.start, travel_scale.stop),
-                holes=None if holes is None else holes / 1e3,
+                holes=None if holes is None else from_unit(holes, "mm"),
                 bands=[one for text in bands or ["paper"] for one in stocks(text)],
                 lever=lengths,
                 equal_levers=not mixed_levers,
@@ -268,7 +268,7 @@ def reprogram(
     reach: Annotated[
         float,
         typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
-    ] = REACH * 1e3,
+    ] = to_unit(REACH, "mm"),
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -290,11 +290,18 @@ def reprogram(
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
     text, chain = read_chain(design)
     free(out, "reprogram", force)
-    ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
+    ways = {"along": line, "one_way": one_way, "reach": from_unit(reach, "mm")}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
     report(account(found, About(text, design)), as_json, out, force)
     answered(math.isfinite(found.distance))
+
+
+def _sides(low: str, high: str, given: Range | None) -> dict[str, float]:
+    """Two sides of an anchor box [m]; none where the usual ones hold."""
+    if given is None:
+        return {}
+    return {low: from_unit(given.start, "mm"), high: from_unit(given.stop, "mm")}
 
 
 def wish(text: str) -> dict[str, Any]:
@@ -347,7 +354,7 @@ def stock(text: str) -> "Stock":
 
     if text in BANDS:
         k, length = BANDS[text]
-        return Stock(k, length / 1e3, name=text)
+        return Stock(k, from_unit(length, "mm"), name=text)
     try:
         k, length, *spread = map(float, text.split(":"))
         (part,) = spread or (None,)
@@ -358,4 +365,6 @@ def stock(text: str) -> "Stock":
             param_hint="--band",
         ) from None
     with usable("--band"):
-        return Stock(k, length / 1e3, None if part is None else part / 1e2)
+        return Stock(
+            k, from_unit(length, "mm"), None if part is None else from_unit(part, "percent")
+        )

@@ -78,10 +78,10 @@ def as_built(
         ),
     ] = 5.0,
     anchor: given.Anchor = 1.0,
-    stiffness_spread: given.StiffnessSpread = 10.0,
-    rest_length_spread: given.RestLengthSpread = 0.0,
+    stiffness_tolerance: given.StiffnessTolerance = 10.0,
+    rest_length_tolerance: given.RestLengthTolerance = 0.0,
     friction: given.Friction = 0.0,
-    travel_spread: given.TravelSpread = 5.0,
+    travel_tolerance: given.TravelTolerance = 5.0,
     samples: Annotated[
         int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
     ] = 200,
@@ -117,7 +117,13 @@ def as_built(
             0.05 * peak if scale is None else scale / forced,
         )
     spread: Tolerances = given.tolerances(
-        anchor, stiffness_spread, rest_length_spread, 0.0, friction, travel_spread, chain.measure
+        anchor,
+        stiffness_tolerance,
+        rest_length_tolerance,
+        0.0,
+        friction,
+        travel_tolerance,
+        chain.measure,
     )
     with usable("what was seen"), progress("builds") as tell:
         found = lab.as_built(

@@ -279,7 +279,10 @@ def map_(
         if across is None and up is None:
             index = cell_of(chain, cell)
             designs = marks(chain, index)
-            places = {"x": x.values(1e3), "y": y.values(1e3)}
+            from stepwell.base import to_unit
+
+            per_metre = to_unit(1.0, "mm")
+            places = {"x": x.values(per_metre), "y": y.values(per_metre)}
             nodes = partial(transition_map, chain, index, **places)
             curves = partial(boundaries, chain, index, **places)
         else:

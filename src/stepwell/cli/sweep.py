@@ -203,11 +203,11 @@ _OF_ROBOTS = {"walk", "maze"}
 _OF_CHAINS = {
     "built",
     "anchor",
-    "stiffness_spread",
-    "rest_length_spread",
+    "stiffness_tolerance",
+    "rest_length_tolerance",
     "lever_tolerance",
     "friction",
-    "travel_spread",
+    "travel_tolerance",
 }
 
 
@@ -223,11 +223,11 @@ def _run(
     random: _Random = None,
     built: _Built = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_spread: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
-    rest_length_spread: parts.RestLengthSpread = 0.0,
+    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
+    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
     lever_tolerance: parts.LeverTolerance = 0.0,
     friction: parts.Friction = 0.0,
-    travel_spread: parts.TravelSpread = 0.0,
+    travel_tolerance: parts.TravelTolerance = 0.0,
     seed: Seed = 0,
     chunk: _Chunk = None,
     workers: Workers = None,
@@ -252,11 +252,11 @@ def _run(
     elif built is not None:
         within = (
             anchor,
-            stiffness_spread,
-            rest_length_spread,
+            stiffness_tolerance,
+            rest_length_tolerance,
             lever_tolerance,
             friction,
-            travel_spread,
+            travel_tolerance,
         )
         measure = {"measure": subject.measure} if isinstance(subject, Chain) else {}
         with usable("--built"):
@@ -535,7 +535,7 @@ def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
 
 
 def _tell(found: Estimate) -> None:
-    from stepwell.base import counted
+    from stepwell.base import counted, to_unit
 
     minutes = found.seconds / 60
     took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
@@ -543,7 +543,7 @@ def _tell(found: Estimate) -> None:
         took = f"{minutes / 60:.0f} h"
     show_lines(
         f"{found.designs} designs: about {took} on {counted(found.workers, 'core')} "
-        f"({found.each * 1e3:.3g} ms each, from {found.sample} of them), and at most "
+        f"({to_unit(found.each, 'ms'):.3g} ms each, from {found.sample} of them), and at most "
         f"{found.disk / 1e6:.3g} MB."
     )
 

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import ONE_BY_ONE, QUICKLY, USUAL_ANCHOR, USUAL_STIFFNESS, Measure, told_in
+from stepwell.base import (
+    ONE_BY_ONE,
+    QUICKLY,
+    USUAL_ANCHOR,
+    USUAL_STIFFNESS,
+    Measure,
+    from_unit,
+    to_unit,
+    told_in,
+)
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -19,7 +28,7 @@ if TYPE_CHECKING:
     from stepwell.mechanism import Chain
 
 
-ANCHOR_MM, STIFFNESS_PERCENT = USUAL_ANCHOR * 1e3, USUAL_STIFFNESS * 1e2
+ANCHOR_MM, STIFFNESS_PERCENT = to_unit(USUAL_ANCHOR, "mm"), to_unit(USUAL_STIFFNESS, "percent")
 
 Anchor = Annotated[
     float,
@@ -30,7 +39,7 @@ Anchor = Annotated[
         min=0,
     ),
 ]
-StiffnessSpread = Annotated[
+StiffnessTolerance = Annotated[
     float,
     typer.Option(
         metavar="PERCENT",
@@ -39,7 +48,7 @@ StiffnessSpread = Annotated[
         max=24.9,
     ),
 ]
-RestLengthSpread = Annotated[
+RestLengthTolerance = Annotated[
     float,
     typer.Option(
         metavar="PERCENT", help="Standard deviation of a band's rest length [%].", min=0, max=24.9
@@ -57,7 +66,7 @@ Friction = Annotated[
         min=0,
     ),
 ]
-TravelSpread = Annotated[
+TravelTolerance = Annotated[
     float,
     typer.Option(
         metavar="PERCENT",
@@ -93,12 +102,12 @@ def tolerances(
     _, factor = told_in(measure.force_unit)
     with usable("tolerances"):
         return Tolerances(
-            anchor / 1e3,
-            stiffness / 1e2,
-            rest_length / 1e2,
-            lever / 1e3,
+            from_unit(anchor, "mm"),
+            from_unit(stiffness, "percent"),
+            from_unit(rest_length, "percent"),
+            from_unit(lever, "mm"),
             friction / factor,
-            travel / 1e2,
+            from_unit(travel, "percent"),
         )
 
 
@@ -107,7 +116,7 @@ Data = Annotated[
     typer.Option(
         metavar="PATH",
         help="Recordings of your cells: their bands, weight and friction, and by how much bands "
-        "differ, instead of the design's and of --stiffness-spread.",
+        "differ, instead of the design's and of --stiffness-tolerance.",
     ),
 ]
 

@@ -214,7 +214,7 @@ def _rows(
     each = (width - _BETWEEN * (most - 1)) / most
     found: list[list[sheet.Draw]] = []
     free = 0
-    for draw in filter(callable, panels):
+    for draw in (one for one in panels if not isinstance(one, Sequence)):
         alone = columns is None and not _may_share(draw, each, panel)
         if alone or not free:
             found.append([])

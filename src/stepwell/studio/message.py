@@ -93,7 +93,7 @@ def message_of(text: str, types: Iterable[str]) -> Message:
     """
     found = _object(text)
     number = found.get("seq")
-    seq: int = number if _is_number(number) else 0
+    seq = int(number) if _is_number(number) else 0
     for problem in _problems(found, [*types]):
         raise WireError(problem, seq)
     leg = found.get("leg", 0)

@@ -201,7 +201,7 @@ def _wish(progress: Progress | None) -> Step:
         tuple(f"{line} # {name}" for line, name in zip(anchors, made.names, strict=True)),
         (
             f"stepwell design '{_WISH}' --anchor {number(to_unit(_ANCHOR, 'mm'))} "
-            f"--stiffness-spread {number(_STIFFNESS * 100)} --out wish",
+            f"--stiffness-tolerance {number(_STIFFNESS * 100)} --out wish",
         ),
     )
 
