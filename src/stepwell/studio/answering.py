@@ -68,7 +68,7 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
 
     Args:
         message: of the page.
-        ask: what it asks for, where somebody is told how far it is.
+        ask: the keys of the request, with functions that report progress; by default without.
     """
     design = Design(message.design, message.leg)
     ask = ask or Ask(message.ask, studies=message.studies)

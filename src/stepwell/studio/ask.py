@@ -1,4 +1,4 @@
-"""What the page asks, beside what it shows, and what it gets: keys with bounds, designs, views."""
+"""What the page asks and what it gets: keys with bounds, designs, views."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ Tell = Callable[[float, float], None]
 Show = Callable[[View], None]
 
 
-def _nobody(*_told: object) -> None:
-    """Where nobody asks how far it is."""
+def _silent(*_told: object) -> None:
+    """Report nothing: the default of `tell` and `show`."""
 
 
 class Ask:
@@ -52,8 +52,8 @@ class Ask:
     def __init__(
         self,
         keys: Mapping[str, Any] | None = None,
-        tell: Tell = _nobody,
-        show: Show = _nobody,
+        tell: Tell = _silent,
+        show: Show = _silent,
         studies: Path | None = None,
     ):
         self._keys = dict(keys or {})
@@ -167,7 +167,7 @@ class Ask:
         return [Ask(one) for one in value]
 
     def close(self) -> None:
-        """Refuse keys that nobody has taken.
+        """Refuse keys that were not taken.
 
         Raises:
             ValueError: there are some; the text names the first.

@@ -1,4 +1,4 @@
-"""Who may talk to the studio: the page that it served itself, and nobody else."""
+"""Access to the studio: only the page that it served itself may talk to it."""
 
 from __future__ import annotations
 

@@ -92,8 +92,8 @@ def message_of(text: str, types: Iterable[str]) -> Message:
         WireError: it is none; the text says what it must be.
     """
     found = _object(text)
-    number = found.get("seq")
-    seq = int(number) if _is_number(number) else 0
+    number: Any = found.get("seq")
+    seq: int = number if _is_number(number) else 0
     for problem in _problems(found, [*types]):
         raise WireError(problem, seq)
     leg = found.get("leg", 0)

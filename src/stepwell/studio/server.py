@@ -145,7 +145,7 @@ def application(
 
 
 def usual_studies() -> Path:
-    """The folder in which studies are kept where nobody names another."""
+    """The default folder of studies."""
     return platformdirs.user_data_path("stepwell") / "studies"
 
 

@@ -50,7 +50,7 @@ def asked_study(design: Design, ask: Ask, folder: Path) -> Study:
 
 
 def _given(what: str, ask: Ask) -> dict[str, Any]:
-    """What it takes beside the design."""
+    """The inputs of a study other than the design."""
     if what == "program":
         start = ask.text("start", 64) if ask.has("start") else None
         return {"start": start, "to": ask.text("to", 64)}

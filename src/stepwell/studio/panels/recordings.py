@@ -1,4 +1,4 @@
-"""Recordings of a test machine beside what the design does."""
+"""Recordings of a test machine compared with what the design does."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _file(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _told(series: Series, comparison: Comparison | None) -> dict[str, Any]:
-    """A series with its verdict, and its snaps beside those of the model."""
+    """A series with its verdict, and its snaps next to those of the model."""
     tests = comparison.tests if comparison else ()
     test = next((one for one in tests if one.series.name == series.name), None)
     predicted = _predicted(series)
@@ -169,7 +169,7 @@ def _told(series: Series, comparison: Comparison | None) -> dict[str, Any]:
         "snaps": [
             {"run": run.source, **pair}
             for run, snaps in zip(series.recordings, measured, strict=True)
-            for pair in _beside(predicted, snaps)
+            for pair in _snap_rows(predicted, snaps)
         ],
     }
 
@@ -184,7 +184,7 @@ def _measured(series: Series, run: Recording) -> tuple[float, ...]:
     return tuple(snap.stroke for snap in find_snaps(stroke, run.force, series.quiet))
 
 
-def _beside(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
+def _snap_rows(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
     """Strokes of snaps that a run and the model share, the nearest two together; None: missing."""
     return [
         {

@@ -115,7 +115,7 @@ def answer_study_begin(design: Design, ask: Ask) -> View:
 
 
 def answer_study_stop(_design: Design, ask: Ask) -> View:
-    """At once where this server began it; else whoever did stops after the chunks in work."""
+    """At once if this server began it; otherwise the process that did stops after its chunks."""
     study = study_of(ask)
     ask.close()
     at_once = stop(study.folder)
