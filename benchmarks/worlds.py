@@ -51,7 +51,7 @@ def drawn(count: int) -> list[Robot]:
 
 def measured(robots: Sequence[Robot], name: str) -> list[tuple[str, str, str]]:
     """Speeds, and how often both say the same."""
-    from stepwell.simulation.engine import Run
+    from stepwell.simulation.engine import SimulatedRun
     from stepwell.simulation.worlds import Worlds, alike
 
     few = robots[:ALONE]
@@ -59,7 +59,7 @@ def measured(robots: Sequence[Robot], name: str) -> list[tuple[str, str, str]]:
     some = robots[: ALONE * cores()]
     every = stepped(len(some)) / timed(lambda: sweep(some, cycles=CYCLES))
     begin = time.perf_counter()
-    runs = [Run(robot, None, Settings(), record=False) for robot in robots]
+    runs = [SimulatedRun(robot, None, Settings(), record=False) for robot in robots]
     (group,) = alike(runs)
     worlds = Worlds(group)
     made = time.perf_counter() - begin

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from stepwell import paper
-from stepwell.paper import Judgement, Verdict, Verdicts
+from stepwell.paper import ClaimVerdict, Judgement, Verdicts
 
 ROOT = Path(__file__).resolve().parents[1]
 CLAIMS = ROOT / "docs" / "claims.json"
@@ -26,7 +26,8 @@ def committed() -> Verdicts:
     assert not new, f"{new}: run `{tool} docs/claims.json docs/claims.md`"
     told = [(claim, found[claim.id]) for claim in claims]
     return Verdicts(
-        Verdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"]) for claim, one in told
+        ClaimVerdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"])
+        for claim, one in told
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import forms
 from stepwell.accounts import account
-from stepwell.accounts.account import Level, Table
+from stepwell.accounts.account import Level, RecordTable
 from stepwell.accounts.events import elsewhere_section, landing_words
 from stepwell.design import Run
 from stepwell.statics import Landing
@@ -42,7 +42,7 @@ def race():
 def elsewhere(chain: sw.Chain, events: Any, landings: Any) -> list[list[str]]:
     """The cells of the table of other landings."""
     (table,) = elsewhere_section(chain, events, landings).within(Level.TERMINAL)
-    assert isinstance(table, Table) and callable(table.rows)
+    assert isinstance(table, RecordTable) and callable(table.rows)
     return [[column.cell(row) for column in table.columns] for row in table.rows()]
 
 

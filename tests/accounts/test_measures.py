@@ -11,7 +11,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import SCALES, folded, forms, mixed, pair, shown
 from stepwell.accounts import account
-from stepwell.accounts.account import Level, Table
+from stepwell.accounts.account import Level, RecordTable
 from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.head import Shape
 from stepwell.accounts.yields import tolerance_schema
@@ -201,7 +201,7 @@ def test_the_smallest_changes_are_reported_by_what_they_change():
         least = min(one.distance for one in margin.changes if one.parameter == kind)
         assert f"{number(least * 100)} {label}" in words
     (table,) = margin_section(margin).within(Level.TERMINAL)
-    assert isinstance(table, Table) and callable(table.rows)
+    assert isinstance(table, RecordTable) and callable(table.rows)
     columns, rows = [*table.columns], table.rows()
     ways = [columns[3].cell(row) for row in rows]
     assert any(re.match(r"pressures by [-+][\d.]+ %$", way) for way in ways)

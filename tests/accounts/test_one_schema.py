@@ -13,7 +13,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
-from stepwell.accounts.account import Level, Row, Table
+from stepwell.accounts.account import Level, RecordTable, Row
 from stepwell.accounts.chain import cell_schema
 from stepwell.accounts.head import Shape
 from stepwell.base import (
@@ -74,11 +74,13 @@ def test_json_terminal_card_and_page_have_the_same_numbers_in_the_same_units(kin
         assert fact.level > Level.CARD or text[:900] in " ".join(words_of_card.split())
     for section in found.sections:
         for table in section.within(Level.TERMINAL):
-            if isinstance(table, Table) and (rows := found.rows(table)):
+            if isinstance(table, RecordTable) and (rows := found.rows(table)):
                 _same(table, rows, screen, made, small if table.level is Level.CARD else None)
 
 
-def _same(table: Table, rows: Sequence[Row], screen: str, made: list, small: list | None) -> None:
+def _same(
+    table: RecordTable, rows: Sequence[Row], screen: str, made: list, small: list | None
+) -> None:
     """Each number of a table is in every form, below its heading with the unit."""
     columns = shown_columns(table.columns)
     heads = [column.heading for column in columns]

@@ -10,8 +10,8 @@ import pytest
 import stepwell as sw
 from accounts.forms import plain
 from stepwell import reports
-from stepwell.accounts import Account, Drawn, account, card, page
-from stepwell.accounts.account import Level, Picture, Section, Table, Warned
+from stepwell.accounts import Account, FigurePair, account, card, page
+from stepwell.accounts.account import Level, Picture, RecordTable, Section, Warned
 from stepwell.accounts.rendering.page import MOST_ROWS, Image
 from stepwell.accounts.words import assumptions
 from stepwell.base import Quantity
@@ -82,7 +82,7 @@ def written(run, tmp_path_factory):
 
 def _rows(count: int) -> Account:
     rows = [{"what": str(k)} for k in range(count)]
-    table = Table([Quantity("what", head="what")], lambda: rows, more="things")
+    table = RecordTable([Quantity("what", head="what")], lambda: rows, more="things")
     return Account(None, "Many", sections=[Section("All of them", table)])
 
 
@@ -129,11 +129,11 @@ def test_every_figure_is_a_whole_picture_with_its_caption(run, written):
 def test_a_wide_figure_has_another_form_for_phones():
     wide, narrow = Image("data:wide", 700, 300), Image("data:narrow", 321, 500)
     found = Account(None, "One", sections=[Section("Figure", Picture("it", "A figure"))])
-    made = Page(page(found, {"it": Drawn(wide, narrow)}))
+    made = Page(page(found, {"it": FigurePair(wide, narrow)}))
     assert {"data:wide", "data:narrow"} <= set(made.links)
-    assert "(max-width:" in page(found, {"it": Drawn(wide, narrow)})
+    assert "(max-width:" in page(found, {"it": FigurePair(wide, narrow)})
     # Without one it is scrolled by itself, with keys too.
-    assert 'class="scroll"' in page(found, {"it": Drawn(wide)})
+    assert 'class="scroll"' in page(found, {"it": FigurePair(wide)})
     assert "data:wide" not in page(found)
 
 
@@ -157,7 +157,7 @@ def test_no_text_of_a_user_becomes_markup():
     found = account(Chain((cell, outer), title=evil).cycle())
     found = replace(found, warnings=[Warned(evil, evil, [evil])])
     found = replace(found, sections=[*found.sections, Section(evil, Picture("it", evil))])
-    made = Page(page(found, {"it": Drawn(Image("data:image", 10, 10))}))
+    made = Page(page(found, {"it": FigurePair(Image("data:image", 10, 10))}))
     assert "script" not in made.tags
     assert [image["alt"] for image in made.images] == [evil]
     assert made.headings[-1] == evil

@@ -20,7 +20,7 @@ from stepwell.figures.usual import _USUAL
 ROOMS = "mechanism", "statics", "sequences", "design", "lab", "robot", "simulation"
 # What is given, and what is told as a part of something else: these show what they print.
 PARTS = {
-    *("Accumulator", "AnchorBox", "AnchorPolygon", "Antenna", "Band", "Blocks"),
+    *("Accumulator", "AnchorBox", "AnchorMove", "AnchorPolygon", "Antenna", "Band", "Blocks"),
     *("Body", "Boundary", "Candidate", "CellReading", "Change", "Choice"),
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),

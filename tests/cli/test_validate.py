@@ -6,7 +6,7 @@ import pytest
 
 from claims import ROOT
 from stepwell import paper
-from stepwell.paper import Verdict
+from stepwell.paper import ClaimVerdict
 from stepwell.paper.claims import Claim
 
 KNOWN = json.loads((ROOT / "docs" / "others.json").read_text("utf-8"))["claims"]
@@ -17,9 +17,9 @@ def known(monkeypatch):
     """The committed verdicts, in the place of those computed anew."""
     told = {one["id"]: one for one in KNOWN}
 
-    def judge(claim: Claim) -> Verdict:
+    def judge(claim: Claim) -> ClaimVerdict:
         one = told[claim.id]
-        return Verdict(claim, one["ours"], paper.Judgement(one["verdict"]), one["reason"])
+        return ClaimVerdict(claim, one["ours"], paper.Judgement(one["verdict"]), one["reason"])
 
     monkeypatch.setattr(Claim, "judge", judge)
 

@@ -14,7 +14,7 @@ from stepwell.concave import (
     STROKE,
     TIES,
     TOLD,
-    Tally,
+    KeyCounts,
     classed,
     closed_graph,
     graph_by_ends,
@@ -140,7 +140,7 @@ def test_end_forces_alone_tell_two_cells(drive):
 def test_a_tally_counts_as_numpy_does():
     rng = np.random.default_rng(8)
     key, gap = rng.integers(-1, 40, 5000) * 10**15, rng.random(5000)
-    found = Tally(100)
+    found = KeyCounts(100)
     for first in range(0, 5000, 777):
         found.add(key[first : first + 777], gap[first : first + 777], first)
     there, counts = np.unique(key[key >= 0], return_counts=True)
@@ -151,4 +151,4 @@ def test_a_tally_counts_as_numpy_does():
 
 def test_a_tally_says_when_there_are_too_many():
     with refuses(sw.InputError, "more than 10", "different graphs"):
-        Tally(10).add(np.arange(12), np.ones(12), 0)
+        KeyCounts(10).add(np.arange(12), np.ones(12), 0)

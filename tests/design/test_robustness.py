@@ -11,7 +11,7 @@ from chains import concave_chain
 from facts import says
 from sizes import examples
 from stepwell.concave import Simple, concave_disc
-from stepwell.design.margins.robustness import Proof, Robustness, farthest, robustness
+from stepwell.design.margins.robustness import AnchorProof, Robustness, farthest, robustness
 from stepwell.design.parameters import of_cell
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Kind
@@ -172,7 +172,7 @@ def test_end_forces_on_a_disc_are_extreme_where_they_were_followed_to():
 def test_the_room_of_a_proof_is_the_radius_of_its_disc():
     box = Box(0.005, 0.030, -0.015, 0.015)
     cell = Kind(Stock(), R, LIMIT).cell
-    proof = Proof(cell, box)
+    proof = AnchorProof(cell, box)
     rng = np.random.default_rng(4)
     checked = 0
     for dx, dy in rng.uniform((0.006, -0.015), (0.016, 0.015), (examples(20), 2)).tolist():

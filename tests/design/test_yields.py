@@ -13,7 +13,7 @@ import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
 from facts import refuses, says
 from sizes import examples
-from stepwell.concave import ASK, Judge
+from stepwell.concave import ASK, DrawJudge
 from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, tally
 from stepwell.design.tolerances.draws import Draws, Tolerances
@@ -34,7 +34,7 @@ def leg() -> sw.Chain:
 
 def judged(draws: Draws, n: int):
     """Verdicts and the cycles they stand for, of the first n mechanisms."""
-    judge = Judge.of(draws.chain, draws.spread, np.tile(np.arange(len(draws.chain)), (2, 1)))
+    judge = DrawJudge.of(draws.chain, draws.spread, np.tile(np.arange(len(draws.chain)), (2, 1)))
     assert judge is not None
     found = [judge(piece) for piece in draws.chunks(n)]
     verdict = np.concatenate([f.verdict for f in found])
@@ -172,9 +172,9 @@ def test_cells_in_another_order_change_nothing_but_their_names():
     draws, moved = Draws(chain, ALL, 0), Draws(other, ALL, 0)
     wanted = orders_of(str(chain.cycle().sequence))
     assert wanted is not None
-    here = Judge.of(chain, draws.spread, wanted)
+    here = DrawJudge.of(chain, draws.spread, wanted)
     renamed = np.array([[order.index(i) for i in side] for side in wanted])
-    there = Judge.of(other, moved.spread, renamed)
+    there = DrawJudge.of(other, moved.spread, renamed)
     assert here is not None and there is not None
     piece = next(draws.chunks(2000)).copy()
     columns = [4 * i + j for i in order for j in range(4)]
@@ -302,7 +302,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
     rng = np.random.default_rng(11)
     for _ in range(examples(4)):
         chain = any_chain(rng, 2)
-        if Judge.of(chain, np.zeros(5), np.zeros((2, 2), np.int64)) is not None:
+        if DrawJudge.of(chain, np.zeros(5), np.zeros((2, 2), np.int64)) is not None:
             continue
         found = yields(chain, replace(ALL, lever=0.0002), samples=12)
         assert found.by_engine == 12 and found.critical is None

@@ -20,7 +20,7 @@ from stepwell.figures.common.style import (
     PHASE,
     cell_colours,
 )
-from stepwell.figures.motion.moving import Round, short
+from stepwell.figures.motion.moving import MotionRound, short
 from stepwell.figures.robots.parts import antenna_line, bracket, in_world, leg_parts, rectangle
 from stepwell.robot import Robot
 from stepwell.simulation import Walk
@@ -59,7 +59,7 @@ class _Picture:
         nows = [int(np.searchsorted(walk.time, time)) for time in times]
         self.seen = [_seen(walk, min(now, len(walk.time) - 1)) for now in nows]
         self.trail = np.column_stack([walk.x, walk.y])[nows[0] :: 10]
-        self.round = Round(_SECONDS)
+        self.round = MotionRound(_SECONDS)
         self.faster = last / _SECONDS
         everywhere = [np.concatenate([one.body, one.blocks, one.bands]) for one in self.seen]
         everywhere += [line for one in self.seen for line in one.antennas]

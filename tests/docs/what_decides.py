@@ -15,7 +15,7 @@ from typing import Any
 
 from stepwell.base import percent
 from stepwell.figures import compose, influences, svg
-from stepwell.studies import Decided, Influence
+from stepwell.studies import DecidingNumbers, Influence
 
 ROOT = Path(__file__).parents[2]
 PAGE, FILE = ROOT / "docs" / "what-decides.md", ROOT / "docs" / "what-decides.json"
@@ -93,7 +93,7 @@ def written(text: str) -> str:
 def drawn(name: str) -> str:
     """What each number of a study decides by itself, as SVG."""
     found = [
-        Decided(
+        DecidingNumbers(
             one["column"],
             "",
             one["designs"],

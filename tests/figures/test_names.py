@@ -28,7 +28,7 @@ from stepwell.figures.common import words as _names
 from stepwell.figures.common.words import literal
 from stepwell.lab.series import paper_cell
 from stepwell.paper import Effect, Sensitivity
-from stepwell.studies import Axis, Decided, Influence, Space, sweep
+from stepwell.studies import Axis, DecidingNumbers, Influence, Space, sweep
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
 ALL = "$\\frac$_^%"
@@ -76,7 +76,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.element_curve, element, source=name)
     yield partial(figures.element_curves, {name: element})
     effects = [Effect(name, 0.1, 0.2, 0.3, 0.4)]
-    decided = Decided(name, "", 60, 0.01, (Influence(name, 0.5, 0.4),))
+    decided = DecidingNumbers(name, "", 60, 0.01, (Influence(name, 0.5, 0.4),))
     yield partial(figures.influences, [decided])
     yield partial(figures.tornado, Sensitivity("share", 0.35, effects))
 

@@ -21,7 +21,7 @@ from golden import reducing
 from golden.cases import Case
 from golden.sketching import sketched
 from stepwell.cli import app
-from stepwell.paper import Claim, Judgement, Verdict
+from stepwell.paper import Claim, ClaimVerdict, Judgement
 
 FROZEN = Path(__file__).parent / "frozen"
 _CLAIMS = Path(__file__).resolve().parents[2] / "docs" / "claims.json"
@@ -190,11 +190,11 @@ def _quick_claims() -> Iterator[None]:
     committed = {one["id"]: one for one in json.loads(_CLAIMS.read_text("utf-8"))["claims"]}
     judge = Claim.judge
 
-    def quick(claim: Claim) -> Verdict:
+    def quick(claim: Claim) -> ClaimVerdict:
         if claim.id not in _SLOW_CLAIMS:
             return judge(claim)
         one = committed[claim.id]
-        return Verdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"])
+        return ClaimVerdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"])
 
     with patch.object(Claim, "judge", quick):
         yield

@@ -10,7 +10,7 @@ from facts import refuses, says
 from lab.machine import recording, saved, there
 from stepwell import lab
 from stepwell.cli import app
-from stepwell.lab.bands.halves import Run, kinds
+from stepwell.lab.bands.halves import LoadingRun, kinds
 
 UP = there(0.040)
 STROKE = np.concatenate([UP, UP[::-1]])
@@ -89,7 +89,7 @@ def test_kinds_are_those_that_every_pair_shows(seed):
     for _ in range(9):
         near = (near.astype(int) @ near.astype(int)) > 0
     wanted = {frozenset(np.flatnonzero(row).tolist()) for row in near}
-    found = kinds(Run(n, 1, str(n), k) for n, k in enumerate(stiff.tolist()))
+    found = kinds(LoadingRun(n, 1, str(n), k) for n, k in enumerate(stiff.tolist()))
     assert {frozenset(run.sample for run in kind.runs) for kind in found} == wanted
     assert found[0].bands == max(map(len, wanted))
 

@@ -17,7 +17,7 @@ import numpy as np
 import stepwell as sw
 from stepwell import lab, robot
 from stepwell.concave import (
-    Judge,
+    DrawJudge,
     SortedChain,
     certify,
     concave_disc,
@@ -234,7 +234,7 @@ def _():
 @route("gaps of many that are made", FORCE)
 def _():
     draws = np.random.default_rng(0).random((3, 16))
-    judge = Judge.of(PAIR, np.array([3e-4, 0.0, 0.0, 1e-4, 0.0]), np.array([[0, 1], [0, 1]]))
+    judge = DrawJudge.of(PAIR, np.array([3e-4, 0.0, 0.0, 1e-4, 0.0]), np.array([[0, 1], [0, 1]]))
     assert judge is not None
     return judge(draws).gap
 

@@ -3,11 +3,11 @@
 import pytest
 
 from claims import committed
-from stepwell.paper.claims import Claim, Verdict
+from stepwell.paper.claims import Claim, ClaimVerdict
 
 
 @pytest.fixture(scope="session")
-def verdicts() -> tuple[Verdict, ...]:
+def verdicts() -> tuple[ClaimVerdict, ...]:
     """What docs/claims.json says; `test_claims_file` holds it against what is computed."""
     return committed()
 

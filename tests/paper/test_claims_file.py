@@ -28,7 +28,7 @@ PAGES = [
 
 
 @pytest.fixture(scope="module")
-def computed() -> dict[str, paper.Verdict]:
+def computed() -> dict[str, paper.ClaimVerdict]:
     """Every claim judged anew: half a minute, so this file's tests of it are the only ones."""
     return {verdict.claim.id: verdict for verdict in paper.run()}
 

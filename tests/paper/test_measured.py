@@ -52,7 +52,7 @@ def changed(folder, tmp_path):
     return shutil.copytree(folder, tmp_path / "changed")
 
 
-def judge(name, folder) -> paper.Verdict:
+def judge(name, folder) -> paper.ClaimVerdict:
     (claim,) = (claim for claim in paper.claims(folder) if claim.id == name)
     return claim.judge()
 

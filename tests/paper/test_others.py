@@ -13,7 +13,7 @@ FILE, PAGE = ROOT / "docs" / "others.json", ROOT / "docs" / "others.md"
 
 
 @pytest.fixture(scope="module")
-def computed() -> dict[str, paper.Verdict]:
+def computed() -> dict[str, paper.ClaimVerdict]:
     """Every claim of others judged anew."""
     return {verdict.claim.id: verdict for verdict in paper.validate()}
 

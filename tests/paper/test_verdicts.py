@@ -23,7 +23,7 @@ from stepwell.paper.claims import judged
 from stepwell.sequences import Pathway
 
 
-def judge(name: str) -> paper.Verdict:
+def judge(name: str) -> paper.ClaimVerdict:
     (claim,) = (claim for claim in paper.claims() if claim.id == name)
     return claim.judge()
 

@@ -60,7 +60,7 @@ def test_a_time_step_far_too_long_breaks_a_rod_and_says_which_and_when():
 
 def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
     one = robot()
-    run = engine.Run(one, None, Settings())
+    run = engine.SimulatedRun(one, None, Settings())
     run.advance(0.1)
     rods = dict(run.rods)
     name = "right.link.out"
@@ -74,7 +74,7 @@ def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
 
 
 def test_of_two_reasons_at_the_same_time_the_one_that_explains_more_is_given():
-    run = engine.Run(robot(), None, Settings())
+    run = engine.SimulatedRun(robot(), None, Settings())
     run.advance(0.1)
     data = run.samples().data
     time = np.linspace(0.0, 0.02 * (len(data) - 1), len(data))

@@ -17,7 +17,7 @@ from simulation.robots import cell, explorer, leg_of_three
 from stepwell.base import ExtraError
 from stepwell.robot import Arena, Goal, Robot, Wall
 from stepwell.simulation import Outcome, Settings, mazes, screen_mazes, screen_walks, sweep
-from stepwell.simulation.engine import Run
+from stepwell.simulation.engine import SimulatedRun
 
 # Looked for and not imported: that takes seconds, of every process that collects the tests.
 if find_spec("mujoco_warp") is None:
@@ -82,10 +82,10 @@ MOON = replace(BASE.floor, gravity=1.6)
 
 
 @pytest.fixture(scope="module")
-def runs() -> list[tuple[Run, Run]]:
+def runs() -> list[tuple[SimulatedRun, SimulatedRun]]:
     """Robots in worlds of their own, the first of which is left behind half way; and alone."""
     both = [
-        (Run(robot, arena, QUICK), Run(robot, arena, QUICK))
+        (SimulatedRun(robot, arena, QUICK), SimulatedRun(robot, arena, QUICK))
         for robot, arena in zip(ROBOTS, YARDS, strict=True)
     ]
     together = [one for one, _ in both]
@@ -96,7 +96,7 @@ def runs() -> list[tuple[Run, Run]]:
     return both
 
 
-def read(run: Run, name: str) -> np.ndarray:
+def read(run: SimulatedRun, name: str) -> np.ndarray:
     samples = run.samples()
     return samples.data[:, samples.where[name]]
 
@@ -120,7 +120,7 @@ def test_each_world_has_its_own_walls(runs):
 def test_what_differs_in_structure_is_stepped_apart():
     three = Robot([leg_of_three("left"), leg_of_three("right")])
     robots = [*ROBOTS, explorer(connected=False), three, replace(BASE, floor=MOON)]
-    groups = worlds.alike([Run(robot, None, QUICK) for robot in robots])
+    groups = worlds.alike([SimulatedRun(robot, None, QUICK) for robot in robots])
     assert [len(group) for group in groups] == [3, 1, 1, 1]
 
 

@@ -22,7 +22,7 @@ from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
 from stepwell.design import Tolerances, parameter
 from stepwell.studies import (
     Axis,
-    Blocks,
+    IndependentBlocks,
     StudyError,
     atlas,
     borders,
@@ -155,7 +155,7 @@ def packed_certificate(chain):
 @pytest.mark.slow
 def test_a_store_that_lost_blocks_is_filled_with_the_same_bytes(tmp_path):
     chain, axes = sw.Chain([CELL] * 2), axes_of(2)
-    blocks = Blocks(axes, 500, 6, seed=3)
+    blocks = IndependentBlocks(axes, 500, 6, seed=3)
     whole = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=0).study
     shutil.copytree(tmp_path / "a", tmp_path / "b")
     (tmp_path / "b" / "graphs" / "c" / "2").unlink()
@@ -171,7 +171,7 @@ def test_a_store_that_lost_blocks_is_filled_with_the_same_bytes(tmp_path):
 
 
 def test_blocks_hold_the_designs_that_a_sweep_draws_one_by_one():
-    blocks = Blocks(axes_of(1), 7, 3, seed=5)
+    blocks = IndependentBlocks(axes_of(1), 7, 3, seed=5)
     chain = sw.Chain([CELL])
     points = np.concatenate([block.points for _, block in blocks.made(chain, 0, 3)])
     assert np.array_equal(points, blocks.space.points(0, 21))
@@ -216,7 +216,9 @@ def test_a_refused_space_leaves_no_store(tmp_path):
 
 
 def test_another_study_is_no_atlas(tmp_path):
-    study = sweep(sw.Chain([CELL]), "graph", Blocks(axes_of(1), 2, 1), tmp_path / "a", workers=0)
+    study = sweep(
+        sw.Chain([CELL]), "graph", IndependentBlocks(axes_of(1), 2, 1), tmp_path / "a", workers=0
+    )
     with pytest.raises(sw.InputError, match="holds no atlas"):
         charted(study.study)
     with pytest.raises(StudyError):
@@ -426,9 +428,11 @@ def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
 @pytest.mark.slow
 def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     chain, axes = sw.Chain([CELL] * 3), axes_of(3)
-    study = sweep(chain, "atlas", Blocks(axes, 30, 5), tmp_path / "a", chunk=1, workers=0).study
+    study = sweep(
+        chain, "atlas", IndependentBlocks(axes, 30, 5), tmp_path / "a", chunk=1, workers=0
+    ).study
     found = charted(study, samples=1, checks=0)
-    names, space = [], Blocks(axes, 30, 5).space
+    names, space = [], IndependentBlocks(axes, 30, 5).space
     for number in range(150):
         (point,) = space.points(number, number + 1).tolist()
         made = changed(chain, [axis.name for axis in axes], point)
@@ -438,5 +442,7 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     assert found.unseen is not None
     assert 0 < new == found.unseen.times and found.unseen.of == 90 == found.told - 60
     assert new / 90 < found.unseen.high < 1
-    one = sweep(chain, "atlas", Blocks(axes, 30, 1), tmp_path / "b", chunk=1, workers=0).study
+    one = sweep(
+        chain, "atlas", IndependentBlocks(axes, 30, 1), tmp_path / "b", chunk=1, workers=0
+    ).study
     assert charted(one, samples=1, checks=0).unseen is None

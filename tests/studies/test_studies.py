@@ -32,11 +32,11 @@ from stepwell.studies import (
     Axis,
     CancelledError,
     How,
+    ListedDesigns,
     Space,
     Study,
     StudyError,
     SweepError,
-    Table,
     Workshop,
     asked,
     begun,
@@ -291,7 +291,7 @@ def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp
 
 def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
     for k, designs in enumerate(
-        (GRID, Table(("outer.q.x",), np.array([[0.01]])), Space(AXES[:1], How.LATIN, 4))
+        (GRID, ListedDesigns(("outer.q.x",), np.array([[0.01]])), Space(AXES[:1], How.LATIN, 4))
     ):
         study = store.begun(Study(tmp_path / str(k), "cycle", sw.files.dumps(LEG), designs, 4))
         with refuses(StudyError, "move", "others"):

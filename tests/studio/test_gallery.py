@@ -14,7 +14,7 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, part, unpacked
 from stepwell.studio.motion import arrays_of, cells_of, drawn
 from studio.pages import Answer
@@ -156,7 +156,7 @@ def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.M
     monkeypatch.setattr(builtins, "__import__", none_of_it)
     found: list[View] = []
     monkeypatch.setattr(designs, "gallery_names", lambda: ["robot-forward"])
-    designs.answer_thumbnails(Design(None), Ask({}, lambda _done, _total: None, found.append))
+    designs.answer_thumbnails(PageDesign(None), Ask({}, lambda _done, _total: None, found.append))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)
     assert found[0].header["cells"] == cells_of(robot.legs[0].chain)

@@ -13,7 +13,7 @@ from stepwell.accounts import account
 from stepwell.design import USUAL, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.studio.answering import answered
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
 
@@ -112,7 +112,7 @@ def test_what_no_closed_form_tells_is_followed_aside_coarse_first():
     from stepwell.studio.answering import answer
 
     shown: list[View] = []
-    last = answer("map_followed", Design(slack), Ask(keys, show=shown.append))
+    last = answer("map_followed", PageDesign(slack), Ask(keys, show=shown.append))
     assert len(shown) > 1
     assert shown[0].header["coarse"] > shown[-1].header["coarse"]
     image = last.blocks["image"]
@@ -221,7 +221,7 @@ def test_a_yield_shows_few_first_and_is_pythons():
     from stepwell.studio.answering import answer
 
     shown: list[View] = []
-    last = answer("yield", Design(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))
+    last = answer("yield", PageDesign(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))
     tolerances = sw.Tolerances(anchor=3e-3, stiffness=USUAL.stiffness)
     chain = sw.preset("paper-forward")
     assert last.header == _judged(chain, chain.yields(tolerances))

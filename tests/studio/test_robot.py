@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.accounts import account
 from stepwell.studio.answering import answer, is_long
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.standalone import replay
 from studio.test_panels import ask, tables
 
@@ -23,7 +23,7 @@ SMALL = {"start_mm": [0, 0], "wall": [WALL], "goal": {"at_mm": [150, 0], "radius
 def run(kind: str, design: str, **keys: Any) -> tuple[dict[str, Any], dict[str, Any], list[View]]:
     """The last answer of a run with the samples of all of them, and what was shown before."""
     shown: list[View] = []
-    last = answer(kind, Design(tables(design)), Ask(keys, show=shown.append))
+    last = answer(kind, PageDesign(tables(design)), Ask(keys, show=shown.append))
     parts = [*shown, last]
     blocks = {name: np.concatenate([one.blocks[name] for one in parts]) for name in last.blocks}
     return as_told(last.header), blocks, parts
@@ -146,7 +146,7 @@ def test_a_chain_is_no_robot(kind: str):
 @pytest.mark.slow
 def test_the_replay_of_a_run_is_pythons():
     def page(**keys: Any) -> str:
-        view = answer("replay", Design(tables("robot-explorer")), Ask(keys))
+        view = answer("replay", PageDesign(tables("robot-explorer")), Ask(keys))
         return view.blocks["file"].tobytes().decode()
 
     robot = sw.preset("robot-explorer")
@@ -167,4 +167,4 @@ def test_the_replay_of_a_run_is_pythons():
 )
 def test_a_replay_that_cannot_be_is_refused(keys: dict[str, Any], words: str):
     with pytest.raises(ValueError, match=words):
-        answer("replay", Design(tables("robot-explorer")), Ask(keys))
+        answer("replay", PageDesign(tables("robot-explorer")), Ask(keys))

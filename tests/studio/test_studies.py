@@ -145,7 +145,7 @@ def test_the_line_for_a_terminal_begins_the_same_study(
 
     def kept(study: Study, *_more: Any) -> Any:
         meant.append(study)
-        return study if len(meant) == 1 else studies.Estimate(1, 1, 1.0, 1.0, 1, 1)
+        return study if len(meant) == 1 else studies.StudyEstimate(1, 1, 1.0, 1.0, 1, 1)
 
     # Nothing is computed: what would be is compared.
     monkeypatch.setattr(panels, "begun", kept)

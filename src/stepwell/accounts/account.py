@@ -54,7 +54,7 @@ class Notes:
 
 
 @dataclass(frozen=True)
-class Table:
+class RecordTable:
     """Records as a table.
 
     Args:
@@ -94,7 +94,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Motion:
+class Replay:
     """The motion of the result as a replay; pages show it, or `instead` where there is none."""
 
     title: str
@@ -117,7 +117,7 @@ class Verbatim:
     level: Level = Level.TERMINAL
 
 
-Part = Text | Notes | Table | Picture | Motion | Verbatim
+Part = Text | Notes | RecordTable | Picture | Replay | Verbatim
 
 
 class Section:
@@ -214,7 +214,7 @@ class Account:
         texts = {one.label: one.text if isinstance(one.text, str) else one.text() for one in kept}
         return {label: text for label, text in texts.items() if text}
 
-    def rows(self, table: Table) -> Sequence[Row]:
+    def rows(self, table: RecordTable) -> Sequence[Row]:
         """The rows of a table of this account."""
         if callable(table.rows):
             return table.rows()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
+from stepwell.accounts.account import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.head import About
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, amount, counted, number, record, told_in
@@ -225,7 +225,7 @@ def atlas_account(
             Section(
                 "Machines, highest yield first" if query else "Machines, most frequent first",
                 Picture("machines", "The most frequent machines, their fractions and yields"),
-                Table(
+                RecordTable(
                     _MACHINES,
                     lambda: [record(_MACHINES, one) for one in shown],
                     most=_ROWS,
@@ -236,7 +236,7 @@ def atlas_account(
             Section("Columns of the table", Text(_defined(found) if shown else "", Level.CARD)),
             Section(
                 "Full cycles",
-                Table(
+                RecordTable(
                     _CYCLES,
                     lambda: [record(_CYCLES, one) for one in found.cycles],
                     "The inner cell is the first.",
@@ -245,7 +245,7 @@ def atlas_account(
             ),
             Section(
                 "Varied parameters",
-                Table(
+                RecordTable(
                     VARIED,
                     lambda: [record(VARIED, one) for one in _space(found)],
                     "All designs were drawn evenly between these ends.",

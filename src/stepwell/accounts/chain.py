@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from stepwell.accounts.account import Account, Fact, Level, Section, Table
+from stepwell.accounts.account import Account, Fact, Level, RecordTable, Section
 from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
@@ -159,7 +159,7 @@ def cell_section(chain: Chain) -> Section:
         )
         if any(element.error_band for element in chain.elements):
             about += " ±: the largest deviation of measured points from the curve."
-    cells = Table(
+    cells = RecordTable(
         cell_columns(schema, chain),
         lambda: [record(schema, one) for one in named(chain)],
         about,
@@ -169,12 +169,12 @@ def cell_section(chain: Chain) -> Section:
     return Section("Cells, innermost first", cells, band_table(chain))
 
 
-def band_table(chain: Chain, level: Level = Level.PAGE) -> Table:
+def band_table(chain: Chain, level: Level = Level.PAGE) -> RecordTable:
     """The bands of all cells with levers."""
     bands = [
         (name, band) for name, cell in named(chain) if isinstance(cell, Cell) for band in cell.bands
     ]
-    return Table(
+    return RecordTable(
         BAND,
         lambda: [record(BAND, band, name=name) for name, band in bands],
         "Bands: p is the anchor on the inner block, q on the outer block.",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Level, Part, Section, Table
+from stepwell.accounts.account import Account, Level, Part, RecordTable, Section
 from stepwell.accounts.head import About, Shape
 from stepwell.base import (
     Column,
@@ -154,7 +154,7 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
         if math.isfinite(margin.gap)
         else ""
     )
-    table = Table(
+    table = RecordTable(
         _columns(chain, near),
         lambda: [record(schema, change) for change in near],
         f"The smallest change of one thing at a time that gives another sequence ({how})"

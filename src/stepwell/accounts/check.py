@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import Account, Fact, Motion, Picture, Section, Warned
+from stepwell.accounts.account import Account, Fact, Picture, Replay, Section, Warned
 from stepwell.accounts.changes import change_schema, critical_words
 from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.words import (
@@ -134,7 +134,7 @@ def check_account(found: Check, about: About | None = None) -> Account:
                 Picture("yield", OUTCOMES),
                 Picture("force-plane", FORCE_PLANE),
             ),
-            Section("Motion", Motion(found.wanted)),
+            Section("Motion", Replay(found.wanted)),
             calibration(about),
             assumed(chain, found.yield_.assumptions),
         ),

@@ -14,8 +14,8 @@ from stepwell.accounts.account import (
     Level,
     Part,
     Picture,
+    RecordTable,
     Section,
-    Table,
     Text,
 )
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
@@ -177,7 +177,7 @@ def design_account(found: Design, about: About | None = None) -> Account:
 
 def _cells(found: Design) -> Section:
     schema = built_schema(Shape.of(found.chain))
-    table = Table(
+    table = RecordTable(
         cell_columns(schema, found.chain),
         lambda: [record(schema, one) for one in named(found.chain)],
         "" if found.chain.elements else "p is the anchor on the inner block, q on the outer block.",
@@ -334,10 +334,10 @@ def _number(found: Reprogramming, value: Any) -> str:
     return f"{number(value * factor)} {Quantity('', unit).sign}".removesuffix(" 1")
 
 
-def _force_table(found: Reprogramming) -> Table:
+def _force_table(found: Reprogramming) -> RecordTable:
     """The force on the way of an anchor."""
     distance = to_unit(found.distance, "mm")
-    return Table(
+    return RecordTable(
         [
             Column("moved [mm]", lambda row: number(row["fraction"] * distance), True),
             Column("x [mm]", lambda row: number(row["at_mm"][0]), True),

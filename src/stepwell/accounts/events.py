@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.accounts.account import Account, Level, Section, Table, Text
+from stepwell.accounts.account import Account, Level, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
 from stepwell.base import (
     Column,
@@ -114,7 +114,7 @@ def event_section(
     schema = event_schema(shape)
     arriving = "in another phase" if chain.elements else "at a stop"
     words = landing_words(landings)
-    table = Table(
+    table = RecordTable(
         _columns(chain),
         lambda: [record(schema, event) for event in events],
         f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
@@ -155,7 +155,7 @@ def elsewhere_section(
         "nearest to those given that were found to lead there, and the fraction of the samples."
     )
     return Section(
-        "Landings that other mobilities of the cells change", Table(columns, rows, about)
+        "Landings that other mobilities of the cells change", RecordTable(columns, rows, about)
     )
 
 

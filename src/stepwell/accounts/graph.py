@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Fact, Section, Table, Text
+from stepwell.accounts.account import Account, Fact, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, listed, tie_notes
 from stepwell.base import Column, Columns, Quantity, Schema
@@ -213,7 +213,7 @@ def walked_account(walked: Walked, about: About | None = None) -> Account:
         about=about or About(graph.chain),
         facts=[Fact(name, text) for name, text in graph.facts.items()],
         warnings=[degenerate(graph.ties, graph.chain)],
-        sections=[Section(heading, Table(_walked_columns(walked), "walk", more="nodes"))],
+        sections=[Section(heading, RecordTable(_walked_columns(walked), "walk", more="nodes"))],
     )
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.accounts.account import Account, Fact, Level, Picture, Section, Table, Text
+from stepwell.accounts.account import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.head import About
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
@@ -115,7 +115,7 @@ def map_account(view: MapView, about: About | None = None) -> Account:
         Quantity("sequence", head="sequence"),
         Column("share of the map", lambda row: percent(row["share"]), True),
     ]
-    by_share = Table(columns, lambda: rows, most=None, more="sequences", level=Level.CARD)
+    by_share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=Level.CARD)
     return Account(
         view,
         str(data.attrs["title"]) or "Map",
@@ -132,7 +132,7 @@ def map_account(view: MapView, about: About | None = None) -> Account:
             Section("Sequences", by_share),
             Section(
                 "Boundaries",
-                Table(
+                RecordTable(
                     (*_BOUNDARY, Column("within", _error)),
                     "boundaries",
                     "The curves between the sequences.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Fact, Level, Section, Table, Verbatim
+from stepwell.accounts.account import Account, Fact, Level, RecordTable, Section, Verbatim
 from stepwell.accounts.head import About
 from stepwell.base import Column, Columns, Quantity, Schema, __version__, counted, record
 
@@ -87,9 +87,9 @@ def installation_account(found: Installation, about: About | None = None) -> Acc
     )
 
 
-def _table(of: Schema, rows: Sequence[Any], columns: Columns = ()) -> Table:
+def _table(of: Schema, rows: Sequence[Any], columns: Columns = ()) -> RecordTable:
     found = [record(of, one) for one in rows]
-    return Table(columns or of, lambda: found, most=None)
+    return RecordTable(columns or of, lambda: found, most=None)
 
 
 def _answer(found: Installation) -> str:
@@ -124,7 +124,7 @@ PRESETS: Schema = (Quantity("presets", read=lambda found: found.items(), holds=[
 def presets_account(found: Presets, about: About | None = None) -> Account:
     """What is reported of the designs that come with Stepwell."""
     rows = [record(_PRESET, one) for one in found.items()]
-    table = Table(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
+    table = RecordTable(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
     return Account(
         found,
         "Designs that come with Stepwell",
@@ -165,10 +165,10 @@ def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
         answer=f"{found.agreed} of {len(found)} claims agree",
         about=about or About(),
         sections=(
-            Section("Claims", Table(compared, lambda: rows, "", wide, None, "claims")),
+            Section("Claims", RecordTable(compared, lambda: rows, "", wide, None, "claims")),
             Section(
                 "Reasons and limits",
-                Table((_ID, _REASON), lambda: reasons, most=None, more="reasons"),
+                RecordTable((_ID, _REASON), lambda: reasons, most=None, more="reasons"),
             ),
         ),
     )

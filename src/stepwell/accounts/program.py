@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.accounts.account import Account, Fact, Level, Motion, Picture, Section, Table, Text
+from stepwell.accounts.account import (
+    Account,
+    Fact,
+    Level,
+    Picture,
+    RecordTable,
+    Replay,
+    Section,
+    Text,
+)
 from stepwell.accounts.chain import actuator_schema
 from stepwell.accounts.events import (
     elsewhere_section,
@@ -117,7 +126,7 @@ def program_account(program: Program, about: About | None = None) -> Account:
         warnings=[degenerate(path.degenerate, chain)],
         sections=(
             Section("Path", Picture("program", "The program, and the motion of the cells")),
-            Section("Motion", Motion(chain.title)),
+            Section("Motion", Replay(chain.title)),
             _turns(program),
             event_section(chain, path.events, landings),
             elsewhere_section(chain, path.events, landings),
@@ -143,7 +152,7 @@ def _turns(program: Program) -> Section:
     def rows() -> list[dict[str, Any]]:
         return [{"turn": k} | record(columns, one) for k, one in enumerate(program.turns, 1)]
 
-    table = Table(
+    table = RecordTable(
         [Quantity("turn", head="turn"), *columns[: None if known else -1]],
         rows,
         "Anywhere in its tolerance interval each turn gives the same motion.",

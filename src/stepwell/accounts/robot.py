@@ -13,9 +13,9 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    RecordTable,
     Row,
     Section,
-    Table,
     Warned,
 )
 from stepwell.accounts.head import About
@@ -198,7 +198,7 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
             ),
             Section(
                 "Predicted gaits",
-                Table(
+                RecordTable(
                     _LEG,
                     lambda: [record(_LEG, leg) for leg in found.legs],
                     "Margin: the smallest force on one cell that changes the gait. "
@@ -210,7 +210,7 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
             ),
             Section(
                 "Pushes",
-                Table(
+                RecordTable(
                     (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:]),
                     "prediction",
                     "How far the body goes of each step, and up to which drag of the floor.",
@@ -221,7 +221,7 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
             ),
             Section(
                 "Gait changes by antennas",
-                Table(
+                RecordTable(
                     (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:]),
                     "prediction",
                     "How far an antenna moves the anchor before the gait of its leg changes.",
@@ -290,7 +290,7 @@ def parameter_section(robot: Robot, level: Level = Level.PAGE) -> Section:
     about = "Every number with its source; its key is that of the design file."
     rows = partial(_parameter_rows, robot)
     return Section(
-        "Parameters", Table(columns, rows, about, most=None, more="numbers", level=level)
+        "Parameters", RecordTable(columns, rows, about, most=None, more="numbers", level=level)
     )
 
 

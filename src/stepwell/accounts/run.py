@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import Account, Fact, Level, Motion, Part, Picture, Section, Text
+from stepwell.accounts.account import Account, Fact, Level, Part, Picture, Replay, Section, Text
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
 from stepwell.accounts.changes import margin_schema, margin_section, margin_words, otherwise_words
 from stepwell.accounts.events import (
@@ -136,7 +136,7 @@ def run_account(run: Run, about: About | None = None) -> Account:
                 Picture("around", "Sequences around the most sensitive anchor"),
             ),
             _samples(run, tied),
-            Section("Motion", Motion(chain.title, _NOT_PLAYED)),
+            Section("Motion", Replay(chain.title, _NOT_PLAYED)),
             Section("Figures", *_pictures(chain)),
             assumed(chain),
         ),

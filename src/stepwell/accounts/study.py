@@ -11,8 +11,8 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    RecordTable,
     Section,
-    Table,
     Text,
     Warned,
 )
@@ -197,7 +197,7 @@ def study_account(found: Status, about: About | None = None) -> Account:
             Section(
                 "Influence of each number",
                 Picture("influences", "Fraction of the variance that each number explains"),
-                Table(
+                RecordTable(
                     _DECIDING,
                     lambda: deciding,
                     "The fraction of a column's variance that a number explains by itself, and "
@@ -214,9 +214,9 @@ def study_account(found: Status, about: About | None = None) -> Account:
     )
 
 
-def _table(columns: Schema, found: Status, name: str, about: str, more: str) -> Table:
+def _table(columns: Schema, found: Status, name: str, about: str, more: str) -> RecordTable:
     rows = getattr(found, name)
-    return Table(
+    return RecordTable(
         columns, lambda: [record(columns, one) for one in rows], about, most=None, more=more
     )
 
@@ -355,7 +355,7 @@ def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
             Section("Results", Picture("sweep", "What each robot does in a cycle")),
             Section(
                 "Robots",
-                Table(
+                RecordTable(
                     (*varied, *TRIAL),
                     "trials",
                     "One row for each robot.",
@@ -403,7 +403,7 @@ def convergence_account(found: Convergence, about: About | None = None) -> Accou
         sections=(
             Section(
                 "Time steps",
-                Table(
+                RecordTable(
                     (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4]),
                     "time_steps",
                     most=None,

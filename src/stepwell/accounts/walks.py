@@ -11,12 +11,12 @@ from stepwell.accounts.account import (
     Account,
     Fact,
     Level,
-    Motion,
     Notes,
     Picture,
+    RecordTable,
+    Replay,
     Row,
     Section,
-    Table,
     Warned,
 )
 from stepwell.accounts.head import About
@@ -147,7 +147,7 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", Motion(title)),
+            Section("Motion", Replay(title)),
             Section(
                 "Path, gait and contacts",
                 Picture("trajectory", "Path from above, and advance and turn of each cycle"),
@@ -156,7 +156,7 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
             ),
             Section(
                 "Gaits",
-                Table(
+                RecordTable(
                     (_LEG[0], *_GAITS),
                     "legs",
                     "The states of the cells in a cycle, and how far the foot slips.",
@@ -167,7 +167,7 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
             ),
             Section(
                 "Cycles",
-                Table(
+                RecordTable(
                     (_CYCLE, *_CYCLES),
                     lambda: _cycles(walk),
                     "d/u_max is the advance over the largest step of the legs.",
@@ -308,22 +308,23 @@ def maze_account(maze: Maze, about: About | None = None) -> Account:
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", Motion(title)),
+            Section("Motion", Replay(title)),
             Section(
                 "Path",
                 Picture("maze", "Path from above"),
                 Picture("timeline", "Antennas, gaits and obstacles over time"),
             ),
             Section(
-                "Obstacles", Table(_TOUCHED, "touched", "When each was first touched.", most=None)
+                "Obstacles",
+                RecordTable(_TOUCHED, "touched", "When each was first touched.", most=None),
             ),
             Section(
                 "Antenna contacts",
-                Table((*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."),
+                RecordTable((*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."),
             ),
             Section(
                 "Gait changes",
-                Table(
+                RecordTable(
                     _CHANGE,
                     "changes",
                     "From which cycle on a leg has another gait.",

@@ -12,8 +12,8 @@ from stepwell.accounts.account import (
     Level,
     Part,
     Picture,
+    RecordTable,
     Section,
-    Table,
     Text,
     Warned,
 )
@@ -209,9 +209,9 @@ def advised(found: Yield) -> Warned:
     return Warned("No sample reproduces the target", "", [found.advice] if found.advice else [])
 
 
-def other_outcomes(found: Yield) -> Table:
+def other_outcomes(found: Yield) -> RecordTable:
     """What the samples do that do not reproduce the target."""
-    return Table(
+    return RecordTable(
         [
             Column("other outcome", itemgetter("outcome")),
             Column("fraction", lambda row: percent(row["count"] / found.n), True),
@@ -228,7 +228,7 @@ def _sensitivities(found: Yield) -> list[Part]:
     rows = sorted(_parts(found) or (), key=itemgetter(2), reverse=True)
     agreed = _of_gap(found, "agreed")
     return [
-        Table(
+        RecordTable(
             _PART,
             lambda: [record(_PART, row) for row in rows],
             "The fraction of the variance of the smallest gap between two switching forces that "

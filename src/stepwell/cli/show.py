@@ -400,7 +400,7 @@ def demo(
         show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
-    told: list[tuple[reports.Telling, reports.Step]] = []
+    told: list[tuple[reports.Telling, reports.StoryStep]] = []
     for telling in reports.STEPS:
         if telling in left_out:
             continue

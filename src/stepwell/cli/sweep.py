@@ -28,7 +28,7 @@ from stepwell.cli.screen import (
 )
 
 if TYPE_CHECKING:
-    from stepwell.studies import Axis, Designs, Estimate, Study
+    from stepwell.studies import Axis, Designs, Study, StudyEstimate
 
 commands = typer.Typer(
     no_args_is_help=True,
@@ -534,7 +534,7 @@ def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
     return own
 
 
-def _tell(found: Estimate) -> None:
+def _tell(found: StudyEstimate) -> None:
     from stepwell.base import counted, to_unit
 
     minutes = found.seconds / 60

@@ -217,7 +217,7 @@ class Judged(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Judge:
+class DrawJudge:
     """Judges many draws of one chain by one wanted cycle."""
 
     cells: Floats  # (N, 7) as `judged` takes them
@@ -226,7 +226,7 @@ class Judge:
     drive: int
 
     @classmethod
-    def of(cls, chain: Chain, spread: Floats, wanted: Ints) -> "Judge | None":
+    def of(cls, chain: Chain, spread: Floats, wanted: Ints) -> "DrawJudge | None":
         """None where a cell has several bands, a bent law or a load: no closed form at all."""
         cells: list[list[float]] = []
         for cell in chain.cells:

@@ -459,7 +459,7 @@ def _tallied(
     return True
 
 
-class Tally:
+class KeyCounts:
     """How often each key came, and where with the largest gap; of any number of designs."""
 
     def __init__(self, most: int):

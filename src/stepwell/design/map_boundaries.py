@@ -17,7 +17,7 @@ from stepwell.design.plane import (
     RESOLVED,
     Boundary,
     BoundaryKind,
-    Level,
+    LevelCurve,
     Method,
     curves,
     parted,
@@ -267,7 +267,7 @@ class _Exact(Generic[K]):
     ):
         self._measure, self._kinds, self._function = measure, kinds, function
         self._label = label
-        self._levels: list[Level] = []
+        self._levels: list[LevelCurve] = []
 
     def curves(self) -> list[tuple[K, tuple[int, int], Floats, float]]:
         """Which function, the labels on both sides, points, and how far they are off at most.
@@ -278,11 +278,11 @@ class _Exact(Generic[K]):
         grid = _square(_GRID)
         at = self._measure(grid.reshape(-1, 2))
         for k in self._kinds:
-            level = Level(lambda t, k=k: self._function(self._measure(t), k))
+            level = LevelCurve(lambda t, k=k: self._function(self._measure(t), k))
             for line in curves(level, grid, self._function(at, k).reshape(_GRID, _GRID)):
                 smooth = smoothed(line, level.project, _SMOOTH)
 
-                def sides(t: Floats, level: Level = level) -> Ints:
+                def sides(t: Floats, level: LevelCurve = level) -> Ints:
                     codes, t = self._sides(level, t)
                     # Where a curve before this one runs along with it, there it is told already.
                     for other in self._levels:
@@ -304,7 +304,7 @@ class _Exact(Generic[K]):
             on[near] |= self._sides(level, t[near])[0] >= 0
         return on
 
-    def _sides(self, level: Level, t: Floats) -> tuple[Ints, Floats]:
+    def _sides(self, level: LevelCurve, t: Floats) -> tuple[Ints, Floats]:
         """The labels on both sides of a level as one number, -1 where they do not differ.
 
         At the points of the level (m, 2) beside t, which come with them.

@@ -286,7 +286,7 @@ _AROUND = _STEP * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.
 
 
 @dataclass(frozen=True)
-class Level:
+class LevelCurve:
     """The curve along which `function`, of (m, 2) places in the unit square, is zero."""
 
     function: Callable[[Floats], Floats]
@@ -320,7 +320,7 @@ class Level:
         return np.abs(value) / np.linalg.norm(slope, axis=1)
 
 
-def curves(level: Level, grid: Floats, values: Floats) -> list[Floats]:
+def curves(level: LevelCurve, grid: Floats, values: Floats) -> list[Floats]:
     """The curve on a grid, as polylines.
 
     Args:
@@ -343,7 +343,7 @@ def curves(level: Level, grid: Floats, values: Floats) -> list[Floats]:
     return found
 
 
-def _crossings(level: Level, a: Floats, b: Floats, at_a: Floats, at_b: Floats) -> Floats:
+def _crossings(level: LevelCurve, a: Floats, b: Floats, at_a: Floats, at_b: Floats) -> Floats:
     """Where (m,) edges from a to b, (m, 2) each, cross the level, between values of unlike sign.
 
     By false position after the Illinois rule (Dowell and Jarratt 1971): it cannot leave the edge,

@@ -66,7 +66,7 @@ class Switches:
                 held[:, t, 1] = np.minimum(held[:, t, 1], held[:, t + 1, 1])
         return held
 
-    def motion(self, forces: Floats) -> Motion:
+    def motion(self, forces: Floats) -> RelayCycles:
         """What m chains of relays do under a force that rises over all of these and falls again.
 
         Args:
@@ -85,11 +85,11 @@ class Switches:
         together = same_cell & (apart == 0.0)
         least = TIED * np.max(np.abs(forces), axis=(1, 2), initial=0.0)
         tied = np.any(~same_cell & (apart <= least[:, None, None]), axis=(1, 2))
-        return Motion(self, order, together, tied)
+        return RelayCycles(self, order, together, tied)
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RelayCycles:
     """What m chains of relays do in a full cycle.
 
     Attributes:

@@ -149,7 +149,7 @@ def compose(
     count = _count(given)
     if letters not in LETTERS:
         raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
-    panel = sheet.Panel(lettered=count > 1 and letters != "none")
+    panel = sheet.CurrentPanel(lettered=count > 1 and letters != "none")
     rows = [_laid(row, width, panel) for row in _rows(given, width, columns, panel)]
     share = sum(cell.size.keyed for row in rows for cell in row) > 1
     legend: list[Artist] | None = [] if share else None
@@ -179,7 +179,11 @@ def _count(panels: Sequence[sheet.Draw | Sequence[sheet.Draw]]) -> int:
 
 
 def _draw_row(
-    figure: Figure, row: Sequence[_Cell], top: float, panel: sheet.Panel, names: Iterator[str]
+    figure: Figure,
+    row: Sequence[_Cell],
+    top: float,
+    panel: sheet.CurrentPanel,
+    names: Iterator[str],
 ) -> None:
     """Panels beside each other, each with its letter, under a height of the page [mm]."""
     left = 0.0
@@ -203,7 +207,7 @@ def _rows(
     panels: Sequence[sheet.Draw | Sequence[sheet.Draw]],
     width: float,
     columns: int | None,
-    panel: sheet.Panel,
+    panel: sheet.CurrentPanel,
 ) -> list[list[sheet.Draw]]:
     """What stands beside each other."""
     if columns is not None and not 1 <= columns <= MOST_PANELS:
@@ -223,7 +227,7 @@ def _rows(
     return found
 
 
-def _may_share(draw: sheet.Draw, width: float, panel: sheet.Panel) -> bool:
+def _may_share(draw: sheet.Draw, width: float, panel: sheet.CurrentPanel) -> bool:
     """Whether a panel is not two columns wide by itself, and can have this width [mm]."""
     if sheet.measured(draw, panel).width >= style.PAGE:
         return False
@@ -233,7 +237,7 @@ def _may_share(draw: sheet.Draw, width: float, panel: sheet.Panel) -> bool:
         return False
 
 
-def _laid(row: list[sheet.Draw], width: float, panel: sheet.Panel) -> list[_Cell]:
+def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> list[_Cell]:
     """The panels of a row, each as wide as the others, all that can be as high as the highest."""
     each = (width - _BETWEEN * (len(row) - 1)) / len(row)
     if not each >= NARROWEST:

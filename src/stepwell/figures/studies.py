@@ -16,7 +16,7 @@ from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus, shortened
 
 if TYPE_CHECKING:
-    from stepwell.studies import Decided, Influence, Study
+    from stepwell.studies import DecidingNumbers, Influence, Study
 
 
 _ROW, _HEAD, _FOOT, _RIGHT = 5.2, 10.0, 8.0, 3.0
@@ -29,7 +29,7 @@ _DARK = 0.9
 
 
 @style.styled
-def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None) -> Figure:
+def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None = None) -> Figure:
     """How much of each thing that was found each number decides by itself.
 
     Args:

@@ -9,7 +9,15 @@ from stepwell.lab.builds import Observed, Pull, WrongHole, pulls_of
 from stepwell.lab.calibration import Calibration, Correlated, FittedParameter, calibrate
 from stepwell.lab.cell_test import RISE, CellReading, CellTest, Rise
 from stepwell.lab.comparison import Comparison, Refit, compare, refit
-from stepwell.lab.first_build import FIRST_BUILD, WRONG_HOLE, AsBuilt, Known, Move, Step, as_built
+from stepwell.lab.first_build import (
+    FIRST_BUILD,
+    WRONG_HOLE,
+    AnchorMove,
+    AsBuilt,
+    Known,
+    Move,
+    as_built,
+)
 from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.pair_test import PairTest
@@ -70,7 +78,7 @@ __all__ = [
     "Series",
     "SnapPrediction",
     "Sorted",
-    "Step",
+    "AnchorMove",
     "WRONG_HOLE",
     "Weighing",
     "WrongHole",

@@ -37,7 +37,7 @@ _ENOUGH, _PAIRED = 0.95, 8
 
 
 @dataclass(frozen=True, eq=False)
-class Step(ByValue):
+class AnchorMove(ByValue):
     """One anchor moved along x or y.
 
     Attributes:
@@ -61,7 +61,7 @@ class Step(ByValue):
         return f"{named(self.anchor)} {words}, by ({dx}, {dy}) mm"
 
     def __repr__(self):
-        return f"Step({self})"
+        return f"AnchorMove({self})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Move(ByValue):
         share: of the builds that agree with what was seen, how many then do what is wanted.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[AnchorMove, ...]
     share: float
 
     @property
@@ -135,7 +135,7 @@ def best_moves(
         held = [move for move in again if move.share - than > _chance(move.share, than, len(built))]
         return sorted(held, key=lambda move: -move.share)
 
-    def judged(steps: tuple[Step, ...]) -> Move:
+    def judged(steps: tuple[AnchorMove, ...]) -> Move:
         tried()
         return _judged(steps, built[:_FIRST], wanted)
 
@@ -165,13 +165,13 @@ def moves_of(chain: Chain) -> int:
     return MOST_HOLES * steps + paired * (paired - 1) // 2
 
 
-def _steps(drawing: Chain, hole: float, holes: int) -> list[Step]:
-    found: list[Step] = []
+def _steps(drawing: Chain, hole: float, holes: int) -> list[AnchorMove]:
+    found: list[AnchorMove] = []
     for anchor in outer_anchors(drawing):
         was = place_of(anchor, drawing)
         for x, y in WAYS:
             to = was[0] + holes * hole * x, was[1] + holes * hole * y
-            found.append(Step(anchor, was, to, holes))
+            found.append(AnchorMove(anchor, was, to, holes))
     return found
 
 
@@ -187,7 +187,7 @@ def _chance(one: float, other: float, n: int) -> float:
     return 2.0 * math.sqrt(2.0 * both * (1.0 - both) / n)
 
 
-def _judged(steps: tuple[Step, ...], built: Sequence[Chain], wanted: str) -> Move:
+def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], wanted: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
         try:

@@ -1,7 +1,7 @@
 """Claims of the paper and of others as data, each with a function that computes ours."""
 
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
-from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, Verdicts, markdown
+from stepwell.paper.claims import Claim, ClaimVerdict, Finding, Judgement, Verdicts, markdown
 from stepwell.paper.run import claims, others, run, validate
 from stepwell.paper.sensitivity import Effect, Sensitivity, sensitivities
 from stepwell.paper.walking import robot, walk_of
@@ -12,7 +12,7 @@ __all__ = [
     "Finding",
     "Judgement",
     "Sensitivity",
-    "Verdict",
+    "ClaimVerdict",
     "Verdicts",
     "claims",
     "markdown",

@@ -61,7 +61,7 @@ class Claim(ByValue):
     tolerance: str
     find: Callable[..., Finding] = field(repr=False)
 
-    def judge(self) -> Verdict:
+    def judge(self) -> ClaimVerdict:
         """Compute ours and compare; without the simulator say so, if that takes it."""
         try:
             finding = self.find()
@@ -69,11 +69,11 @@ class Claim(ByValue):
             if error.name is None or not error.name.startswith("mujoco"):
                 raise
             finding = Finding("", Judgement.NEEDS_MUJOCO, "pip install 'stepwell[robot]'")
-        return Verdict(self, finding.ours, finding.verdict, finding.reason)
+        return ClaimVerdict(self, finding.ours, finding.verdict, finding.reason)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict(ByValue):
+class ClaimVerdict(ByValue):
     """What became of a claim.
 
     Attributes:
@@ -90,12 +90,12 @@ class Verdict(ByValue):
 
     def __repr__(self):
         return (
-            f"Verdict({self.claim.id} {self.verdict}: paper {self.claim.paper_value}; "
+            f"ClaimVerdict({self.claim.id} {self.verdict}: paper {self.claim.paper_value}; "
             f"ours {self.ours})"
         )
 
 
-class Verdicts(tuple[Verdict, ...], Shown):
+class Verdicts(tuple[ClaimVerdict, ...], Shown):
     """A verdict for each claim, in the order of the claims."""
 
     __slots__ = ()
@@ -138,7 +138,7 @@ BEGIN = "<!-- claims: written by `python tests/docs/claims_pages.py`, not by han
 END = "<!-- end of claims -->"
 
 
-def markdown(verdicts: Iterable[Verdict]) -> str:
+def markdown(verdicts: Iterable[ClaimVerdict]) -> str:
     """The verdicts as a Markdown table, reasons and notes below it.
 
     Args:
@@ -169,7 +169,7 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
     return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 
-def _count(verdicts: tuple[Verdict, ...]) -> str:
+def _count(verdicts: tuple[ClaimVerdict, ...]) -> str:
     found = [verdict.verdict for verdict in verdicts]
     words = {
         Judgement.AGREES: "agree",

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from stepwell.base import need
 from stepwell.paper.cells import CELL_CLAIMS, MISPRINT_CLAIMS
-from stepwell.paper.claims import Claim, Verdict, Verdicts
+from stepwell.paper.claims import Claim, ClaimVerdict, Verdicts
 from stepwell.paper.measured import claims as measured_claims
 from stepwell.paper.order import MORE_CELLS_CLAIMS, ORDER_CLAIMS
 from stepwell.paper.others.elements import BALLOON_CLAIMS, COUNTERSNAPPING_CLAIMS, KRESLING_CLAIMS
@@ -105,7 +105,7 @@ def run(
 
 
 def _judged(asked: tuple[Claim, ...], progress: Progress | None) -> Verdicts:
-    found: list[Verdict] = []
+    found: list[ClaimVerdict] = []
     for claim in asked:
         found.append(claim.judge())
         if progress is not None:

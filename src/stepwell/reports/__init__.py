@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.story.page import write_story
-from stepwell.reports.story.steps import OPENING, STEPS, Step, Telling
+from stepwell.reports.story.steps import OPENING, STEPS, StoryStep, Telling
 from stepwell.reports.write import boundary_rows, checked_suffix, write, write_graph
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ __all__ = [
     "OPENING",
     "PANELS",
     "STEPS",
-    "Step",
+    "StoryStep",
     "Telling",
     "boundary_rows",
     "checked_suffix",

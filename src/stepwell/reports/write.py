@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts import About, Account, Drawn, Image, account, page
+from stepwell.accounts import About, Account, FigurePair, Image, account, page
 from stepwell.base import (
     InputError,
     Quantity,
@@ -172,11 +172,11 @@ def _motion(found: Account, contents: Contents) -> str:
         return ""
 
 
-def _drawn(figure: Figure, draw: Draw) -> Drawn:
+def _drawn(figure: Figure, draw: Draw) -> FigurePair:
     """A figure on a page; one that is wider than a phone is drawn for phones too."""
     if 25.4 * figure.get_size_inches()[0] <= PHONE + 1.0:
-        return Drawn(image_of(figure))
-    return Drawn(image_of(figure), image_of(narrow(draw)))
+        return FigurePair(image_of(figure))
+    return FigurePair(image_of(figure), image_of(narrow(draw)))
 
 
 def narrow(draw: Draw) -> Figure:

@@ -92,7 +92,7 @@ class Turns(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Phase:
+class FootPhase:
     """A part of a way in which the foot stands, or is in the air.
 
     Attributes:
@@ -153,7 +153,7 @@ class Phase:
 class HalfRound:
     """A leg's way out or back, in phases."""
 
-    phases: tuple[Phase, ...]
+    phases: tuple[FootPhase, ...]
 
     @cached_property
     def travel(self) -> Floats:
@@ -379,10 +379,10 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
     """Follow one way in phases, in each of which the foot stands or is in the air."""
     stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
     nothing = np.zeros_like(foot.step)
-    phase = Phase(foot, way, stands, weighed, begin, begin[None], np.zeros(1), nothing)
+    phase = FootPhase(foot, way, stands, weighed, begin, begin[None], np.zeros(1), nothing)
     if abs(until - float(begin.sum())) < ROUNDING:
         return HalfRound((phase,))
-    ahead, phases = phase, list[Phase]()
+    ahead, phases = phase, list[FootPhase]()
     for _ in range(MOST_PHASES):
         try:
             phase, ahead = _phase(leg, phase, until, extra)
@@ -399,7 +399,7 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
     return HalfRound((*phases, ahead))
 
 
-def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Phase]:
+def _phase(leg: Leg, phase: FootPhase, until: float, extra: Extra) -> tuple[FootPhase, FootPhase]:
     """Follow from the beginning of a phase until the foot lifts or lands.
 
     Returns:
@@ -435,7 +435,7 @@ def _lag(robot: Robot) -> float:
     return robot.blocks.damping * robot.drive.amplitude / robot.drive.period
 
 
-def _loaded(leg: Leg, phase: Phase, extra: Extra) -> tuple[Chain, Floats]:
+def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
     """The leg's chain with all that the floor does to it, as loads of its cells.
 
     The last cell feels the weight that the foot carries at the step where it was weighed. While

@@ -11,13 +11,13 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, amount, most, problem
 from stepwell.mechanism import Chain, Element, Sheet, through
-from stepwell.sequences.passages import Passage, Section, passages_of, state_of
+from stepwell.sequences.passages import Passage, SmoothRun, passages_of, state_of
 from stepwell.statics import (
     Configuration,
+    DrivenChain,
     EventKind,
     Landing,
     Path,
-    Problem,
     Segment,
     SegmentKind,
     Tie,
@@ -95,7 +95,7 @@ class Branch:
         drive: the drive there [m], or [N] under force control.
     """
 
-    sections: tuple[Section, ...]
+    sections: tuple[SmoothRun, ...]
     begin: Configuration
     drive: float
 
@@ -124,7 +124,7 @@ class Branch:
         return outside[min(outside)]
 
 
-def reach(chain: Chain, known: Problem | None = None) -> tuple[float, float]:
+def reach(chain: Chain, known: DrivenChain | None = None) -> tuple[float, float]:
     """The drives between which a chain is looked at [m], or [N] under force control.
 
     A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that

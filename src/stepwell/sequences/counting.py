@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import ByValue, Floats, Ints, number
-from stepwell.sequences.mesostates import Atlas, Mesostates, Routes
+from stepwell.sequences.mesostates import BranchAtlas, Mesostates, Routes
 
 # Numbers looked up in a search (extremes squared times branches): some seconds' worth.
 _BUDGET = 2e8
@@ -73,7 +73,7 @@ class Counting(ByValue):
         return f"Counting({len(self.accumulators)} accumulators{part})"
 
 
-def counting(atlas: Atlas, routes: Routes, *, by_hand: bool) -> Counting:
+def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
     """Try all cycles between all extremes, from every branch that can be reached.
 
     What a cycle does changes only where an extreme passes an end of a branch. So one extreme

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Ints, number
-from stepwell.sequences.mesostates import Atlas, Mesostates, Routes
+from stepwell.sequences.mesostates import BranchAtlas, Mesostates, Routes
 from stepwell.sequences.nodes import Transition
 from stepwell.sequences.transition_graph import TransitionGraph
 
@@ -50,7 +50,7 @@ class Loop(ByValue):
         return f"Loop({self}, drive {number(self.low)} to {number(self.high)})"
 
 
-def main_loop(atlas: Atlas) -> Loop:
+def main_loop(atlas: BranchAtlas) -> Loop:
     """From all cells at 0 up to where the drive ends, and back."""
     nodes = atlas.graph.nodes
     zero = nodes.find(atlas.graph.zero)
@@ -60,7 +60,7 @@ def main_loop(atlas: Atlas) -> Loop:
     return _loop(atlas, up[0], up[-1], up, down)
 
 
-def loop_pairs(atlas: Atlas, among: Ints) -> Ints:
+def loop_pairs(atlas: BranchAtlas, among: Ints) -> Ints:
     """(M, 2) all pairs (μ, ν) of these branches that make a loop, the main one left out."""
     branches = atlas.mesostates
     found = [np.empty((0, 2), int)]
@@ -77,7 +77,7 @@ def loop_pairs(atlas: Atlas, among: Ints) -> Ints:
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def loop_of(atlas: Atlas, low: int, high: int) -> Loop:
+def loop_of(atlas: BranchAtlas, low: int, high: int) -> Loop:
     """The loop of a pair of branches."""
     onto_high = _landing(atlas, low, high, +1)
     onto_low = _landing(atlas, high, low, -1)
@@ -89,14 +89,14 @@ def loop_of(atlas: Atlas, low: int, high: int) -> Loop:
     return _loop(atlas, last_down, last_up, up, down)
 
 
-def _loop(atlas: Atlas, low: int, high: int, up: list[int], down: list[int]) -> Loop:
+def _loop(atlas: BranchAtlas, low: int, high: int, up: list[int], down: list[int]) -> Loop:
     """The loop between the drives at which two nodes end, through nodes on the way up and down."""
     nodes = atlas.graph.nodes
     ends = float(nodes.low[low]), float(nodes.high[high])
     return Loop(*ends, tuple(map(nodes.label, up)), tuple(map(nodes.label, down)))
 
 
-def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> int:
+def _landing(atlas: BranchAtlas, start: int, goal: int, direction: int) -> int:
     """The node of a branch on which the chain lands, coming from another one."""
     first = int(atlas.nodes_of(start)[-1 if direction > 0 else 0])
     return next(v for v in atlas.following(first, direction) if atlas.branch_of[v] == goal)
@@ -253,7 +253,7 @@ class _Lapse(NamedTuple):
     later: int
 
 
-def return_point_memory(atlas: Atlas, routes: Routes) -> ReturnPointMemory:
+def return_point_memory(atlas: BranchAtlas, routes: Routes) -> ReturnPointMemory:
     """Check every turn that can be made, on the branches and so exactly."""
     for direction in (+1, -1):
         branches = atlas.mesostates.toward(direction)
@@ -291,7 +291,7 @@ def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
             found.append(_Lapse(int(left[rows[k]]), int(first[rows[k]]), turned, drive, end))
 
 
-def _alike(atlas: Atlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
+def _alike(atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
     """Whether two branches meet in one vertex there: a tie sends what follows different ways."""
     at = direction * _turning(branches, lapse)
     first, later = (
@@ -319,7 +319,7 @@ def _least_end(branches: Mesostates, routes: Routes) -> np.ndarray:
 
 
 def _simplest(
-    atlas: Atlas, routes: Routes, branches: Mesostates, lapses: list[_Lapse], direction: int
+    atlas: BranchAtlas, routes: Routes, branches: Mesostates, lapses: list[_Lapse], direction: int
 ) -> Forgetting:
     """The failure whose first turning point is reached with the fewest snaps."""
     sources: dict[int, list[int]] = {}

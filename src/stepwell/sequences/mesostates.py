@@ -81,7 +81,7 @@ class Mesostates:
 
 
 @dataclass(frozen=True, eq=False)
-class Atlas:
+class BranchAtlas:
     """A graph, its branches, and which nodes lie on which; all by number.
 
     Attributes:
@@ -124,7 +124,7 @@ class Atlas:
         return passed
 
 
-def atlas(graph: TransitionGraph) -> Atlas:
+def atlas(graph: TransitionGraph) -> BranchAtlas:
     """The branches of a graph."""
     nodes, size = graph.nodes, len(graph)
     fall, rise = graph.target
@@ -153,7 +153,7 @@ def atlas(graph: TransitionGraph) -> Atlas:
         strokes = [math.fsum(node.travel_high) for node in nodes]
         stroke = max(strokes) - min(strokes)
     slip = drive_slip(float(np.max(high) - np.min(low)), stroke)
-    return Atlas(graph, Mesostates(low, high, up, down, slip), on, first, branch_of)
+    return BranchAtlas(graph, Mesostates(low, high, up, down, slip), on, first, branch_of)
 
 
 class Routes:

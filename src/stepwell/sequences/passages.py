@@ -12,7 +12,7 @@ from stepwell.statics import Configuration, Path, Segment, SegmentKind, StaticsE
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class SmoothRun:
     """A run of equilibria with every cell in the same phase or in transit, from a to b."""
 
     state: str
@@ -26,12 +26,12 @@ class Section:
         return self.place[0].travel, self.place[1].travel
 
     @property
-    def reversed(self) -> Section:
+    def reversed(self) -> SmoothRun:
         """The same run from b to a."""
         (a, b), (f, g), (s, t) = self.drive, self.force, self.place
-        return Section(self.state, (b, a), (g, f), (t, s))
+        return SmoothRun(self.state, (b, a), (g, f), (t, s))
 
-    def until(self, drive: float, force: float, place: Configuration) -> Section:
+    def until(self, drive: float, force: float, place: Configuration) -> SmoothRun:
         """The run with another end."""
         return replace(
             self,
@@ -45,7 +45,7 @@ class Section:
 class Passage:
     """Parts that follow each other smoothly, and the snap that ends them if one does."""
 
-    sections: tuple[Section, ...]
+    sections: tuple[SmoothRun, ...]
     snap: Segment | None
 
 
@@ -61,8 +61,8 @@ def passages_of(path: Path) -> list[Passage]:
     place = Configuration(path.start, path.start_sheet)
     passages: list[Passage] = []
 
-    def resting(drive: float, force: float) -> Section:
-        return Section(state_of(stretches, place), (drive, drive), (force, force), (place, place))
+    def resting(drive: float, force: float) -> SmoothRun:
+        return SmoothRun(state_of(stretches, place), (drive, drive), (force, force), (place, place))
 
     sections = [resting(path.turning_points[0], path.start_force)]
     landed: Segment | None = None
@@ -84,7 +84,7 @@ def passages_of(path: Path) -> list[Passage]:
             state = _moving(stretches, place, segment)
             if state != sections[-1].state:
                 at, pull = segment.drive[0], segment.force[0]
-                sections.append(Section(state, (at, at), (pull, pull), (place, place)))
+                sections.append(SmoothRun(state, (at, at), (pull, pull), (place, place)))
             place = _after(place, segment)
         sections[-1] = sections[-1].until(drive, force, place)
         if state_of(stretches, place) != sections[-1].state:

@@ -14,7 +14,7 @@ from stepwell.base import InputError, amount, bisected
 from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, checked_state
-from stepwell.sequences.passages import Order, Section, order_kept, passages_of, state_of
+from stepwell.sequences.passages import Order, SmoothRun, order_kept, passages_of, state_of
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 from stepwell.statics import Configuration, Landing, StaticsError, a_ratio, path
 
@@ -66,7 +66,7 @@ def search_with_friction(
     )
 
 
-def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> list[Section]:
+def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> list[SmoothRun]:
     try:
         passages = passages_of(path(chain, [drive, end], start=place))
         return [section for passage in passages for section in passage.sections]

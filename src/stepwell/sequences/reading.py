@@ -24,7 +24,7 @@ from stepwell.sequences.memory import (
     return_point_memory,
     scrambling,
 )
-from stepwell.sequences.mesostates import Atlas, Routes, atlas
+from stepwell.sequences.mesostates import BranchAtlas, Routes, atlas
 from stepwell.sequences.transition_graph import TransitionGraph
 
 # More loops than these are counted and not listed.
@@ -137,7 +137,7 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     )
 
 
-def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
+def _counting(drawn: BranchAtlas, routes: Routes, remembers: bool) -> Counting:
     by_hand = drawn.graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
     if remembers and not by_hand:
         return Counting((), True)

@@ -27,7 +27,7 @@ from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.nodes import HeldNodes, Node, Nodes, Transition, TransitionKind
-from stepwell.sequences.passages import Section, state_of
+from stepwell.sequences.passages import SmoothRun, state_of
 from stepwell.statics import Segment, Tie
 
 if TYPE_CHECKING:
@@ -366,7 +366,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
     return TransitionGraph.of(nodes, ways, **about(chain), ties=ties, start=start, method=method)
 
 
-def node_of(label: str, section: Section, branch: int) -> Node:
+def node_of(label: str, section: SmoothRun, branch: int) -> Node:
     """A section of a branch as a node."""
     return Node(label, section.state, *section.drive, *section.force, *section.travel, branch)
 

@@ -57,7 +57,7 @@ class RunSamples:
         return self.begin + self.steps * self.time_step
 
 
-class Run:
+class SimulatedRun:
     """A run in progress, a chunk at a time; its samples are kept, or only looked at."""
 
     def __init__(

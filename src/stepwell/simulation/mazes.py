@@ -15,7 +15,7 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, InputError, brief
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.engine import Run
+from stepwell.simulation.engine import SimulatedRun
 from stepwell.simulation.model import obstacle_names
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import Walk, recorded
@@ -173,7 +173,7 @@ class Judge:
         self._goal = arena.goal
         self._places: list[tuple[float, float, float]] = []
 
-    def look(self, run: Run) -> Outcome | None:
+    def look(self, run: SimulatedRun) -> Outcome | None:
         """Look at a run as it is now: its outcome if it has ended."""
         # The full state begins with the time and the body's place.
         x, y = float(run.state[1]), float(run.state[2])
@@ -211,7 +211,7 @@ def maze(
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
     settings = settings or Settings()
-    run, judge = Run(robot, arena, settings), Judge(arena)
+    run, judge = SimulatedRun(robot, arena, settings), Judge(arena)
     for now in run.chunks(limit):
         if progress is not None:
             progress(max(now, 0.0), limit)

@@ -27,7 +27,7 @@ from stepwell.base import (
 )
 from stepwell.kernels import cores
 from stepwell.robot import TRIAL, Robot
-from stepwell.simulation.engine import Run
+from stepwell.simulation.engine import SimulatedRun
 from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
 from stepwell.simulation.walks import Walk, recorded
 
@@ -175,7 +175,7 @@ def sweep(
     for first in range(0, len(missing), PER_CORE * threads):
         batch = missing[first : first + PER_CORE * threads]
         step = partial(_step_together, threads=threads)
-        walks = walked([Run(robots[i], None, settings) for i in batch], cycles, step)
+        walks = walked([SimulatedRun(robots[i], None, settings) for i in batch], cycles, step)
         new = dict(zip(batch, map(Trial.of, walks), strict=True))
         found |= new
         if kept is not None:
@@ -194,7 +194,7 @@ def _require_one_a_robot(values: Mapping[str, Sequence[float]], robots: int) -> 
 
 
 def walked(
-    runs: Sequence[Run], cycles: int, step: Callable[[Sequence[Run], float], None]
+    runs: Sequence[SimulatedRun], cycles: int, step: Callable[[Sequence[SimulatedRun], float], None]
 ) -> list[Walk]:
     """Every run's walk, stepped together where their models have the same size.
 
@@ -203,7 +203,7 @@ def walked(
         cycles: of each walk.
         step: steps runs of one size and one period to a time [s].
     """
-    alike: dict[tuple[int, ...], list[Run]] = {}
+    alike: dict[tuple[int, ...], list[SimulatedRun]] = {}
     for run in runs:
         period = run.robot.drive.period
         run.require_affordable(cycles * period)
@@ -214,7 +214,7 @@ def walked(
     return [recorded(run.robot, None, run.settings, run.samples()) for run in runs]
 
 
-def _step_together(runs: Sequence[Run], end: float, threads: int) -> None:
+def _step_together(runs: Sequence[SimulatedRun], end: float, threads: int) -> None:
     """Step runs whose models have the same size to this time [s], on all threads."""
     models = [run.model for run in runs]
     data = [mujoco.MjData(models[0]) for _ in range(min(threads, len(runs)))]

@@ -22,7 +22,7 @@ from stepwell.base import (
     write_netcdf,
 )
 from stepwell.robot import Arena, Robot, gait, states
-from stepwell.simulation.engine import Run, RunSamples
+from stepwell.simulation.engine import RunSamples, SimulatedRun
 from stepwell.simulation.model import obstacle_names
 from stepwell.simulation.simulator import Settings
 
@@ -326,7 +326,7 @@ def walk(
     if start is not None and start.stopped:
         raise InputError(f"start: must not have ended early. {start.stopped}")
     settings = settings or Settings()
-    run = Run(robot, arena, settings, start=start._samples if start is not None else None)
+    run = SimulatedRun(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
     for now in run.chunks(end):
         if progress is not None:

@@ -18,7 +18,7 @@ import numpy as np
 
 from stepwell.base import ExtraError, InputError, need
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.engine import Run
+from stepwell.simulation.engine import SimulatedRun
 from stepwell.simulation.mazes import Judge, Outcome
 from stepwell.simulation.simulator import Model, Settings, mujoco
 from stepwell.simulation.sweeps import Trial, walked
@@ -56,7 +56,7 @@ def screen_walks(
     if cycles < 1:
         raise InputError(f"cycles = {cycles}: must be >= 1.")
 
-    def step(runs: Sequence[Run], end: float) -> None:
+    def step(runs: Sequence[SimulatedRun], end: float) -> None:
         for group in alike(runs):
             Worlds(group).advance(end)
 
@@ -101,18 +101,18 @@ def screen_mazes(
 
 def _begun(
     entries: Sequence[tuple[Robot, Arena | None]], settings: Settings | None, *, record: bool
-) -> list[Run | None]:
+) -> list[SimulatedRun | None]:
     """Runs at their start; None of a robot that has no model, of which its own run says why."""
-    found: list[Run | None] = []
+    found: list[SimulatedRun | None] = []
     for robot, arena in entries:
         try:
-            found.append(Run(robot, arena, settings or Settings(), record=record))
+            found.append(SimulatedRun(robot, arena, settings or Settings(), record=record))
         except ValueError:
             found.append(None)
     return found
 
 
-def _told(runs: Sequence[Run | None], of: Sequence[T]) -> tuple[T | None, ...]:
+def _told(runs: Sequence[SimulatedRun | None], of: Sequence[T]) -> tuple[T | None, ...]:
     """What was found of each run that there is, in the order of all; None where nothing is sure."""
     left = iter(of)
     each = ((run, next(left)) for run in runs if run is not None)
@@ -120,7 +120,7 @@ def _told(runs: Sequence[Run | None], of: Sequence[T]) -> tuple[T | None, ...]:
     return tuple(None if run is None else sure[run] for run in runs)
 
 
-def _judged(group: Sequence[Run], judges: dict[Run, Judge], limit: float) -> None:
+def _judged(group: Sequence[SimulatedRun], judges: dict[SimulatedRun, Judge], limit: float) -> None:
     """Step runs of one structure until each has ended or its time is over."""
     going, worlds = list(group), Worlds(group)
     for until in group[0].looks(limit):
@@ -133,9 +133,9 @@ def _judged(group: Sequence[Run], judges: dict[Run, Judge], limit: float) -> Non
             worlds = Worlds(going)
 
 
-def alike(runs: Sequence[Run]) -> list[list[Run]]:
+def alike(runs: Sequence[SimulatedRun]) -> list[list[SimulatedRun]]:
     """Runs in groups that differ in numbers which Warp keeps for every world."""
-    found: dict[Hashable, list[Run]] = {}
+    found: dict[Hashable, list[SimulatedRun]] = {}
     for run in runs:
         found.setdefault(_structure(run.model), []).append(run)
     return list(found.values())
@@ -148,7 +148,7 @@ class Worlds:
         runs: (n,) as `alike` groups them; all at the same time.
     """
 
-    def __init__(self, runs: Sequence[Run]):
+    def __init__(self, runs: Sequence[SimulatedRun]):
         self.runs = list(runs)
         self._now, self._time_step = runs[0].now, runs[0].settings.time_step
         self._warp, self._mjw = opened()
@@ -174,7 +174,7 @@ class Worlds:
             _fill(self._data.qvel, state[:, 1 + nq : 1 + nq + nv])
             self._step = self._stepping()
 
-    def advance(self, until: float, going: Sequence[Run] | None = None) -> None:
+    def advance(self, until: float, going: Sequence[SimulatedRun] | None = None) -> None:
         """Step to this time [s].
 
         Args:
@@ -188,7 +188,7 @@ class Worlds:
             self._stretch(min(STEPS, left), takes)
             left -= STEPS
 
-    def _stretch(self, steps: int, takes: set[Run]) -> None:
+    def _stretch(self, steps: int, takes: set[SimulatedRun]) -> None:
         """Step so often, and give runs what is read."""
         data, copied, n = self._data, self._warp.copy, len(self.runs)
         state = data.qpos.shape[1], data.qvel.shape[1], data.sensordata.shape[1]
@@ -293,7 +293,7 @@ def _structure(model: Model) -> Hashable:
     return tuple(found)
 
 
-def _each(runs: Sequence[Run], name: str) -> list[np.ndarray]:
+def _each(runs: Sequence[SimulatedRun], name: str) -> list[np.ndarray]:
     return [getattr(run.model, name) for run in runs]
 
 

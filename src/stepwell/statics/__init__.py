@@ -39,7 +39,7 @@ from stepwell.statics.batch import (
     stacked,
 )
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError

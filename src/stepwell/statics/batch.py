@@ -35,8 +35,8 @@ from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.certificate import KEPT, audit
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.pieces import (
+    CuttingSpace,
     Pieces,
-    Room,
     cut_into,
     force_scale,
     resting_piece,
@@ -46,11 +46,11 @@ from stepwell.statics.following.pieces import (
     travel_between,
 )
 from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.series import Segment, no_segment
+from stepwell.statics.following.series import FollowedSegment, no_segment
 from stepwell.statics.following.state import (
     DONE,
     FREE,
-    Problem,
+    DrivenChain,
     Spare,
     State,
     blank_state,
@@ -103,10 +103,10 @@ class _Work(NamedTuple):
     laws: Laws
     sheets: Sheets
     pieces: Pieces
-    room: Room
+    room: CuttingSpace
     spare: Spare
     rising: Rising
-    segment: Segment
+    segment: FollowedSegment
     state: State
     begin: Floats  # (N,) travels where the cycle begins
     sheet: Ints  # (N,) sheets there
@@ -276,7 +276,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
     scale = force_scale(laws, sheets, pieces)
     alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
     rank, mobility, spare = work.rank, work.mobility, work.spare
-    problem = Problem(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
+    problem = DrivenChain(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
     if not _begin(designs, problem, work):
         return
     state, turning = work.state, work.turning
@@ -352,7 +352,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
 
 
 @leaf
-def _begin(designs: Designs, problem: Problem, work: _Work) -> bool:
+def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
     """Stand where a full cycle begins, and set its turns; False where it cannot be told plainly."""
     laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
     alpha, beta, scale, phases = problem.alpha, problem.beta, problem.scale, work.phases
@@ -404,7 +404,7 @@ def _begin(designs: Designs, problem: Problem, work: _Work) -> bool:
 
 
 @leaf
-def _stand(problem: Problem, work: _Work, drive: float) -> bool:
+def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
     """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
     laws, pieces, ends, state = problem.laws, problem.pieces, problem.sheets.ends, work.state
     alpha, beta, scale, travel = problem.alpha, problem.beta, problem.scale, state.travel

@@ -11,7 +11,7 @@ import numpy as np
 from stepwell.base import ByValue, Floats, Measure, brief, number, to_unit, told_in
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged
-from stepwell.statics.following.state import Problem, moved
+from stepwell.statics.following.state import DrivenChain, moved
 
 
 class EventKind(Enum):
@@ -184,7 +184,7 @@ _DECIDED = {
 
 
 def segments_of(
-    log: logged.Log, start: tuple[float, ...], problem: Callable[[], Problem]
+    log: logged.Log, start: tuple[float, ...], problem: Callable[[], DrivenChain]
 ) -> Iterator[Segment]:
     """Every segment of a log in order.
 

@@ -7,7 +7,7 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import law, pick_rows
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 
 # So near to the solution, as a share of the largest number in it.
 _CLOSE = 1e-15
@@ -101,7 +101,7 @@ def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats
 COLUMNS = 5
 
 
-class Leg(NamedTuple):
+class FreeCells(NamedTuple):
     """The k cells that move between two contacts, with the blocks that each takes along."""
 
     cells: Ints  # (k,)
@@ -118,7 +118,7 @@ class Leg(NamedTuple):
 
 
 @kernel
-def look(problem: Problem, leg: Leg) -> None:
+def look(problem: DrivenChain, leg: FreeCells) -> None:
     """Rows and slopes of the cells where the step begins."""
     for m in range(len(leg.cells)):
         pick_rows(problem.laws, leg.cells[m], leg.begin[m], leg.rows[m])
@@ -126,7 +126,7 @@ def look(problem: Problem, leg: Leg) -> None:
 
 
 @kernel
-def tensions(problem: Problem, leg: Leg, way: Floats, pace: Floats, out: Floats) -> float:
+def tensions(problem: DrivenChain, leg: FreeCells, way: Floats, pace: Floats, out: Floats) -> float:
     """Forces across the moving cells, (k,) [N], and λ, where the groups are at `way` and `pace`."""
     before, fast = 0.0, 0.0
     for m in range(len(leg.cells)):
@@ -138,7 +138,7 @@ def tensions(problem: Problem, leg: Leg, way: Floats, pace: Floats, out: Floats)
 
 
 @kernel
-def solve(leg: Leg, h: float, mass: float, pull: Floats) -> bool:
+def solve(leg: FreeCells, h: float, mass: float, pull: Floats) -> bool:
     """x of (mass M + h C + h² K) x = pull over the groups, in place; False if not positive.
 
     The matrix is tridiagonal: each cell couples two neighbours. Positive pivots are its being
@@ -169,7 +169,9 @@ def solve(leg: Leg, h: float, mass: float, pull: Floats) -> bool:
 
 
 @kernel
-def _march(problem: Problem, leg: Leg, pace: Floats, h: float, parts: int, out: Floats) -> bool:
+def _march(
+    problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, parts: int, out: Floats
+) -> bool:
     """The step in so many equal parts; (2k + 1,) way, pace and energy damped at its end."""
     k, free = len(leg.cells), leg.free
     way, now, part = np.zeros(k), pace.copy(), h / parts
@@ -197,7 +199,9 @@ def _march(problem: Problem, leg: Leg, pace: Floats, h: float, parts: int, out: 
 
 
 @kernel
-def stride(problem: Problem, leg: Leg, pace: Floats, h: float, out: Floats, error: Floats) -> bool:
+def stride(
+    problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, out: Floats, error: Floats
+) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long.
 
     Args:

@@ -12,7 +12,7 @@ from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, c
 from stepwell.mechanism import Chain
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landed import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
 from stepwell.statics.outcome import StaticsError
@@ -26,8 +26,8 @@ from stepwell.statics.ride import (
     STEP,
     STRUCK,
     TIME,
-    Body,
-    Motion,
+    Inertias,
+    MotionState,
     ride,
 )
 
@@ -133,7 +133,7 @@ class InertialLanding(ByValue):
 class _Ride:
     """One integration."""
 
-    motion: Motion
+    motion: MotionState
     sheet: tuple[int, ...]
     history: Floats
     freed: float
@@ -146,7 +146,7 @@ class _Ride:
 
 def inertial_landing(
     chain: Chain,
-    problem: Problem,
+    problem: DrivenChain,
     snap: Snap,
     event: Event,
     masses: Sequence[float],
@@ -220,7 +220,7 @@ def inertial_landing(
     )
 
 
-def _same(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
+def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Place) -> bool:
     """Whether two landings are one; friction may leave them a little apart, or just off a stop."""
     near = np.array_equal(here[1], there[1]) and np.any(problem.laws.friction > 0.0)
     if near and np.all(np.abs(here[0] - there[0]) <= _NEAR * problem.laws.full):
@@ -230,12 +230,12 @@ def _same(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place)
 
 def _body(
     chain: Chain,
-    problem: Problem,
+    problem: DrivenChain,
     snap: Snap,
     masses: Sequence[float],
     damping: Sequence[float],
     restitution: float,
-) -> Body:
+) -> Inertias:
     """Masses and dampers as the integration takes them."""
     mass_unit, damping_unit = _UNITS[chain.measure]
     n = len(chain)
@@ -264,15 +264,15 @@ def _body(
         loose[-1], inertia[-1] = 0.0, np.min(inertia[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
-    return Body(inertia, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+    return Inertias(inertia, loose, np.array(damper), restitution, *args, 0.0, 0.0)
 
 
-def _ride(chain: Chain, problem: Problem, snap: Snap, body: Body) -> _Ride:
+def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: Inertias) -> _Ride:
     """The motion until it rests."""
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)
-    motion = Motion(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
+    motion = MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
     lightest, shortest = float(np.min(body.mass)), float(np.min(laws.full))
     motion.book[STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
     parts: list[Floats] = []
@@ -294,7 +294,12 @@ def _ride(chain: Chain, problem: Problem, snap: Snap, body: Body) -> _Ride:
 
 
 def _given(
-    chain: Chain, problem: Problem, snap: Snap, body: Body, travel: Floats, sheet: tuple[int, ...]
+    chain: Chain,
+    problem: DrivenChain,
+    snap: Snap,
+    body: Inertias,
+    travel: Floats,
+    sheet: tuple[int, ...],
 ) -> Iterator[float]:
     """Energy that each cell, the actuator and the push on the leader give [J]."""
     start = snap.start

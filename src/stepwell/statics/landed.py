@@ -16,7 +16,7 @@ from stepwell.statics.events import Event
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.pieces import find_piece, stand_all_on
 from stepwell.statics.following.snap import COARSE
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.proofs import enclosed, energy_holds, goes_one_way
 from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
 from stepwell.statics.landings.start import Snap, snaps_of
@@ -167,7 +167,7 @@ def a_ratio(name: str, value: float) -> float:
 
 def landings(
     chain: Chain,
-    problem: Problem,
+    problem: DrivenChain,
     log: logged.Log,
     start: tuple[Floats, Ints],
     events: list[Event],
@@ -205,7 +205,7 @@ def landings(
         yield Landing(event, ratio, None, *_sampled(chain, problem, found, corners, factors))
 
 
-def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
+def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
     """What proves that a snap lands where it does, the cheapest first."""
     start, landing = snap.start, snap.travel
     if goes_one_way(problem, start, landing, ratio):
@@ -220,7 +220,7 @@ def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
 
 
 def _sampled(
-    chain: Chain, problem: Problem, snap: Snap, corners: Floats, factors: Floats
+    chain: Chain, problem: DrivenChain, snap: Snap, corners: Floats, factors: Floats
 ) -> tuple[int, int, tuple[Elsewhere, ...]]:
     """With how many corners and samples it comes to rest, and every other place where.
 
@@ -264,7 +264,7 @@ def _sampled(
 
 
 def _least_apart(
-    chain: Chain, problem: Problem, snap: Snap, factors: Floats, place: Place
+    chain: Chain, problem: DrivenChain, snap: Snap, factors: Floats, place: Place
 ) -> tuple[Floats, Place] | None:
     """Factors as alike as will do that lead to a place, the least 1, and the place found again.
 
@@ -286,7 +286,7 @@ def _least_apart(
     return None
 
 
-def same_place(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
+def same_place(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Place) -> bool:
     """Whether two landings are one.
 
     Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
@@ -307,7 +307,7 @@ def same_place(chain: Chain, problem: Problem, snap: Snap, here: Place, there: P
     return np.array_equal(one, two) and state_of(chain, *here) == state_of(chain, *there)
 
 
-def _constant(problem: Problem, travel: Floats) -> int:
+def _constant(problem: DrivenChain, travel: Floats) -> int:
     """How many cells stand where their force is constant."""
     pieces = problem.pieces
     on = [find_piece(pieces, i, s, 0) for i, s in enumerate(travel.tolist())]

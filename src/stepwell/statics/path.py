@@ -47,7 +47,7 @@ from stepwell.statics.following.certificate import (
     count_samples,
     sample,
 )
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import InertialLanding, inertial_landing
 from stepwell.statics.landed import Landing, landings
 from stepwell.statics.landings.start import snaps_of
@@ -124,10 +124,10 @@ class Path(ByValue, Drawn):
         return samples
 
     @cached_property
-    def _problem(self) -> Problem:
+    def _problem(self) -> DrivenChain:
         return problem_of(self.chain)
 
-    def with_problem(self, problem: Problem | None) -> Path:
+    def with_problem(self, problem: DrivenChain | None) -> Path:
         """The same path, which need not set up its problem once more."""
         if problem is not None:
             self.__dict__["_problem"] = problem

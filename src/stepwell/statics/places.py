@@ -39,7 +39,7 @@ from stepwell.statics.following.pieces import (
 )
 from stepwell.statics.following.state import (
     FREE,
-    Problem,
+    DrivenChain,
     State,
     blank_state,
     held_range,
@@ -59,7 +59,7 @@ def drive_weights(chain: Chain) -> tuple[float, float]:
 
 def problem_of(
     chain: Chain, cells: tuple[Laws, Sheets] | None = None, prefer: Sequence[int] | None = None
-) -> Problem:
+) -> DrivenChain:
     """The problem that a chain sets.
 
     Args:
@@ -86,7 +86,7 @@ def problem_of(
     scale = force_scale(laws, sheets, pieces)
     weights, mobility = drive_weights(chain), mobilities_of(chain.cells)
     room = spare_room(len(chain))
-    return Problem(laws, sheets, pieces, *weights, scale, rank, mobility, effort, room)
+    return DrivenChain(laws, sheets, pieces, *weights, scale, rank, mobility, effort, room)
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
@@ -137,7 +137,7 @@ def read_state(chain: Chain, name: str, state: str) -> tuple[int, ...]:
     return tuple(map(int, state))
 
 
-def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Configuration:
+def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Configuration:
     """Where the chain stands in a state with the actuator at `drive` [m], or [N].
 
     Raises:
@@ -199,7 +199,7 @@ def _closed(look: Callable[[float], _Look], low: _Look, high: _Look, slip: float
     return low.travel + share * (high.travel - low.travel)
 
 
-def drive_range(chain: Chain, problem: Problem | None = None) -> tuple[float, float]:
+def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float, float]:
     """Drives [m], or [N] under force control, that pull every cell to its first and last phase.
 
     Args:
@@ -213,7 +213,7 @@ def drive_range(chain: Chain, problem: Problem | None = None) -> tuple[float, fl
     return low, high
 
 
-def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[float, float]]:
+def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple[float, float]]:
     """Where a full cycle begins, and the drives between which it goes.
 
     Stops end what a rigid actuator can do. Any other, and one that pulls curves with open ends,
@@ -250,7 +250,7 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
     return _place(begin, first), ends
 
 
-def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration, float] | None:
+def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configuration, float] | None:
     """Where the chain stands in a state under the force nearest to none, and the drive there.
 
     None where no force holds all cells in these phases.
@@ -274,11 +274,11 @@ def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
     return Configuration(tuple(travel.tolist()), tuple([one[0] for one in stretches]))
 
 
-def _drive(problem: Problem, travel: Floats, force: float) -> float:
+def _drive(problem: DrivenChain, travel: Floats, force: float) -> float:
     return problem.alpha * math.fsum(travel.tolist()) + problem.beta * force
 
 
-def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[float, float]:
+def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[float, float]:
     """Forces between which all cells stay in these phases [N], as far as open ends go on."""
     own = [cell[k] for cell, k in zip(chain.phases, phases, strict=True)]
     rub = problem.laws.friction.tolist()
@@ -289,7 +289,7 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
     return max(low, -reach), min(high, reach)
 
 
-def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
+def _at(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
     numbers = np.fromiter(flatten.from_iterable(stretches), float).reshape(-1, 3)
@@ -297,7 +297,7 @@ def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     return found
 
 
-def travel_in(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+def travel_in(problem: DrivenChain, cell: int, stretch: Stretch, force: float) -> float:
     """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
     return float(travel_between(*problem[:3], cell, stretch, force))
 
@@ -320,7 +320,7 @@ _FOLD = 1e-5
 
 def starting_configuration(
     chain: Chain,
-    problem: Problem,
+    problem: DrivenChain,
     start: str | Configuration | Sequence[float] | None,
     drive: float,
 ) -> Configuration:
@@ -362,7 +362,7 @@ def starting_configuration(
     return Configuration(tuple(travels.tolist()), tuple(map(int, sheets)))
 
 
-def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: float) -> State:
+def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, drive: float) -> State:
     """The state in which the chain stands at a place while the actuator is at `drive`.
 
     Raises:
@@ -421,7 +421,9 @@ def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
 
 
 @entry(3e-5, "state.travel")
-def _rest(problem: Problem, state: State, sheets: Ints) -> tuple[float, float, int, float, float]:
+def _rest(
+    problem: DrivenChain, state: State, sheets: Ints
+) -> tuple[float, float, int, float, float]:
     """Let every cell rest where it is, on its sheet, free where nothing holds it.
 
     Returns:
@@ -444,7 +446,9 @@ def _rest(problem: Problem, state: State, sheets: Ints) -> tuple[float, float, i
     return low, high, falling, total, size
 
 
-def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, force: float) -> str:
+def _unbalanced(
+    chain: Chain, problem: DrivenChain, state: State, forces: Floats, force: float
+) -> str:
     laws, ends = problem.laws, problem.sheets.ends
     unit, factor = told_in(chain.measure.travel_unit)
     of_force, size = told_in(chain.measure.force_unit)

@@ -21,10 +21,10 @@ from stepwell.mechanism import (
     summed,
 )
 from stepwell.statics.following.pieces import stand_on
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertia import (
     COLUMNS,
-    Leg,
+    FreeCells,
     blow,
     kinetic,
     look,
@@ -56,7 +56,7 @@ _OVER = 1.02
 _SPENT = 1e-10
 
 
-class Body(NamedTuple):
+class Inertias(NamedTuple):
     """Masses, dampers and where the motion begins; N cells."""
 
     mass: Floats  # (N,) of the block outside each cell [kg]
@@ -70,7 +70,7 @@ class Body(NamedTuple):
     tolerance: float  # of a step, as a share of travel and of speed
 
 
-class Motion(NamedTuple):
+class MotionState(NamedTuple):
     """Where the cells are and how they move; N cells."""
 
     travel: Floats  # (N,) [m]
@@ -81,7 +81,7 @@ class Motion(NamedTuple):
 
 
 @kernel
-def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
+def ends_at(problem: DrivenChain, cell: int) -> tuple[float, float]:
     """Travels at which a cell meets a stop or another sheet; an open end is none."""
     row, ends = problem.sheets.table[problem.sheets.now[cell]], problem.sheets.ends[cell]
     low, high = ends[LOW], ends[HIGH]
@@ -93,7 +93,7 @@ def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
 
 
 @kernel
-def _stops(problem: Problem, cell: int, travel: float) -> int:
+def _stops(problem: DrivenChain, cell: int, travel: float) -> int:
     """-1 or +1 where a cell stands at a stop, 0 where it does not."""
     low, high = ends_at(problem, cell)
     row = problem.sheets.table[problem.sheets.now[cell]]
@@ -103,7 +103,7 @@ def _stops(problem: Problem, cell: int, travel: float) -> int:
 
 
 @kernel
-def _force(problem: Problem, body: Body, cell: int, travel: float, rows: Ints) -> float:
+def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows: Ints) -> float:
     """Force of a cell less the push on it [N]."""
     pick_rows(problem.laws, cell, travel, rows)
     force = law(problem.laws, cell, rows, travel)[0]
@@ -111,7 +111,7 @@ def _force(problem: Problem, body: Body, cell: int, travel: float, rows: Ints) -
 
 
 @kernel
-def _lambda(problem: Problem, body: Body, travel: Floats) -> float:
+def _lambda(problem: DrivenChain, body: Inertias, travel: Floats) -> float:
     """λ of an actuator that is not rigid [N]."""
     if problem.beta == 0.0:
         return 0.0
@@ -120,7 +120,7 @@ def _lambda(problem: Problem, body: Body, travel: Floats) -> float:
 
 @kernel
 def _bounds(
-    problem: Problem, body: Body, motion: Motion, i: int, rows: Ints
+    problem: DrivenChain, body: Inertias, motion: MotionState, i: int, rows: Ints
 ) -> tuple[float, float]:
     """Forces across a cell at rest between which it stays so [N]."""
     force, rub = _force(problem, body, i, motion.travel[i], rows), problem.laws.friction[i]
@@ -129,7 +129,7 @@ def _bounds(
 
 
 @kernel
-def set_off(problem: Problem, body: Body, motion: Motion, rows: Ints) -> int:
+def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> int:
     """Find which cells move from here on, after cells that leave their sheets; how many."""
     n = len(motion.travel)
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -168,7 +168,7 @@ def set_off(problem: Problem, body: Body, motion: Motion, rows: Ints) -> int:
 
 
 @kernel
-def _jump(problem: Problem, motion: Motion, i: int, heading: int, rows: Ints) -> bool:
+def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows: Ints) -> bool:
     """Let a cell that is driven past the end of its sheet jump to the next; whether it does."""
     laws, sheets = problem.laws, problem.sheets
     low, high = ends_at(problem, i)
@@ -186,7 +186,7 @@ def _jump(problem: Problem, motion: Motion, i: int, heading: int, rows: Ints) ->
 
 
 @kernel
-def _strike(problem: Problem, body: Body, motion: Motion) -> bool:
+def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> bool:
     """Let cells that run into their stops strike them; whether any does."""
     n, speed = len(motion.travel), motion.speed
     low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
@@ -215,7 +215,7 @@ def _strike(problem: Problem, body: Body, motion: Motion) -> bool:
 
 
 @kernel
-def _leg(problem: Problem, body: Body, motion: Motion, rows: Ints) -> Leg:
+def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> FreeCells:
     """The cells that move, as one leg."""
     cells = np.flatnonzero(motion.moving)
     k = len(cells)
@@ -232,7 +232,7 @@ def _leg(problem: Problem, body: Body, motion: Motion, rows: Ints) -> Leg:
     stiff = 0.0 if rigid else problem.alpha / problem.beta
     level = _lambda(problem, body, motion.travel)
     begin, free = motion.travel[cells], k - 1 if rigid else k
-    leg = Leg(
+    leg = FreeCells(
         cells,
         mass,
         body.damping[cells],
@@ -250,7 +250,7 @@ def _leg(problem: Problem, body: Body, motion: Motion, rows: Ints) -> Leg:
 
 
 @kernel
-def _pace(motion: Motion, leg: Leg) -> Floats:
+def _pace(motion: MotionState, leg: FreeCells) -> Floats:
     """Speeds of the groups of blocks, (k,) [m/s]."""
     pace, total = np.empty(len(leg.cells)), 0.0
     for m in range(len(leg.cells)):
@@ -263,7 +263,12 @@ def _pace(motion: Motion, leg: Leg) -> Floats:
 
 @kernel
 def _broken(
-    problem: Problem, body: Body, motion: Motion, leg: Leg, out: Floats, force: Floats
+    problem: DrivenChain,
+    body: Inertias,
+    motion: MotionState,
+    leg: FreeCells,
+    out: Floats,
+    force: Floats,
 ) -> float:
     """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
 
@@ -317,7 +322,7 @@ def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
 
 
 @kernel
-def _grazes(problem: Problem, leg: Leg, pace: Floats, h: float, out: Floats) -> float:
+def _grazes(problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, out: Floats) -> float:
     """The share of a step after which a cell turns beyond its end; 1 where none does."""
     k, share = len(leg.cells), 1.0
     before, fast, faster = 0.0, 0.0, 0.0
@@ -361,7 +366,13 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 
 @kernel
 def _misses(
-    problem: Problem, body: Body, motion: Motion, leg: Leg, pace: Floats, out: Floats, error: Floats
+    problem: DrivenChain,
+    body: Inertias,
+    motion: MotionState,
+    leg: FreeCells,
+    pace: Floats,
+    out: Floats,
+    error: Floats,
 ) -> float:
     """The error of a step, by its tolerance: of travels, speeds and what the dampers take."""
     k, worst, book = len(leg.cells), 0.0, motion.book
@@ -388,7 +399,7 @@ def _lost(book: Floats) -> float:
 
 
 @kernel
-def _advance(problem: Problem, body: Body, motion: Motion, leg: Leg) -> int:
+def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> int:
     """A step, or the part of it up to the first contact that changes."""
     k, book = len(leg.cells), motion.book
     pace, force = _pace(motion, leg), np.empty(k)
@@ -451,7 +462,7 @@ def _advance(problem: Problem, body: Body, motion: Motion, leg: Leg) -> int:
 
 
 @kernel
-def _arrive(problem: Problem, body: Body, motion: Motion, leg: Leg) -> None:
+def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> None:
     """Cells that turn against friction rest, those at an end strike or jump; then who moves on."""
     for i in leg.cells:
         if motion.sense[i] != 0 and motion.sense[i] * motion.speed[i] <= 0.0:
@@ -467,7 +478,7 @@ def _arrive(problem: Problem, body: Body, motion: Motion, leg: Leg) -> None:
 
 
 @kernel
-def _settle(problem: Problem, leg: Leg, way: Floats) -> bool:
+def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
     """Newton to the equilibrium of the moving cells near by; whether there is a stable one."""
     k = len(leg.cells)
     force, pull, still = np.empty(k), np.zeros(k), np.zeros(k)
@@ -498,7 +509,7 @@ def _settle(problem: Problem, leg: Leg, way: Floats) -> bool:
 
 
 @kernel
-def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
+def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
     """Bring to rest what has nothing left to lose; whether it is so.
 
     Then the last trifle of energy is the dampers', and the place of rest is known to rounding.
@@ -546,7 +557,7 @@ def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
 
 
 @entry()
-def ride(problem: Problem, body: Body, motion: Motion, history: Floats) -> int:
+def ride(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
     """Let the chain move on for as many steps as `history` has rows; how it ended.
 
     Args:

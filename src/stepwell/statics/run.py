@@ -14,14 +14,14 @@ from stepwell.statics.following.certificate import KEPT, audit
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.pieces import stand_all_on
 from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.series import Segment, no_segment
+from stepwell.statics.following.series import FollowedSegment, no_segment
 from stepwell.statics.following.state import (
     DONE,
     GAVE_UP,
     LOG_FULL,
     STALLED,
     TRIGGER,
-    Problem,
+    DrivenChain,
     State,
     drive_of,
 )
@@ -98,7 +98,7 @@ def full_cycle(
 
 def _follow_from(
     chain: Chain,
-    problem: Problem,
+    problem: DrivenChain,
     turning: Floats,
     place: Configuration,
     start: State,
@@ -145,7 +145,9 @@ def _follow_from(
     return _as_path(chain, problem, turning, place, float(start.force[0]), state.log)
 
 
-def _audited(chain: Chain, problem: Problem, log: logged.Log, travel: Floats, sheets: Ints) -> None:
+def _audited(
+    chain: Chain, problem: DrivenChain, log: logged.Log, travel: Floats, sheets: Ints
+) -> None:
     """Check the segments of a run that began at these travels; StaticsError where one is wrong."""
     broken, promise, by = watched(
         lambda effort: audit(problem._replace(effort=effort), log, travel, sheets),
@@ -165,10 +167,10 @@ def _involved(state: State) -> list[int]:
 
 
 def _watched(
-    problem: Problem,
+    problem: DrivenChain,
     turning: Floats,
     state: State,
-    queues: tuple[Rising, Segment],
+    queues: tuple[Rising, FollowedSegment],
     progress: Progress | None,
 ) -> int:
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
@@ -198,7 +200,7 @@ def _watched(
 
 def _as_path(
     chain: Chain,
-    problem: Problem | None,
+    problem: DrivenChain | None,
     turning: Floats,
     begin: Configuration,
     force: float,
@@ -221,7 +223,7 @@ def _finite_turns(turning_points: Sequence[float]) -> Floats:
     return points
 
 
-def _reached_turns(chain: Chain, problem: Problem, points: Floats) -> Floats:
+def _reached_turns(chain: Chain, problem: DrivenChain, points: Floats) -> Floats:
     if problem.beta > 0:
         return points
     least, most = ends_of(problem.sheets)

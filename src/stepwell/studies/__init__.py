@@ -7,19 +7,19 @@ from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import (
     Axis,
     Block,
-    Blocks,
     Designs,
     How,
+    IndependentBlocks,
+    ListedDesigns,
     Space,
-    Table,
     Workshop,
     changed,
     read_table,
     unit_in,
 )
-from stepwell.studies.fill import Estimate, Pace, estimate, pace
+from stepwell.studies.fill import Pace, StudyEstimate, estimate, pace
 from stepwell.studies.found import Extent, Frequency, Varied
-from stepwell.studies.influence import Decided, Influence, decided
+from stepwell.studies.influence import DecidingNumbers, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -69,13 +69,13 @@ __all__ = [
     "Atlas",
     "Axis",
     "Block",
-    "Blocks",
+    "IndependentBlocks",
     "Border",
     "CancelledError",
     "Cycling",
-    "Decided",
+    "DecidingNumbers",
     "Designs",
-    "Estimate",
+    "StudyEstimate",
     "Extent",
     "Frequency",
     "Gap",
@@ -92,7 +92,7 @@ __all__ = [
     "Study",
     "StudyError",
     "SweepError",
-    "Table",
+    "ListedDesigns",
     "Varied",
     "WorkerError",
     "Workshop",

@@ -17,7 +17,7 @@ from stepwell.concave import (
     TIES,
     TOLD,
     WAKES,
-    Tally,
+    KeyCounts,
     classed,
     simple,
 )
@@ -131,7 +131,7 @@ def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
         were not told.
     """
     most = min(block.size, _GRAPHS)
-    graphs, cycles = Tally(most), Tally(most)
+    graphs, cycles = KeyCounts(most), KeyCounts(most)
     counts = np.zeros(4, np.int64)
     asked: list[int] = []
     for first in range(block.first, block.first + block.size, _PIECE):

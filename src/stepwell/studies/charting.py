@@ -16,7 +16,7 @@ from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import TransitionGraph
 from stepwell.studies.blocks import DRIVES, Packed, packed
-from stepwell.studies.designs import Blocks, changed
+from stepwell.studies.designs import IndependentBlocks, changed
 from stepwell.studies.machines import (
     Atlas,
     Cycling,
@@ -101,8 +101,8 @@ def charted(
     )
 
 
-def _require_blocks(study: Study, tolerances: Tolerances) -> Blocks:
-    if not isinstance(study.designs, Blocks) or study.what != "atlas":
+def _require_blocks(study: Study, tolerances: Tolerances) -> IndependentBlocks:
+    if not isinstance(study.designs, IndependentBlocks) or study.what != "atlas":
         raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
     if not study.done_chunks():
         raise InputError(f"{study.folder}: no block is done yet.")
@@ -154,7 +154,7 @@ class _Space:
     """Designs of a study by number, and what they do."""
 
     def __init__(self, study: Study, numbers: Packed, drive: int):
-        assert isinstance(study.designs, Blocks)
+        assert isinstance(study.designs, IndependentBlocks)
         self.study, self.numbers, self.drive = study, numbers, drive
         self.space = study.designs.space
         self.names = [axis.name for axis in study.designs.axes]

@@ -279,7 +279,7 @@ _OF_ELEMENT = (("force_scale", "stiffness"), ("travel_scale", "travel"), ("frict
 
 
 @dataclass(frozen=True, eq=False)
-class Table(ByValue):
+class ListedDesigns(ByValue):
     """Designs one by one, as somebody listed them.
 
     Attributes:
@@ -382,7 +382,7 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Blocks(ByValue):
+class IndependentBlocks(ByValue):
     """Designs drawn independently, so many at a time that a row tells of a whole block of them.
 
     Attributes:
@@ -431,10 +431,10 @@ class Blocks(ByValue):
             yield [], Block(subject, number * self.size, space, self.size)
 
 
-Designs = Space | Workshop | Table | Blocks
+Designs = Space | Workshop | ListedDesigns | IndependentBlocks
 
 
-def read_table(file: str | os.PathLike[str], subject: Subject) -> Table:
+def read_table(file: str | os.PathLike[str], subject: Subject) -> ListedDesigns:
     """The designs that a CSV file lists, a line each.
 
     Args:
@@ -464,7 +464,7 @@ def read_table(file: str | os.PathLike[str], subject: Subject) -> Table:
                 raise InputError(
                     f"{file}: line {i + 2}, {name} = {line[k]!r}: must be a number."
                 ) from None
-    return Table(tuple(name for name, _ in known), rows)
+    return ListedDesigns(tuple(name for name, _ in known), rows)
 
 
 def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:

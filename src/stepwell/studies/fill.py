@@ -108,7 +108,7 @@ def _told(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-class Estimate(NamedTuple):
+class StudyEstimate(NamedTuple):
     """What a study will take, from a few of its designs.
 
     Attributes:
@@ -128,7 +128,7 @@ class Estimate(NamedTuple):
     disk: int
 
 
-def estimate(study: Study, workers: int) -> Estimate:
+def estimate(study: Study, workers: int) -> StudyEstimate:
     """What a study will take; it need not be begun.
 
     A few of its designs, evenly over all, are computed here and now. The first of them is not
@@ -157,7 +157,7 @@ def estimate(study: Study, workers: int) -> Estimate:
     counted = spent[1:] or spent
     each = sum(counted) / len(counted)
     numbers = sum(unit != TEXT for unit in study.columns.values())
-    return Estimate(
+    return StudyEstimate(
         study.count,
         len(spent),
         each,

@@ -12,7 +12,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints, nearest_word
 from stepwell.concave import TOLD, classed, closed_graph
 from stepwell.studies.blocks import DRIVES, packed
-from stepwell.studies.designs import Blocks
+from stepwell.studies.designs import IndependentBlocks
 from stepwell.studies.machines import Atlas, Machine, canonical, name_of
 from stepwell.studies.store import Study
 
@@ -60,7 +60,7 @@ def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
         ValueError: the study is that of no atlas.
     """
     designs = study.designs
-    if not isinstance(designs, Blocks):
+    if not isinstance(designs, IndependentBlocks):
         raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
     drive = DRIVES[found.drive]
     numbers = packed(found.chain, [axis.name for axis in found.axes])

@@ -33,7 +33,7 @@ class Influence(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Decided(ByValue):
+class DecidingNumbers(ByValue):
     """Which numbers decide a column.
 
     Attributes:
@@ -59,10 +59,10 @@ class Decided(ByValue):
     def __repr__(self):
         told = ", ".join(f"{one.name} {one.share:.0%}" for one in self.sure[:3])
         what = f"{self.column} = {self.value}" if self.value else self.column
-        return f"Decided({what} by {told or 'none'}, of {self.designs} designs)"
+        return f"DecidingNumbers({what} by {told or 'none'}, of {self.designs} designs)"
 
 
-def decided(study: Study) -> tuple[Decided, ...]:
+def decided(study: Study) -> tuple[DecidingNumbers, ...]:
     """Which numbers decide what a study has found so far.
 
     Every number's values are cut into classes of as many designs each, and a column's variance
@@ -82,7 +82,7 @@ def decided(study: Study) -> tuple[Decided, ...]:
         return ()
     chunks = study.done_chunks()
     varied = {name: study.values(name, chunks) for name in study.varied}
-    found: list[Decided] = []
+    found: list[DecidingNumbers] = []
     for name, unit in study.columns.items():
         # What an atlas counts is JSON.
         if name in varied or (unit == TEXT and study.what == "atlas"):
@@ -111,7 +111,7 @@ def _of_text(column: str, values: Any) -> tuple[Floats, np.ndarray, str]:
 
 def _decided(
     column: str, value: str, y: Floats, told: np.ndarray, varied: dict[str, Floats]
-) -> Decided | None:
+) -> DecidingNumbers | None:
     from scipy.stats import f as fisher
 
     told = np.logical_and.reduce([told, *(np.isfinite(x) for x in varied.values())])
@@ -127,7 +127,7 @@ def _decided(
             odds = (classes - 1) / (n - classes) * chance
             floors.append(float(1 - (n - 1) / (n - classes) / (1 + odds)))
     influences.sort(key=lambda one: -one.share)
-    return Decided(column, value, n, float(max(floors, default=0.0)), tuple(influences))
+    return DecidingNumbers(column, value, n, float(max(floors, default=0.0)), tuple(influences))
 
 
 def explained(x: Floats, y: Floats) -> tuple[float, int]:

@@ -17,7 +17,7 @@ from stepwell.design import Share, Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import TransitionGraph, TransitionKind
 from stepwell.studies.blocks import packed
-from stepwell.studies.designs import Axis, Blocks
+from stepwell.studies.designs import Axis, IndependentBlocks
 from stepwell.studies.run import Status, sweep
 
 _NAME = 8  # hex digits
@@ -292,14 +292,14 @@ class Atlas(ByValue, Shown, Drawn):
         )
 
 
-def atlas_blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> Blocks:
+def atlas_blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> IndependentBlocks:
     """At least so many designs of a space, in blocks of a size for chains of so many cells.
 
     Raises:
-        ValueError: what `Blocks` refuses.
+        ValueError: what `IndependentBlocks` refuses.
     """
     size = min(_SIZES.get(cells, _FEW), designs)
-    return Blocks(axes, size, -(-designs // max(size, 1)), seed)
+    return IndependentBlocks(axes, size, -(-designs // max(size, 1)), seed)
 
 
 def atlas(

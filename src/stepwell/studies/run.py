@@ -16,7 +16,7 @@ from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
 from stepwell.studies.found import Extent, Frequency, Varied, extents, frequencies, varied
-from stepwell.studies.influence import Decided, decided
+from stepwell.studies.influence import DecidingNumbers, decided
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
 from stepwell.studies.screen import Screened, aimed, screened
 from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened
@@ -77,7 +77,7 @@ class Status(ByValue, Shown):
         return extents(self.study)
 
     @cached_property
-    def decided(self) -> tuple[Decided, ...]:
+    def decided(self) -> tuple[DecidingNumbers, ...]:
         """Which number decides what, see `studies.decided`."""
         return decided(self.study)
 
@@ -115,7 +115,7 @@ def sweep(
         design: the chain or robot that is varied.
         what: is computed: "cycle", "margin", "yield", "graph" or "program" of chains, "walk" or
             "maze" of robots, "call" of either.
-        designs: a `Space` of its numbers, a `Workshop`, or a `Table`.
+        designs: a `Space` of its numbers, a `Workshop`, or a `ListedDesigns`.
         folder: of the store, which xarray opens as Zarr.
         given: what `what` takes besides the design, as `work_of` says.
         chunk: designs that are computed and written together; by default 64, or more where the

@@ -38,11 +38,11 @@ from stepwell.base import (
 )
 from stepwell.robot import Robot
 from stepwell.studies.designs import (
-    Blocks,
     Designs,
+    IndependentBlocks,
+    ListedDesigns,
     Space,
     Subject,
-    Table,
     Workshop,
     unit_in,
 )
@@ -324,7 +324,7 @@ class Study(ByValue):
         """What was read last of each column: of which chunks, and what."""
         return {}
 
-    def best(self, count: int, by: Sequence[str], *, partial: bool = False) -> Table:
+    def best(self, count: int, by: Sequence[str], *, partial: bool = False) -> ListedDesigns:
         """The best of the designs that are done, best first, as a list of designs.
 
         Args:
@@ -349,7 +349,7 @@ class Study(ByValue):
         if not order:
             raise InputError(f"{self.folder}: no design has a value of {by[0]} yet.")
         rows = [self.values(name, chunks)[order] for name in self.varied]
-        return Table(tuple(self.varied), np.column_stack(rows))
+        return ListedDesigns(tuple(self.varied), np.column_stack(rows))
 
     def to_csv(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
         """Write a study as CSV, a line for every design, units in the headings.
@@ -431,7 +431,7 @@ class Study(ByValue):
     def asked(self) -> dict[str, Any]:
         """All that is asked, as the store holds it."""
         designs = self.designs
-        if isinstance(designs, Table):
+        if isinstance(designs, ListedDesigns):
             told: Any = {"columns": designs.columns, "sha256": designs.digest}
         else:
             told = _DESIGNS.dump_python(designs, mode="json")
@@ -451,7 +451,7 @@ class Study(ByValue):
         return f"Study({self.what} of {self.count} designs over {varied}, in {self.folder})"
 
 
-_DESIGNS: TypeAdapter[Any] = TypeAdapter(Space | Workshop | Blocks)
+_DESIGNS: TypeAdapter[Any] = TypeAdapter(Space | Workshop | IndependentBlocks)
 
 
 class _Listed(BaseModel):
@@ -467,7 +467,7 @@ class _Asked(BaseModel):
     what: str
     given: dict[str, Any]
     design: str
-    designs: _Listed | Space | Workshop | Blocks
+    designs: _Listed | Space | Workshop | IndependentBlocks
     chunk: int
     version: str
 
@@ -492,7 +492,7 @@ def opened(folder: str | os.PathLike[str]) -> Study:
         designs = asked.designs
         if isinstance(designs, _Listed):
             listed: Any = group[_LISTED]
-            table = Table(designs.columns, listed[:])
+            table = ListedDesigns(designs.columns, listed[:])
             if table.digest != designs.sha256:
                 raise StudyError(f"{place}: its list of designs is damaged.")
             designs = table
@@ -566,7 +566,7 @@ def extended(study: Study, count: int) -> Study:
         OSError: it cannot be written; the same call goes on.
     """
     designs = study.designs
-    if isinstance(designs, Table) or not designs.grows:
+    if isinstance(designs, ListedDesigns) or not designs.grows:
         raise StudyError(
             f"{study.folder}: its designs are {designs.how}: more of them would move the others. "
             f"Those that are sobol, random or as built can be extended."
@@ -607,7 +607,7 @@ def _make(study: Study) -> None:
             )
             if unit != TEXT:
                 array.attrs["units"] = unit
-        if isinstance(study.designs, Table):
+        if isinstance(study.designs, ListedDesigns):
             rows = study.designs.rows
             dims = ["row", "listed_column"]
             group.create_array(

@@ -8,8 +8,8 @@ from importlib import import_module
 
 from stepwell.base import StepwellError
 from stepwell.crash import reported
-from stepwell.studio.ask import Ask, Design, View
-from stepwell.studio.message import Message, Problem, packed, problems_of, refused
+from stepwell.studio.ask import Ask, PageDesign, View
+from stepwell.studio.message import Message, Refusal, packed, problems_of, refused
 
 # The file in `panels` of every type of message, which a function `answer_<type>` in it answers.
 FILES = {
@@ -53,7 +53,7 @@ def is_long(kind: str) -> bool:
     return kind in LONG
 
 
-def answer(kind: str, design: Design, ask: Ask) -> View:
+def answer(kind: str, design: PageDesign, ask: Ask) -> View:
     """Compute the answer of a panel; its file is imported at the first question.
 
     Raises:
@@ -70,7 +70,7 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
         message: of the page.
         ask: the keys of the request, with functions that report progress; by default without.
     """
-    design = Design(message.design, message.leg)
+    design = PageDesign(message.design, message.leg)
     ask = ask or Ask(message.ask, studies=message.studies)
     try:
         return packed(message.type, message.seq, answer(message.type, design, ask))
@@ -79,7 +79,7 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
     except Exception as error:  # a fault of ours must not cost the user's session
         asked = {"type": message.type, "ask": dict(message.ask), "design": message.design}
         tell(error, json.dumps(asked, default=str))
-        return refused(message.type, message.seq, [Problem("", _BROKEN)])
+        return refused(message.type, message.seq, [Refusal("", _BROKEN)])
 
 
 def tell(error: Exception, asked: str = "") -> None:

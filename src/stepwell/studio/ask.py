@@ -192,7 +192,7 @@ def _shown(value: Any) -> str:
 MOST_CELLS = 64
 
 
-class Design:
+class PageDesign:
     """What the page shows; nothing is checked before it is asked for.
 
     Args:

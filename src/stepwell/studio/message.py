@@ -29,14 +29,14 @@ _NAME = r'(?:[A-Za-z0-9_-]+|"(?:[^"\\]|\\.)*")'
 _AT = re.compile(rf"(?P<at>[A-Za-z_][A-Za-z0-9_-]*(?:\[\d+\]|\.{_NAME})*)(?: = |: |, )")
 
 
-class Problem(NamedTuple):
+class Refusal(NamedTuple):
     """One problem; `at` is the key path, "" where the sentence names none."""
 
     at: str
     text: str
 
     @classmethod
-    def of(cls, text: str) -> Problem:
+    def of(cls, text: str) -> Refusal:
         """The problem that a sentence tells."""
         found = _AT.match(text)
         return cls(found["at"] if found else "", text)
@@ -46,13 +46,13 @@ class Problem(NamedTuple):
         return self._asdict()
 
 
-def problems_of(error: StepwellError) -> list[Problem]:
+def problems_of(error: StepwellError) -> list[Refusal]:
     """Every problem that an error tells, in the words that a command would print."""
     if isinstance(error, DesignError):
-        return [Problem.of(line) for line in error.problems]
+        return [Refusal.of(line) for line in error.problems]
     if isinstance(error, SlipError):
-        return [Problem.of(slips_text(error))]
-    return [Problem.of(str(error))]
+        return [Refusal.of(slips_text(error))]
+    return [Refusal.of(str(error))]
 
 
 VERSION = 1
@@ -154,7 +154,7 @@ def packed(kind: str, seq: int, view: View) -> bytes:
     return b"".join(pieces)
 
 
-def refused(kind: str, seq: int, problems: Iterable[Problem], **more: Any) -> bytes:
+def refused(kind: str, seq: int, problems: Iterable[Refusal], **more: Any) -> bytes:
     """A refusal as bytes, with everything that is wrong."""
     told = [problem.record() for problem in problems]
     return _head({**_start(kind, seq), "ok": False, **more, "problems": told, "blocks": []})
@@ -162,7 +162,7 @@ def refused(kind: str, seq: int, problems: Iterable[Problem], **more: Any) -> by
 
 def failed(error: WireError) -> bytes:
     """What answers a message that cannot be understood."""
-    return refused("error", error.seq, [Problem("", str(error))])
+    return refused("error", error.seq, [Refusal("", str(error))])
 
 
 def part(kind: str, seq: int, view: View) -> bytes:

@@ -14,7 +14,7 @@ from stepwell.kernels import stay
 from stepwell.studio.answering import answered, is_long, tell, types
 from stepwell.studio.aside import Aside, prepare
 from stepwell.studio.ask import View
-from stepwell.studio.message import Message, Problem, WireError, failed, message_of, packed, refused
+from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
 
 CANCEL, START = "cancel", "start"
 
@@ -73,7 +73,7 @@ class Session:
         self._start, self._studies = start, studies
         self._quick = Waiting()
         # Of each long type by itself: a wish of minutes must not keep a yield from being told.
-        self._long = {kind: Lane(send) for kind in types() if is_long(kind)}
+        self._long = {kind: LongWork(send) for kind in types() if is_long(kind)}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
@@ -119,7 +119,7 @@ class Session:
                 lane.aside.end()  # which has the lane answer that it was ended
 
 
-class Lane:
+class LongWork:
     """Long work of one type, in a process of its own.
 
     Args:
@@ -167,5 +167,5 @@ def hasten() -> None:
 
 def _ended(message: Message) -> bytes:
     return refused(
-        message.type, message.seq, [Problem("", "Ended before it was done.")], ended=True
+        message.type, message.seq, [Refusal("", "Ended before it was done.")], ended=True
     )

@@ -16,7 +16,7 @@ from stepwell.design import parameter
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
-from stepwell.studio.ask import Ask, Design
+from stepwell.studio.ask import Ask, PageDesign
 from stepwell.studio.panels.maps import unit_of
 
 OF_CHAINS = ("cycle", "margin", "yield", "graph", "program")
@@ -28,7 +28,7 @@ _STEM = 24  # letters of a store's name that are of the title
 _LAYOUTS, _CYCLES, _LIMIT = 1000, 1000, 3600.0
 
 
-def asked_study(design: Design, ask: Ask, folder: Path) -> Study:
+def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
     """The study of a request; it lies in the folder by a name that the server makes.
 
     Raises:

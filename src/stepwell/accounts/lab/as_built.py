@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table, Text
+from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
@@ -109,11 +109,13 @@ def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Moves of anchors",
-                Table(_MOVE, "moves", "The best moves, and the yield after each.", more="moves"),
+                RecordTable(
+                    _MOVE, "moves", "The best moves, and the yield after each.", more="moves"
+                ),
             ),
             Section(
                 "As built, as far as observations identify it",
-                Table(
+                RecordTable(
                     _KNOWN,
                     "known",
                     "Means and standard deviations, with those before the observation.",

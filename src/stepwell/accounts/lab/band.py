@@ -12,8 +12,8 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    RecordTable,
     Section,
-    Table,
     Text,
     Verbatim,
     Warned,
@@ -114,7 +114,7 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
             Section(
                 "Force laws",
                 Picture("laws", "Force against stroke, and the laws"),
-                Table(
+                RecordTable(
                     _laws(found),
                     "laws",
                     "What each law leaves of the force, and how well it predicts what was left "
@@ -126,7 +126,7 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
             Section("Choice of the law", Notes([choice.told, choice.rest_length_told()])),
             Section(
                 "Stiffness [N/m] by window: from (down) and to (across) [mm]",
-                Table(_ends(found), "windows", most=None, pick=_by_start),
+                RecordTable(_ends(found), "windows", most=None, pick=_by_start),
             ),
             Section("For a design file", Verbatim(table.rstrip(), "Band table")),
             Section("Used and dropped", Notes(found.test.told)),

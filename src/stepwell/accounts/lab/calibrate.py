@@ -11,8 +11,8 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    RecordTable,
     Section,
-    Table,
     Text,
     Verbatim,
 )
@@ -195,11 +195,13 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
             Section("Predictions", Notes(rest, Level.CARD)),
             Section(
                 "Parameters, each with its 95 % interval by leaving out a geometry",
-                Table(_PARAMETER, "parameters", most=None, more="parameters", level=Level.CARD),
+                RecordTable(
+                    _PARAMETER, "parameters", most=None, more="parameters", level=Level.CARD
+                ),
             ),
             Section(
                 "First snaps",
-                Table(
+                RecordTable(
                     _SNAP,
                     "snaps",
                     "Seen and predicted; no snap has a part in a fit.",
@@ -210,7 +212,7 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
             Section(
                 "Root mean square errors in k r",
                 Picture("calibration", "Fitted and measured forces"),
-                Table(_ERROR, "errors", most=None, more="curves"),
+                RecordTable(_ERROR, "errors", most=None, more="curves"),
             ),
             Section("Correlated parameters", Text(_correlated(found))),
             Section("Not identified by these recordings", Notes(found.open)),

@@ -12,9 +12,9 @@ from stepwell.accounts.account import (
     Level,
     Notes,
     Picture,
+    RecordTable,
     Row,
     Section,
-    Table,
     Text,
 )
 from stepwell.accounts.head import About, of_class
@@ -180,7 +180,7 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
             ),
             Section(
                 "Unit cells: measured (model); errors in k r and k r²",
-                Table(
+                RecordTable(
                     (*_EACH, *_CELL),
                     "series",
                     most=None,
@@ -191,7 +191,7 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
             ),
             Section(
                 "Pairs: errors in k r; ratio of the errors against the two orders",
-                Table(
+                RecordTable(
                     _PAIR_COLUMNS,
                     "series",
                     most=None,

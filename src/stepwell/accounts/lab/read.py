@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
-from stepwell.accounts.account import Account, Fact, Level, Notes, Section, Table
+from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Section
 from stepwell.accounts.head import About
 from stepwell.base import (
     Column,
@@ -89,7 +89,7 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
         sections=(
             Section(
                 "Recordings",
-                Table(_COLUMNS, "recordings", most=None, more="recordings", level=Level.CARD),
+                RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=Level.CARD),
             ),
             Section("Oddities", Notes(odd)),
             Section("Not read", Notes([str(one) for one in found.refused])),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from stepwell.accounts.account import Account, Level, Notes, Row, Table, Text
+from stepwell.accounts.account import Account, Level, Notes, RecordTable, Row, Text
 from stepwell.base import headed, printable, shown
 
 # Rows of a table and letters of a sentence; all else is in the value itself.
@@ -41,7 +41,7 @@ def card(account: Account) -> str:
     parts.append(_rows("", rows))
     for section in account.sections:
         for part in section.within(Level.CARD):
-            if isinstance(part, Table):
+            if isinstance(part, RecordTable):
                 parts.append(_table(part, account.rows(part)))
             elif isinstance(part, Text) and part.text:
                 parts.append(_sentence(part.text))
@@ -54,7 +54,7 @@ def _sentence(text: str) -> str:
     return f'<div style="max-width:52em">{_safe(headed(_short(text)))}</div>'
 
 
-def _table(table: Table, rows: Sequence[Row]) -> str:
+def _table(table: RecordTable, rows: Sequence[Row]) -> str:
     columns = shown(table.columns)
     if not columns or not rows:
         return ""

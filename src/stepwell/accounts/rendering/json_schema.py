@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from enum import Enum
 from functools import reduce
 from types import UnionType
-from typing import Any, cast
+from typing import Any
 
 from stepwell.accounts.head import BARE, HEAD, shapes
 from stepwell.accounts.kinds import KINDS, taken_from
@@ -42,7 +42,9 @@ def schema_of(kind: str) -> JsonSchema:
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
     found, first = taken_from(KINDS[name]), _FIRST.get(kind, HEAD)
-    schemas = cast("Iterable[Schema]", map(found, shapes()) if callable(found) else [found])
+    schemas: list[Schema] = (
+        [found] if isinstance(found, tuple) else [found(shape) for shape in shapes()]
+    )
     body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
     properties = {
         "schema": {"const": f"stepwell.{name}"},

@@ -12,13 +12,13 @@ from typing import NamedTuple
 from stepwell.accounts.account import (
     Account,
     Level,
-    Motion,
     Notes,
     Part,
     Picture,
+    RecordTable,
+    Replay,
     Row,
     Section,
-    Table,
     Text,
     Verbatim,
 )
@@ -46,14 +46,16 @@ class Image(NamedTuple):
     height: int
 
 
-class Drawn(NamedTuple):
+class FigurePair(NamedTuple):
     """A figure for a wide window and for paper, and one for phones if that differs."""
 
     wide: Image
     phone: Image | None = None
 
 
-def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: str = "") -> str:
+def page(
+    account: Account, pictures: Mapping[str, FigurePair] | None = None, motion: str = ""
+) -> str:
     """What a page shows of a result.
 
     Args:
@@ -82,7 +84,9 @@ def page(account: Account, pictures: Mapping[str, Drawn] | None = None, motion: 
     )
 
 
-def _section(account: Account, section: Section, drawn: Mapping[str, Drawn], motion: str) -> str:
+def _section(
+    account: Account, section: Section, drawn: Mapping[str, FigurePair], motion: str
+) -> str:
     found: list[str] = []
     figures: list[str] = []
     for part in section.within(Level.PAGE):
@@ -91,7 +95,7 @@ def _section(account: Account, section: Section, drawn: Mapping[str, Drawn], mot
                 figures.append(_figure(part.caption, drawn[part.name]))
             continue
         found += _beside(figures)
-        is_table = isinstance(part, Table)
+        is_table = isinstance(part, RecordTable)
         found.append(_table(part, account.rows(part)) if is_table else _part(part, motion))
     inside = "\n".join(filter(None, [*found, *_beside(figures)]))
     return f"<section>\n<h2>{escape(section.heading)}</h2>\n{inside}\n</section>" if inside else ""
@@ -102,7 +106,7 @@ def _part(part: Part, motion: str) -> str:
         return _paragraph(part.text)
     if isinstance(part, Notes):
         return _list([sentence(line) for line in part.lines])
-    if isinstance(part, Motion):
+    if isinstance(part, Replay):
         still = _paragraph("On a screen, this page plays the motion here.", "paper quiet")
         return f"{motion}\n{still}" if motion else _paragraph(part.instead)
     assert isinstance(part, Verbatim)
@@ -142,7 +146,7 @@ def _beside(figures: list[str]) -> list[str]:
     return found
 
 
-def _figure(caption: str, drawn: Drawn) -> str:
+def _figure(caption: str, drawn: FigurePair) -> str:
     """A figure above its caption; without a form for phones, a wide one is scrolled there."""
     (source, width, height), narrow = drawn
     text = escape(caption)
@@ -157,7 +161,7 @@ def _figure(caption: str, drawn: Drawn) -> str:
     return f"<figure{wide}>{image}<figcaption>{text}</figcaption></figure>"
 
 
-def _table(table: Table, rows: Sequence[Row]) -> str:
+def _table(table: RecordTable, rows: Sequence[Row]) -> str:
     if not rows:
         return ""
     columns, about = shown((*table.columns, *table.wide)), table.about

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import TextWrapper
 from typing import Any, NamedTuple
 
-from stepwell.accounts.account import Account, Level, Notes, Part, Table, Text, Verbatim
+from stepwell.accounts.account import Account, Level, Notes, Part, RecordTable, Text, Verbatim
 from stepwell.base import Columns, headed, printable, shown
 
 # What a pipe, a file and a page get; more than the most is hard to read, and less than the least
@@ -33,7 +33,7 @@ _NAMED = re.compile(r" *\S.*? {2,}(?=\S)")
 Cells = Sequence[str]
 
 
-class Block(NamedTuple):
+class ColumnBlock(NamedTuple):
     """Some columns of a table."""
 
     head: list[str]
@@ -66,7 +66,7 @@ def prose(text: str) -> list[str]:
     return _wrap(text, width(), "", _WORDS)
 
 
-def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[Block]:
+def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[ColumnBlock]:
     """A table as lines, in several blocks where it is too wide for one.
 
     Columns that find no room stand in a block below, again with those that tell the rows apart.
@@ -111,7 +111,7 @@ def _keys(columns: Sequence[Cells], widths: Sequence[int], room: int) -> list[in
     return [0]
 
 
-def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> Block:
+def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> ColumnBlock:
     widths = _widths(columns)
     heads, *rows = zip(*columns, strict=True)
     told = [_wrap(text, most, "", _WORDS) for text, most in zip(heads, widths, strict=True)]
@@ -119,7 +119,7 @@ def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> Block:
     for row in rows:
         cells = [_folded_cell(*one) for one in zip(row, widths, left, strict=True)]
         found.append(_row(cells, widths, left))
-    return Block(found[0], [line for lines in found[1:] for line in lines])
+    return ColumnBlock(found[0], [line for lines in found[1:] for line in lines])
 
 
 def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) -> list[str]:
@@ -220,7 +220,7 @@ def terminal(account: Account) -> list[Line]:
 
 
 def _part(part: Part, title: str, account: Account) -> Iterator[Line]:
-    if isinstance(part, Table):
+    if isinstance(part, RecordTable):
         yield from records(title, part.columns, account.rows(part), most=part.most)
     elif isinstance(part, Text) and part.text:
         yield from (_EMPTY, *heading(title), *paragraph(part.text))

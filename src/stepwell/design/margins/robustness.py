@@ -67,7 +67,7 @@ def extremes(
     return most(-1), most(+1)
 
 
-class Proof:
+class AnchorProof:
     """How far an anchor may move with the cell still proved taut and concave.
 
     Measured to the edge of all proved anchors, which is found on a grid and bisected: good for

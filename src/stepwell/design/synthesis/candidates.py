@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
-from stepwell.design.margins.robustness import SIDES, Proof, extremes, farthest
+from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, farthest
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.region import Region, Stock
 from stepwell.design.tolerances.draws import Tolerances
@@ -252,12 +252,12 @@ class Rule:
         return any(kind.bent is not None for kind in self.kinds)
 
     @cached_property
-    def _proofs(self) -> list[Proof]:
+    def _proofs(self) -> list[AnchorProof]:
         box = self.looked_at
         corners = self.differences(np.array([[box.left, box.bottom], [box.right, box.top]]))
         (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
         d = Box(float(left), float(right), float(bottom), float(top))
-        return [Proof(kind.cell, d) for kind in self.kinds]
+        return [AnchorProof(kind.cell, d) for kind in self.kinds]
 
     def _tolerances(self, k: int) -> Tolerances:
         spread = self.kinds[k].band.spread

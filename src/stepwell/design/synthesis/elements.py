@@ -135,7 +135,7 @@ _FOLLOWS = "elements move together under this drive, and the engine has followed
 
 
 @dataclass(frozen=True)
-class Goal:
+class ElementTarget:
     """What a chain of elements shall do.
 
     Attributes:
@@ -161,7 +161,7 @@ class Goal:
     @classmethod
     def of(
         cls, sequence: str | None, states: Iterable[str] | str | None, cells: int | None
-    ) -> Goal:
+    ) -> ElementTarget:
         """A cycle, or a set of states of cells of two phases.
 
         Raises:
@@ -276,7 +276,11 @@ class Allowed:
 
 
 def scaled(
-    goal: Goal, allowed: Allowed, actuator_stiffness: float, seed: int, progress: Progress | None
+    goal: ElementTarget,
+    allowed: Allowed,
+    actuator_stiffness: float,
+    seed: int,
+    progress: Progress | None,
 ) -> Scaled:
     """The elements, their order along the chain and their scales that do what is wanted.
 
@@ -323,7 +327,7 @@ def scaled(
 
 
 def _programmed(
-    goal: Goal,
+    goal: ElementTarget,
     allowed: Allowed,
     choices: Sequence[tuple[int, ...]],
     progress: Progress | None,
@@ -352,7 +356,7 @@ def _programmed(
     return found, closest
 
 
-def _fitting(goal: Goal, elements: Sequence[Element]) -> list[list[int]]:
+def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]]:
     """For every cell the elements that have as many phases as are wanted of it."""
     sets = [
         [k for k, one in enumerate(elements) if len(one.phases) == int(digit) + 1]
@@ -373,7 +377,9 @@ def _some(sets: list[list[int]], rng: np.random.Generator) -> Iterator[tuple[int
         yield tuple(int(rng.choice(fitting)) for fitting in sets)
 
 
-def _chain(goal: Goal, elements: Sequence[Element], one: _Choice, stiffness: float) -> Chain:
+def _chain(
+    goal: ElementTarget, elements: Sequence[Element], one: _Choice, stiffness: float
+) -> Chain:
     made = [
         replace(elements[k], force_scale=elements[k].force_scale * c)
         for k, c in zip(one.shapes, one.scales, strict=True)
@@ -381,7 +387,7 @@ def _chain(goal: Goal, elements: Sequence[Element], one: _Choice, stiffness: flo
     return _named(goal, made, stiffness)
 
 
-def _named(goal: Goal, cells: Sequence[Element], stiffness: float) -> Chain:
+def _named(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> Chain:
     """A chain of elements, those of one name numbered."""
     names = [cell.name for cell in cells]
     called = [
@@ -392,7 +398,7 @@ def _named(goal: Goal, cells: Sequence[Element], stiffness: float) -> Chain:
 
 
 def _at_random(
-    goal: Goal,
+    goal: ElementTarget,
     allowed: Allowed,
     sets: list[list[int]],
     stiffness: float,
@@ -436,7 +442,7 @@ def _at_random(
 
 
 def _impossible(
-    goal: Goal,
+    goal: ElementTarget,
     allowed: Allowed,
     sets: list[list[int]],
     closest: float,
@@ -482,7 +488,7 @@ def _impossible(
     )
 
 
-def _clash(goal: Goal, allowed: Allowed, sets: list[list[int]]) -> tuple[int, int] | None:
+def _clash(goal: ElementTarget, allowed: Allowed, sets: list[list[int]]) -> tuple[int, int] | None:
     """Two cells that cannot both have their places, whatever the others do; None where none."""
     if len(goal.orders) != 1:
         return None

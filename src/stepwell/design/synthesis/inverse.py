@@ -15,7 +15,7 @@ from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
 from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.elements import Allowed, Goal, Range, Scaled, scaled
+from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Scaled, scaled
 from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_LEVER,
@@ -197,7 +197,9 @@ def _usual_count(found: Attempt | None, counted: str | tuple[str, ...]) -> int:
     return QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
 
 
-def _of_elements(goal: Goal, made: Scaled, allowed: Allowed, n: int | None, seed: int) -> Design:
+def _of_elements(
+    goal: ElementTarget, made: Scaled, allowed: Allowed, n: int | None, seed: int
+) -> Design:
     """A chain of elements that does it, as a design with its yield."""
     chain = made.chain
     result = cycle(chain)
@@ -250,10 +252,12 @@ def _wanted(
     return target, some if len(some) == target.cells else some * target.cells
 
 
-def goal_of(sequence: str | None, states: Iterable[str] | str | None, cells: int | None) -> Goal:
+def goal_of(
+    sequence: str | None, states: Iterable[str] | str | None, cells: int | None
+) -> ElementTarget:
     """What elements shall do."""
     _refuse_both(sequence, states)
-    return Goal.of(sequence, states, cells)
+    return ElementTarget.of(sequence, states, cells)
 
 
 def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> None:

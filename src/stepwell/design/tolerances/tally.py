@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, Ints
-from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, Judged, one_travel
+from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, Judged, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, short
 from stepwell.design.switches import Switches, are_relays, relay_cycle
 from stepwell.design.targets import landings_of, searched, unlike
@@ -261,7 +261,7 @@ class Tally:
         self.judge = (
             RelayJudge.of(draws, wanted, self.orders)
             if chain.elements
-            else Judge.of(chain, draws.spread, some)
+            else DrawJudge.of(chain, draws.spread, some)
         )
         self.successes = self.proved = self.judged = self.by_engine = 0
         self.followed_well: list[bool] = []
@@ -290,7 +290,7 @@ class Tally:
             done += len(waiting)
             tell(len(waiting), n)
 
-    def _judged(self, drawn: Floats, judge: Judge | RelayJudge) -> Bools:
+    def _judged(self, drawn: Floats, judge: DrawJudge | RelayJudge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
         found = judge(drawn)
         ask = found.verdict == ASK
@@ -307,7 +307,7 @@ class Tally:
             return ~nested
         self._add(TIED, int(np.sum(found.verdict == TIE)))
         does, other = found.verdict == DOES, found.verdict == OTHER
-        if self.orders is None and isinstance(judge, Judge):
+        if self.orders is None and isinstance(judge, DrawJudge):
             does, other = np.zeros_like(does), does | other
         self._succeed(int(np.sum(does)))
         if self._told_apart:

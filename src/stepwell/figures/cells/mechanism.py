@@ -70,7 +70,7 @@ def mechanism(
 
 
 @dataclass(frozen=True)
-class Sheet:
+class DrawingPlan:
     """Where each drawing goes on a page of this width and height [mm]."""
 
     linkage: LinkageDrawing
@@ -92,7 +92,7 @@ def arrange(
     *,
     columns: int | None = None,
     tallest: float = _TALLEST,
-) -> Sheet:
+) -> DrawingPlan:
     """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)
     _refuse_many(chain, wanted)
@@ -136,7 +136,7 @@ def arrange(
         )
         for at, column in grid
     ]
-    return Sheet(
+    return DrawingPlan(
         linkage,
         travels,
         [tuple(sheet for _, sheet in place) for place in places],
@@ -186,7 +186,7 @@ def _longest_run(ways: Sequence[int]) -> int:
     return 1 + max((len(list(run)) for _, run in groupby(ways)), default=0)
 
 
-def draw(ax: Axes, sheet: Sheet) -> None:
+def draw(ax: Axes, sheet: DrawingPlan) -> None:
     """Draw all states into axes that become a page in millimetres."""
     plain(ax, (0.0, sheet.width, 0.0, sheet.height))
     per_metre = sheet.scale * style.MM
@@ -245,7 +245,7 @@ def _entries(width: float) -> int:
     return max(1, int(width / _ENTRY))
 
 
-def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
+def _key(ax: Axes, sheet: DrawingPlan, slack: bool) -> None:
     linkage = sheet.linkage
     handles = legends.cells(linkage.chain.names, 2.0)
     if len(linkage.owner):

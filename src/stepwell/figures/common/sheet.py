@@ -69,7 +69,7 @@ _LETTER = 5.0
 
 
 @dataclass
-class Panel:
+class CurrentPanel:
     """What is drawn now, where that is one panel of a page.
 
     Args:
@@ -104,11 +104,11 @@ class _MeasuredError(Exception):
         self.size = size
 
 
-_panel: ContextVar[Panel | None] = ContextVar("panel", default=None)
+_panel: ContextVar[CurrentPanel | None] = ContextVar("panel", default=None)
 
 
 @contextmanager
-def drawing(panel: Panel) -> Iterator[None]:
+def drawing(panel: CurrentPanel) -> Iterator[None]:
     """Let every sheet that is asked for be this panel."""
     token = _panel.set(panel)
     try:
@@ -117,7 +117,7 @@ def drawing(panel: Panel) -> Iterator[None]:
         _panel.reset(token)
 
 
-def measured(draw: Draw, panel: Panel) -> Size:
+def measured(draw: Draw, panel: CurrentPanel) -> Size:
     """The size that a figure has as a panel, found without drawing it.
 
     Raises:

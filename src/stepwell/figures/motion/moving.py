@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _UNSEEN = 0.35
 
 
-class Round:
+class MotionRound:
     """One round of a motion, which begins again where it ends.
 
     Args:
@@ -167,7 +167,7 @@ class _Picture:
         frames.append(frames[0] if around else frames[-1])
         self.poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
         self.snaps = [frame.snap for frame in frames]
-        self.round = Round(seconds)
+        self.round = MotionRound(seconds)
         self.left, self.bottom, right, top = self.linkage.bounds([f.travels for f in frames])
         self.left = min(self.left, -1.8 * self.linkage.reach)
         self.scale = (_WIDE - 2 * _ROOM) / (right - self.left)

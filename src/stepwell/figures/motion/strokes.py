@@ -202,7 +202,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     return figure
 
 
-class Lane(NamedTuple):
+class TravelLane(NamedTuple):
     """Where the travel of a cell is drawn.
 
     Attributes:
@@ -241,7 +241,7 @@ class Lane(NamedTuple):
             ax.annotate(str(digit), (1.0, y), (-1.0, 0.0), **look, zorder=8, gid="digit")
 
 
-def lanes(path: Path, gap: float) -> list[Lane]:
+def lanes(path: Path, gap: float) -> list[TravelLane]:
     """A lane for every cell, innermost on top.
 
     Args:
@@ -251,7 +251,7 @@ def lanes(path: Path, gap: float) -> list[Lane]:
     cells, of = path.chain.cells, words.travel(path.chain.measure)
     spans = [span(path, i) for i in range(len(cells))]
     longest = max(high - low for low, high in spans) * of.factor
-    found: list[Lane] = []
+    found: list[TravelLane] = []
     for i, (cell, colour) in enumerate(zip(cells, style.cell_colours(len(cells)), strict=True)):
         low, high = spans[i]
         base = -i * (1.0 + gap) * longest
@@ -261,7 +261,7 @@ def lanes(path: Path, gap: float) -> list[Lane]:
 
         top, phases = height(high), cell.phases if isinstance(cell, Element) else ()
         found.append(
-            Lane(
+            TravelLane(
                 base,
                 top,
                 height(path.travel[:, i]),

@@ -14,7 +14,7 @@ from stepwell.lab.bands.halves import (
     REACH,
     Estimate,
     Hysteresis,
-    Run,
+    LoadingRun,
     differing,
     kinds,
     listed,
@@ -206,9 +206,9 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     return apart, (warning, *slips)
 
 
-def _runs(test: BandTest) -> list[Run]:
+def _runs(test: BandTest) -> list[LoadingRun]:
     """The stiffness of every loading half that is used."""
-    runs: list[Run] = []
+    runs: list[LoadingRun] = []
     for loop in test.used:
         stroke, force = _pulling([loop], test.window)
         if len(stroke) < 2:
@@ -220,7 +220,7 @@ def _runs(test: BandTest) -> list[Run]:
                 f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
                 f"another window, or drop sample {loop.sample}.",
             )
-        runs.append(Run(loop.sample, loop.cycle, loop.source, k))
+        runs.append(LoadingRun(loop.sample, loop.cycle, loop.source, k))
     return runs
 
 

@@ -309,7 +309,7 @@ _EARLY = 2
 _ABOUT = 0.12  # between a factor and the count of bands that may explain it
 
 
-class Run(NamedTuple):
+class LoadingRun(NamedTuple):
     """A loading half and its stiffness in the window [N/m]."""
 
     sample: int
@@ -318,39 +318,41 @@ class Run(NamedTuple):
     stiffness: float
 
 
-class Kind(NamedTuple):
+class AlikeRuns(NamedTuple):
     """Runs of bands that are alike: their median stiffness [N/m], and how many bands they are."""
 
-    runs: tuple[Run, ...]
+    runs: tuple[LoadingRun, ...]
     stiffness: float
     bands: int
 
 
-def kinds(runs: Iterable[Run]) -> tuple[Kind, ...]:
+def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
     """Runs sorted into kinds of bands, the kind of most bands first.
 
     The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
     Bands are of one kind while no gap wider than a factor separates them.
     """
-    by_sample: dict[int, list[Run]] = {}
+    by_sample: dict[int, list[LoadingRun]] = {}
     for run in runs:
         by_sample.setdefault(run.sample, []).append(run)
     bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
     stiff = sorted(((_typical(band), band) for band in bands), key=lambda one: one[0])
-    groups: list[list[tuple[float, list[Run]]]] = []
+    groups: list[list[tuple[float, list[LoadingRun]]]] = []
     for one in stiff:
         if groups and _ratio(groups[-1][-1][0], one[0]) <= _APART:
             groups[-1].append(one)
         else:
             groups.append([one])
     found = [
-        Kind(tuple(r for _, band in g for r in band), float(np.median([k for k, _ in g])), len(g))
+        AlikeRuns(
+            tuple(r for _, band in g for r in band), float(np.median([k for k, _ in g])), len(g)
+        )
         for g in groups
     ]
     return tuple(sorted(found, key=lambda kind: -kind.bands))
 
 
-def differing(usual: Kind, other: Kind) -> str:
+def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
     """How the runs of a kind differ from the usual one, with their files."""
     ratio = other.stiffness / usual.stiffness
     files = listed([run.source for run in other.runs])
@@ -373,7 +375,7 @@ def listed(names: Sequence[str]) -> str:
     return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
-def _one_band_each(runs: list[Run]) -> list[list[Run]]:
+def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:
     """The runs of a sample, parted where the next cycle cannot be of the same band."""
     ordered = sorted(runs, key=lambda run: run.cycle)
     parts = [[ordered[0]]]
@@ -388,7 +390,7 @@ def _one_band_each(runs: list[Run]) -> list[list[Run]]:
     return parts
 
 
-def _typical(runs: list[Run]) -> float:
+def _typical(runs: list[LoadingRun]) -> float:
     """Median stiffness of a band, without its first cycle where it has others."""
     later = [run.stiffness for run in runs if run.cycle > 1]
     return float(np.median(later or [run.stiffness for run in runs]))

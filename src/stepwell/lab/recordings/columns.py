@@ -52,7 +52,7 @@ def split(line: str, delimiter: str | None) -> list[str]:
     return [field.strip().strip('"').strip() for field in fields]
 
 
-class Found(NamedTuple):
+class FoundColumn(NamedTuple):
     """A column: its place in a row, the factor that makes it SI, and its unit."""
 
     place: int
@@ -60,7 +60,7 @@ class Found(NamedTuple):
     unit: str
 
 
-def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, Found]:
+def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, FoundColumn]:
     """Time, stroke and force among `count` columns, by the names and units above them.
 
     Args:
@@ -76,13 +76,13 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, F
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
     """
     names, units = _named(header, delimiter, count, EXAMPLE)
-    found: dict[str, Found] = {}
+    found: dict[str, FoundColumn] = {}
 
     def look(role: str, words: tuple[str, ...], kind: str) -> None:
         taken = {column.place for column in found.values()}
         for place, name in enumerate(names):
             if place not in taken and any(word in name.lower() for word in words):
-                found[role] = Found(place, _factor(kind, name, units[place]), units[place])
+                found[role] = FoundColumn(place, _factor(kind, name, units[place]), units[place])
                 return
 
     for role in _RECORDED:

@@ -11,9 +11,9 @@ from string import Template
 
 from stepwell.base import __version__, write_atomic
 from stepwell.files import staged_folder
-from stepwell.reports.story.steps import OPENING, Progress, Shown, Step, Telling
+from stepwell.reports.story.steps import OPENING, Progress, StoryPiece, StoryStep, Telling
 
-Told = Sequence[tuple[Telling, Step]]
+Told = Sequence[tuple[Telling, StoryStep]]
 
 
 def write_story(
@@ -65,7 +65,7 @@ def _page(told: Told, left_out: Sequence[Telling]) -> str:
     )
 
 
-def _step(number: int, telling: Telling, step: Step) -> str:
+def _step(number: int, telling: Telling, step: StoryStep) -> str:
     told = "\n".join(f"<p>{escape(line)}</p>" for line in step.told)
     shown = "\n".join(map(_figure, step.shown))
     changed = _changed(step.changed) if step.changed else ""
@@ -85,7 +85,7 @@ def _command(line: str) -> str:
     return f"<code>{words}</code>"
 
 
-def _figure(shown: Shown) -> str:
+def _figure(shown: StoryPiece) -> str:
     states = shown.sequence.replace(">", "\N{ZERO WIDTH SPACE}→")
     order = f' <code class="order">{escape(states)}</code>' if states else ""
     kind = "" if shown.moves else ' class="still"'

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class StoryPiece:
     """A piece of the page.
 
     Attributes:
@@ -50,23 +50,23 @@ def moving(
     caption: str,
     sequence: str,
     progress: Callable[[float, float], None] | None = None,
-) -> Shown:
+) -> StoryPiece:
     """A chain, a program or a robot that plays."""
     page = replay(result, title=caption, progress=progress)
-    return Shown(embedded(page, caption, plays=True), caption, sequence, moves=True)
+    return StoryPiece(embedded(page, caption, plays=True), caption, sequence, moves=True)
 
 
 def map_of(
     dataset: Dataset,
     borders: Iterable[Boundary],
     marks: Mapping[str, tuple[float, float]],
-) -> Shown:
+) -> StoryPiece:
     """A map, with the places [m] of some designs on it."""
     from stepwell import figures
 
     caption = "The order for every place of the outer cell's anchor"
     drawn = figures.transition_map(dataset, borders, marks)
-    return Shown(_picture(drawn, caption), caption, "", moves=False)
+    return StoryPiece(_picture(drawn, caption), caption, "", moves=False)
 
 
 def _picture(figure: Figure, caption: str) -> str:
@@ -95,7 +95,7 @@ Progress = Callable[[float, float], None]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Step(ByValue):
+class StoryStep(ByValue):
     """What one step of the story made.
 
     Attributes:
@@ -107,7 +107,7 @@ class Step(ByValue):
     """
 
     told: tuple[str, ...]
-    shown: tuple[Shown, ...]
+    shown: tuple[StoryPiece, ...]
     files: dict[str, str]
     changed: tuple[str, ...]
     commands: tuple[str, ...]
@@ -125,7 +125,7 @@ class Telling(ByValue):
 
     title: str
     needs: tuple[str, ...]
-    make: Callable[[Progress | None], Step]
+    make: Callable[[Progress | None], StoryStep]
 
     @property
     def can_be_told(self) -> bool:
@@ -133,11 +133,11 @@ class Telling(ByValue):
         return have(*self.needs)
 
 
-def _pull(progress: Progress | None) -> Step:
+def _pull(progress: Progress | None) -> StoryStep:
     leg, _ = _legs()
     cycle = leg.cycle()
     snaps = len(cycle.snaps)
-    return Step(
+    return StoryStep(
         (f"{_order(cycle)} It snaps {number(snaps)} times on the way.",),
         (moving(leg, "The first leg", str(cycle.sequence), progress),),
         {"leg.toml": dumps(leg)},
@@ -146,11 +146,11 @@ def _pull(progress: Progress | None) -> Step:
     )
 
 
-def _move_an_anchor(progress: Progress | None) -> Step:
+def _move_an_anchor(progress: Progress | None) -> StoryStep:
     before, after = _legs()
     far = amount(float(np.hypot(*np.subtract(_outer(before).q, _outer(after).q))), "m")
     cycle = after.cycle()
-    return Step(
+    return StoryStep(
         (
             f"The end of the outer band is hooked {far} nearer, and the same pull makes another "
             f"order. {_order(cycle)}",
@@ -165,14 +165,14 @@ def _move_an_anchor(progress: Progress | None) -> Step:
     )
 
 
-def _map(progress: Progress | None) -> Step:
+def _map(progress: Progress | None) -> StoryStep:
     legs = _legs()
     x, y = np.linspace(0.0, 0.020, _PLACES), np.linspace(-0.015, 0.015, _PLACES)
     dataset = transition_map(legs[0], 1, x=x, y=y, progress=progress)
     borders = boundaries(legs[0], 1, x=x, y=y, progress=progress)
     near, far = (amount(float(margin(leg).anchors[1]), "m") for leg in legs)
     marks = {leg.title.lower(): _outer(leg).q for leg in legs}
-    return Step(
+    return StoryStep(
         (
             "Every place of that anchor, and the order it makes. The first leg's may be off by "
             f"{near} and the second's by {far} before a border is crossed.",
@@ -184,13 +184,13 @@ def _map(progress: Progress | None) -> Step:
     )
 
 
-def _wish(progress: Progress | None) -> Step:
+def _wish(progress: Progress | None) -> StoryStep:
     tolerances = Tolerances(anchor=_ANCHOR, stiffness=_STIFFNESS)
     found = design(_WISH, tolerances=tolerances, progress=progress)
     made, built = with_(found.chain, title="Made to order"), found.yield_
     text = dumps(made)
     anchors = [line for line in text.splitlines() if line.startswith("q_mm")]
-    return Step(
+    return StoryStep(
         (
             f"{_order(made.cycle())} Anchors for it are found. Of {built.n:,} built at "
             f"random with anchors up to {amount(_ANCHOR, 'm')} off and bands that differ by "
@@ -206,7 +206,7 @@ def _wish(progress: Progress | None) -> Step:
     )
 
 
-def _finger(progress: Progress | None) -> Step:
+def _finger(progress: Progress | None) -> StoryStep:
     hand = load("preset:finger-selector").chain
     up = "".join("1" if name == _FINGER else "0" for name in hand.names)
     program = hand.program(up)
@@ -214,7 +214,7 @@ def _finger(progress: Progress | None) -> Step:
     points = [number(to_unit(point, "mm")) for point in program.turning_points]
     off = amount(min(turn.drive - turn.low, turn.high - turn.drive), "m", 3)
     text = with_program(preset_text("finger-selector"), WrittenProgram.of(program))
-    return Step(
+    return StoryStep(
         (
             f"Five fingers, one motor. It goes out to {points[1]} mm and back to {points[2]} "
             f"mm, and the {_FINGER} finger alone is up. It may turn {off} sooner or later; every "
@@ -230,12 +230,12 @@ def _finger(progress: Progress | None) -> Step:
     )
 
 
-def _walk(progress: Progress | None) -> Step:
+def _walk(progress: Progress | None) -> StoryStep:
     robots = load("preset:robot-forward").robot, load("preset:robot-left").robot
     straight, turned = (robot.walk(_CYCLES) for robot in robots)
     before, after = (robot.leg("left").chain for robot in robots)
     angle = number(float(np.degrees(turned.turn[1:].mean())), 3)
-    return Step(
+    return StoryStep(
         (
             f"After {_CYCLES} strokes it is {amount(straight.distance, 'm', 3)} ahead; the stroke "
             f"is all that commands it. With one anchor of its left leg moved as before, it turns "
@@ -254,13 +254,13 @@ def _walk(progress: Progress | None) -> Step:
     )
 
 
-def _feel(progress: Progress | None) -> Step:
+def _feel(progress: Progress | None) -> StoryStep:
     robot, arena = load("preset:robot-antennas").robot, load_arena(_ARENA)
     found = robot.maze(arena, limit=_LIMIT, progress=progress)
     contact = found.contacts[0]
     turned = next(change for change in found.changes if change.after == _REVERSED)
     yaw = float(np.degrees(found.walk.yaw[-1]))
-    return Step(
+    return StoryStep(
         (
             f"After {contact.begin:.0f} s its {contact.antenna} antenna touches a post and pushes "
             f"an anchor of the {turned.leg} leg by {amount(contact.moved, 'm', 3)}. That leg "

@@ -11,7 +11,7 @@ from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import Laws, law
 from stepwell.statics.following.pieces import Pieces, invert, invert_near, piece_along
-from stepwell.statics.following.state import Movers, Problem
+from stepwell.statics.following.state import DrivenChain, Movers
 
 
 @leaf
@@ -61,7 +61,7 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
 
 
 @leaf
-def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[float, float]:
+def _highest(problem: DrivenChain, movers: Movers, one: float, two: float) -> tuple[float, float]:
     """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     bound = end = beta + alpha * movers.soft
@@ -77,13 +77,13 @@ def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[
 
 
 @leaf
-def compliance(problem: Problem, movers: Movers, force: float) -> float:
+def compliance(problem: DrivenChain, movers: Movers, force: float) -> float:
     """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
     return _highest(problem, movers, force, force)[1]
 
 
 @leaf
-def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> float:
+def first_fold(problem: DrivenChain, movers: Movers, begin: float, end: float) -> float:
     """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
 
     NaN where there is none. κ is monotone on every piece, so the bound over an interval is made
@@ -114,7 +114,7 @@ def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> fl
 
 @leaf
 def point_at(
-    problem: Problem,
+    problem: DrivenChain,
     movers: Movers,
     begin: float,
     end: float,
@@ -172,7 +172,9 @@ def point_at(
 
 
 @leaf
-def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats, joints: bool) -> float:
+def _drive_at(
+    problem: DrivenChain, movers: Movers, force: float, out: Floats, joints: bool
+) -> float:
     """U of a branch where its force is `force`; travels into `out`, from those there on."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     total = movers.held

@@ -63,8 +63,8 @@ from stepwell.statics.following.state import (
     WAS_ON,
     WEIGHTS,
     WORN,
+    DrivenChain,
     Movers,
-    Problem,
     drive_of,
     moved,
     some_movers,
@@ -94,7 +94,9 @@ class Watch(NamedTuple):
 
 
 @leaf
-def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> tuple[float, float]:
+def certify(
+    problem: DrivenChain, travel: Floats, force: float, movers: Movers
+) -> tuple[float, float]:
     """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
 
     Independent of how the point was found: every cell is looked at, moving or not. A cell at a
@@ -146,7 +148,7 @@ def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> 
 
 
 @leaf
-def _beyond(problem: Problem, cell: int, piece: int, travel: float) -> float:
+def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float:
     """κ on the other side of a joint of two pieces; inf away from one."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     if travel == pieces.left[piece] and travel > ends[cell, LOW]:
@@ -158,7 +160,7 @@ def _beyond(problem: Problem, cell: int, piece: int, travel: float) -> float:
 
 @entry()
 @leaf
-def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
+def audit(problem: DrivenChain, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, which one, and by how much.
 
     KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
@@ -251,7 +253,7 @@ def _rising_piece(pieces: Pieces, watch: Watch, i: int) -> int:
 
 @leaf
 def _goes(
-    problem: Problem, watch: Watch, i: int, piece: int, way: tuple[float, float], force: float
+    problem: DrivenChain, watch: Watch, i: int, piece: int, way: tuple[float, float], force: float
 ) -> tuple[float, float]:
     """Let a cell go on its way; its miss of `force` there [N], and of what it should store [J]."""
     laws, pieces, (begin, end) = problem.laws, problem.pieces, way
@@ -288,7 +290,7 @@ def _snaps_again(log: Log, k: int) -> bool:
 
 
 @leaf
-def _stands(problem: Problem, watch: Watch, cell: int, piece: int) -> float:
+def _stands(problem: DrivenChain, watch: Watch, cell: int, piece: int) -> float:
     """Write down between which λ a cell stands; its force [N]."""
     laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, watch.now[cell]
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
@@ -336,7 +338,7 @@ def count_samples(log: Log, points: int) -> int:
 
 @entry(1e-4, "samples.travel")
 def sample(
-    problem: Problem,
+    problem: DrivenChain,
     log: Log,
     start: Floats,
     sheets: Ints,

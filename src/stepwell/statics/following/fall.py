@@ -37,8 +37,8 @@ from stepwell.statics.following.state import (
     ON_PIECE,
     PLACE,
     TIE,
+    DrivenChain,
     Movers,
-    Problem,
     State,
 )
 
@@ -61,7 +61,7 @@ class Falling(NamedTuple):
 
 @leaf
 def floor_of(
-    problem: Problem, rising: Rising, falling: Falling, heaviest: float
+    problem: DrivenChain, rising: Rising, falling: Falling, heaviest: float
 ) -> tuple[bool, float]:
     """Whether the fall is decided, and the force below which no other cell comes, times direction.
 
@@ -119,7 +119,7 @@ def floor_of(
 
 @leaf
 def with_curved(
-    problem: Problem, state: State, rising: Rising, cell: int, piece: int, apart: float
+    problem: DrivenChain, state: State, rising: Rising, cell: int, piece: int, apart: float
 ) -> Movers:
     """The cells of curved force that rise, and before them `cell` unless it is -1.
 
@@ -138,7 +138,7 @@ def with_curved(
 
 
 @leaf
-def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
+def _place(problem: DrivenChain, movers: Movers, force: float, out: Floats) -> float:
     """U with all movers at λ = `force`; their travels into `out`, from those there on."""
     laws, pieces = problem.laws, problem.pieces
     total = movers.held
@@ -149,7 +149,7 @@ def _place(problem: Problem, movers: Movers, force: float, out: Floats) -> float
 
 
 @leaf
-def _softest(problem: Problem, movers: Movers, one: Floats, two: Floats) -> tuple[float, float]:
+def _softest(problem: DrivenChain, movers: Movers, one: Floats, two: Floats) -> tuple[float, float]:
     """Bounds of dU/dλ between two places on the same pieces, on which κ is monotone."""
     laws, pieces = problem.laws, problem.pieces
     low = high = problem.beta + problem.alpha * movers.soft
@@ -164,7 +164,7 @@ def _softest(problem: Problem, movers: Movers, one: Floats, two: Floats) -> tupl
 
 @leaf
 def _first_return(
-    problem: Problem, movers: Movers, ends: tuple[float, float], goal: float, direction: int
+    problem: DrivenChain, movers: Movers, ends: tuple[float, float], goal: float, direction: int
 ) -> tuple[float, float, float]:
     """First λ on the way between `ends` at which U is back at `goal` from beyond it, or NaN.
 
@@ -207,7 +207,7 @@ def _first_return(
     return np.nan, np.nan, nearest
 
 
-class Landing(NamedTuple):
+class FallEnd(NamedTuple):
     """Where a fall ends."""
 
     found: bool
@@ -219,13 +219,13 @@ class Landing(NamedTuple):
 
 @leaf
 def land_after(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     rising: Rising,
     falling: Falling,
     bounds: tuple[float, float],
     drive: float,
-) -> Landing:
+) -> FallEnd:
     """The first equilibrium on the way of the cell that falls, at a fixed drive.
 
     `bounds` are the force below which no other cell comes, times direction, and the largest m κ.
@@ -254,7 +254,7 @@ def land_after(
                     missed = min(missed, near)
                     if not np.isnan(root):
                         count_work(rising, d * level, root)
-                        return Landing(True, root, p, place, missed)
+                        return FallEnd(True, root, p, place, missed)
                 count_work(rising, d * level, d * following)
                 level = following
                 if joint >= level:
@@ -288,7 +288,7 @@ def land_after(
             places = problem.spare.number[PLACE, : len(movers.cell)]
             root = point_at(problem, movers, d * level, d * following, drive, places, False)
             count_work(rising, d * level, root)
-            return Landing(True, root, p, stop if stopped else places[0], missed)
+            return FallEnd(True, root, p, stop if stopped else places[0], missed)
         count_work(rising, d * level, d * following)
         level = following
         if joint >= level:
@@ -301,12 +301,12 @@ def land_after(
             p -= d
     # Rounding has it that there is none: back to where it began.
     _lead_back(problem, state, rising, level, begin, d)
-    return Landing(False, force, falling.piece, falling.travel, missed)
+    return FallEnd(False, force, falling.piece, falling.travel, missed)
 
 
 @leaf
 def _lead_back(
-    problem: Problem, state: State, rising: Rising, level: float, begin: float, d: int
+    problem: DrivenChain, state: State, rising: Rising, level: float, begin: float, d: int
 ) -> None:
     """Let the rising cells follow d λ from a level to where it began."""
     ahead = JOINT_UP if d > 0 else JOINT_DOWN
@@ -320,7 +320,7 @@ def _lead_back(
 
 @leaf
 def _goes_on_away(
-    problem: Problem, rising: Rising, j: int, p: int, travel: float, d: int, heaviest: float
+    problem: DrivenChain, rising: Rising, j: int, p: int, travel: float, d: int, heaviest: float
 ) -> bool:
     """Whether no equilibrium can be passed while cell j falls from a travel to the end of piece p.
 
@@ -333,7 +333,7 @@ def _goes_on_away(
 
 
 @leaf
-def heaviest_of(problem: Problem) -> float:
+def heaviest_of(problem: DrivenChain) -> float:
     """The largest m κ of any cell on a rising piece [N/m]."""
     laws, pieces = problem.laws, problem.pieces
     most = 0.0

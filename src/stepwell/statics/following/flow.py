@@ -19,7 +19,7 @@ from stepwell.statics.following.state import (
     OF_FLOW,
     TIE,
     WHOLES_OF_FLOW,
-    Problem,
+    DrivenChain,
     State,
     set_near,
 )
@@ -77,7 +77,7 @@ class Flow(NamedTuple):
 
 
 @leaf
-def _begin(problem: Problem, state: State, drive: float) -> Flow:
+def _begin(problem: DrivenChain, state: State, drive: float) -> Flow:
     """The flow as it begins, with all cells in it that do not rest."""
     spare, mode = problem.spare, state.mode
     counts = spare.counts
@@ -92,7 +92,7 @@ def _begin(problem: Problem, state: State, drive: float) -> Flow:
 
 
 @leaf
-def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
+def _join(problem: DrivenChain, state: State, at: Flow, i: int) -> None:
     """Take cell i into the flow."""
     j = at.used[0]
     at.used[0] += 1
@@ -111,7 +111,7 @@ def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
 
 
 @leaf
-def _stand(problem: Problem, at: Flow, j: int) -> None:
+def _stand(problem: DrivenChain, at: Flow, j: int) -> None:
     """See on which sheet and piece a cell in the flow stands."""
     i, ends = at.where[_CELL, j], problem.sheets.ends
     at.cell[_LEAST, j], at.cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
@@ -122,7 +122,7 @@ def _stand(problem: Problem, at: Flow, j: int) -> None:
 
 
 @leaf
-def _law_at(problem: Problem, at: Flow, j: int, travel: float) -> tuple[float, float]:
+def _law_at(problem: DrivenChain, at: Flow, j: int, travel: float) -> tuple[float, float]:
     """F and κ of a cell in the flow at a travel."""
     pieces, where = problem.pieces, at.where
     piece = _piece_near(pieces, where[_PIECE, j], travel)
@@ -132,7 +132,7 @@ def _law_at(problem: Problem, at: Flow, j: int, travel: float) -> tuple[float, f
 
 
 @leaf
-def _close(problem: Problem, state: State, at: Flow) -> None:
+def _close(problem: DrivenChain, state: State, at: Flow) -> None:
     """See within which λ the cells that are not in the flow keep still."""
     friction, ends = problem.laws.friction, problem.sheets.ends
     travel, mode, at_rest = state.travel, state.mode, state.at_rest
@@ -221,7 +221,7 @@ def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
 
 
 @leaf
-def _look(problem: Problem, at: Flow) -> None:
+def _look(problem: DrivenChain, at: Flow) -> None:
     """Forces and slopes of the cells where they are."""
     cell = at.cell
     for j in range(at.used[0]):
@@ -317,7 +317,7 @@ def _solve(
 
 
 @leaf
-def _forces(problem: Problem, at: Flow, row: int) -> None:
+def _forces(problem: DrivenChain, at: Flow, row: int) -> None:
     """Forces of the cells that move, at the travels of `_TRIAL`, into `row`."""
     cell, where = at.cell, at.where
     for j in range(at.used[0]):
@@ -338,7 +338,7 @@ def _set_off(
 
 
 @leaf
-def _step(problem: Problem, at: Flow, h: float) -> None:
+def _step(problem: DrivenChain, at: Flow, h: float) -> None:
     """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m]."""
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     actuator = (alpha, beta, at.drive, at.still[_STILL])
@@ -422,7 +422,7 @@ def _worst(cell: Floats, m: int) -> float:
 
 
 @leaf
-def _look_ahead(problem: Problem, at: Flow) -> float:
+def _look_ahead(problem: DrivenChain, at: Flow) -> float:
     """Forces, slopes and rates where the last step ends, into the rows of the next; λ."""
     cell, where, m = at.cell, at.where, at.used[0]
     for j in range(m):
@@ -438,7 +438,7 @@ def _look_ahead(problem: Problem, at: Flow) -> float:
 
 
 @leaf
-def _change_of_force(problem: Problem, at: Flow, rate: int, slope: int) -> float:
+def _change_of_force(problem: DrivenChain, at: Flow, rate: int, slope: int) -> float:
     """dλ/dt where cells have the rates and slopes of these rows [N/s]."""
     cell, where, total, moving = at.cell, at.where, 0.0, 0.0
     for j in range(at.used[0]):
@@ -516,7 +516,7 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
 
 @leaf
 def _passed(
-    problem: Problem, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
+    problem: DrivenChain, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
 ) -> tuple[float, int]:
     """How long the last step should have been to end with its first event; h if it need not.
 
@@ -591,7 +591,7 @@ def _passed(
 
 
 @leaf
-def _carry_error(problem: Problem, at: Flow, h: float, stopped: int) -> float:
+def _carry_error(problem: DrivenChain, at: Flow, h: float, stopped: int) -> float:
     """Take the error of the travels through a step, and add that of the step; the largest [m].
 
     A linearised step does it. What only means earlier or later on the same way is no error: it is
@@ -643,7 +643,7 @@ def _has_left(state: State, at: Flow) -> bool:
 
 
 @leaf
-def _barrier(problem: Problem, at: Flow) -> float:
+def _barrier(problem: DrivenChain, at: Flow) -> float:
     """The least force that would take the chain on from its rest, the way it came [N]; or inf.
 
     That is what resists it at most on the straight line of its last step, before the line falls
@@ -695,7 +695,7 @@ def _steepest(cell: Floats, where: Ints, m: int) -> float:
 
 
 @leaf
-def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
+def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
     # One function: an iteration works on eight rows of the flow, taken out once.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -786,7 +786,7 @@ def _set_senses(at: Flow, shared: float) -> None:
 
 @leaf
 def flow(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     drive: float,
     shared: float,
@@ -924,7 +924,7 @@ def flow(
 
 
 @leaf
-def _jumps(problem: Problem, at: Flow) -> bool:
+def _jumps(problem: DrivenChain, at: Flow) -> bool:
     """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
     sheets, cell, some = problem.sheets, at.cell, False
     for j in range(at.used[0]):

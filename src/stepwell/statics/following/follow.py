@@ -12,7 +12,7 @@ from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.rising import Rising
-from stepwell.statics.following.series import Segment, advance, is_regular
+from stepwell.statics.following.series import FollowedSegment, advance, is_regular
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -38,7 +38,7 @@ from stepwell.statics.following.state import (
     SLIDES,
     STALLED,
     TRIGGER,
-    Problem,
+    DrivenChain,
     State,
     drive_of,
     drive_slack,
@@ -52,7 +52,7 @@ _LONGEST_WAIT = 15
 @entry()
 @leaf
 def follow(
-    problem: Problem, turning: Floats, state: State, rising: Rising, segment: Segment
+    problem: DrivenChain, turning: Floats, state: State, rising: Rising, segment: FollowedSegment
 ) -> int:
     """Drive the chain through `turning`, writing every segment to the log; how it ended.
 
@@ -126,7 +126,7 @@ def follow(
 
 
 @leaf
-def _come_to_rest(problem: Problem, state: State, direction: int) -> None:
+def _come_to_rest(problem: DrivenChain, state: State, direction: int) -> None:
     """The actuator turns: what slid rests, and nothing is known of what comes next.
 
     What stands where its force turns may have been about to go on down the other side.

@@ -13,14 +13,14 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, beyond, law
 from stepwell.statics.following.pieces import find_piece
-from stepwell.statics.following.state import FREE, HELD, Problem, State, set_near
+from stepwell.statics.following.state import FREE, HELD, DrivenChain, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
 # Rows of the spare stack: shifts where stretches end, and what `_ends` says there.
 _SHIFT, _PULL, _PULL_SLOPE, _RESIST, _RESIST_SLOPE = range(3, 8)
 
 
-class Line(NamedTuple):
+class SnapLine(NamedTuple):
     """The line along which a snap runs: `forth` moves by +x and `back` by -x.
 
     One of the two may be -1: then the actuator takes its part.
@@ -39,7 +39,7 @@ class Line(NamedTuple):
 
 @leaf
 def _ends(
-    laws: Laws, picked: Ints, line: Line, on_forth: int, on_back: int, bias: float, x: float
+    laws: Laws, picked: Ints, line: SnapLine, on_forth: int, on_back: int, bias: float, x: float
 ) -> tuple[float, float, float, float]:
     """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
     if line.back >= 0:
@@ -56,7 +56,7 @@ def _ends(
 
 
 @leaf
-def pull_at(problem: Problem, line: Line, x: float) -> float:
+def pull_at(problem: DrivenChain, line: SnapLine, x: float) -> float:
     """What pulls less what resists after a shift x, as far as the line goes [N]."""
     laws, picked, ends = problem.laws, problem.pieces.picked, problem.sheets.ends
     pieces, on_forth, on_back = problem.pieces, 0, 0
@@ -73,7 +73,7 @@ def pull_at(problem: Problem, line: Line, x: float) -> float:
 
 
 @leaf
-def _level(line: Line, pull: float, resist: float) -> float:
+def _level(line: SnapLine, pull: float, resist: float) -> float:
     """λ where a snap comes to rest."""
     if line.forth >= 0 and line.back >= 0:
         return line.share * pull + (1.0 - line.share) * resist
@@ -84,7 +84,7 @@ def _level(line: Line, pull: float, resist: float) -> float:
 def _balance(
     laws: Laws,
     picked: Ints,
-    line: Line,
+    line: SnapLine,
     on: tuple[int, int],
     bias: float,
     ends: tuple[float, float, float, float],
@@ -131,7 +131,9 @@ def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, flo
 
 
 @leaf
-def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
+def land(
+    problem: DrivenChain, line: SnapLine, start: float, bias: float
+) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there of a snap along a line.
 
     The outcome is JOINED where the flow leaves the range of λ in which all other cells keep still.
@@ -236,7 +238,9 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
 
 
 @leaf
-def least_pull(problem: Problem, line: Line, begin: float, end: float) -> tuple[float, float]:
+def least_pull(
+    problem: DrivenChain, line: SnapLine, begin: float, end: float
+) -> tuple[float, float]:
     """The least pull between two shifts on the way of a snap, and the stiffness there [N], [N/m].
 
     A least one has more on both sides: so much less pull, and the snap would land there. Without
@@ -294,7 +298,7 @@ def least_pull(problem: Problem, line: Line, begin: float, end: float) -> tuple[
 
 
 @leaf
-def note_next_snap(problem: Problem, state: State) -> None:
+def note_next_snap(problem: DrivenChain, state: State) -> None:
     """Note by how much λ misses what would set off one more snap where a snap has landed.
 
     That is the force at which a held cell would run away, or at which one that follows λ comes to

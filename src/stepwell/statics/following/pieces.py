@@ -69,7 +69,7 @@ _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 
 
 @record
-class Room(NamedTuple):
+class CuttingSpace(NamedTuple):
     """What cutting writes to on its way, so that no cut makes an array."""
 
     points: Floats  # (kinks,)
@@ -81,11 +81,11 @@ class Room(NamedTuple):
     depth: Ints  # (2, 4 _DEPTH) how small they are, and what is open on them
 
 
-def room_for(laws: Laws) -> Room:
+def room_for(laws: Laws) -> CuttingSpace:
     """Room to cut these cells in."""
     bands = np.diff(laws.band_first)
     kinks = 2 + 2 * len(laws.rows) + 4 * int(np.max(bands))
-    return Room(
+    return CuttingSpace(
         np.empty(kinks),
         np.empty(4 * MOST_PIECES),
         np.empty(int(np.max(bands)) + 1, np.int64),
@@ -160,7 +160,7 @@ def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
 
 
 @leaf
-def _look(laws: Laws, cell: int, a: float, b: float, room: Room) -> None:
+def _look(laws: Laws, cell: int, a: float, b: float, room: CuttingSpace) -> None:
     """F, κ and dκ/ds at the Chebyshev points of [a, b], of which the first is b and the last a."""
     travel = room.at.travel
     for i in range(_NODES):
@@ -170,7 +170,7 @@ def _look(laws: Laws, cell: int, a: float, b: float, room: Room) -> None:
 
 
 @leaf
-def _verdict(values: Floats, noise: float, room: Room) -> int:
+def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
     """0: no root of a function with these values; 1: it is monotone; 2: unknown.
 
     Where it is nowhere larger than `noise` it is zero, which has no sign to change.
@@ -239,7 +239,7 @@ def _root(
 
 
 @leaf
-def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: Room) -> int:
+def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: CuttingSpace) -> int:
     """Write to the cuts every root of κ and of dκ/ds in (a, b); how many.
 
     With them any place where a root cannot be ruled out. The law has been looked at on [a, b].
@@ -308,7 +308,7 @@ def room_of_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
 
 @entry(1e-3, "laws.lever")
 @leaf
-def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
+def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: CuttingSpace) -> int:
     """Fill the pieces; how many there are, or -1 where they are more than fit in."""
     total = 0
     cell, last = -1, len(sheets.table)
@@ -326,7 +326,9 @@ def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: Room) -> int:
 
 
 @leaf
-def _cut_sheet(laws: Laws, ends: Floats, i: int, out: Pieces, room: Room, total: int) -> int:
+def _cut_sheet(
+    laws: Laws, ends: Floats, i: int, out: Pieces, room: CuttingSpace, total: int
+) -> int:
     """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
     # One function: every cut writes to the same arrays, which are taken out once.
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right

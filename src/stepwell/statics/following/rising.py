@@ -15,7 +15,7 @@ from stepwell.kernels import leaf, record
 from stepwell.mechanism import HIGH, LOW, Laws, stored
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.pieces import Pieces, find_piece, invert, invert_near, piece_along
-from stepwell.statics.following.state import FREE, Problem, State, hold
+from stepwell.statics.following.state import FREE, DrivenChain, State, hold
 
 # Queues of the next joint of two rising pieces, and of the end of a rising branch or the release
 # of a held cell; each with λ rising (key λ) and falling (key -λ).
@@ -178,7 +178,7 @@ def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
 
 
 @leaf
-def _count_in(problem: Problem, rising: Rising, piece: int, sign: float) -> None:
+def _count_in(problem: DrivenChain, rising: Rising, piece: int, sign: float) -> None:
     """Add a straight piece to the sums, or take it out."""
     soft, offset = _line(problem, piece)
     _add(rising.sums, _COMPLIANCE, sign * soft)
@@ -186,7 +186,7 @@ def _count_in(problem: Problem, rising: Rising, piece: int, sign: float) -> None
 
 
 @leaf
-def _line(problem: Problem, piece: int) -> tuple[float, float]:
+def _line(problem: DrivenChain, piece: int) -> tuple[float, float]:
     """Travel of a straight piece over its force: 1/κ [m/N], and where the force is none [m]."""
     row = problem.laws.rows[problem.pieces.picked[piece, 0]]
     soft = 1.0 / row[2]
@@ -194,7 +194,7 @@ def _line(problem: Problem, piece: int) -> tuple[float, float]:
 
 
 @leaf
-def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
+def _enter(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
     """Take cell i in on a piece, and queue the joints at the ends of that piece."""
     if is_straight(problem.laws, problem.pieces, i, piece):
         rising.kind[i] = _STRAIGHT
@@ -209,7 +209,7 @@ def _enter(problem: Problem, rising: Rising, i: int, piece: int) -> None:
 
 
 @leaf
-def _queue_joint(problem: Problem, rising: Rising, i: int, piece: int, toward: int) -> None:
+def _queue_joint(problem: DrivenChain, rising: Rising, i: int, piece: int, toward: int) -> None:
     """Queue the joint of a piece of cell i with the rising one that λ going `toward` leads to."""
     pieces = problem.pieces
     if toward > 0:
@@ -224,7 +224,7 @@ def _queue_joint(problem: Problem, rising: Rising, i: int, piece: int, toward: i
 
 
 @leaf
-def _exit(problem: Problem, rising: Rising, i: int, piece: int) -> None:
+def _exit(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
     """Take cell i out of the sums."""
     if rising.kind[i] == _STRAIGHT:
         _count_in(problem, rising, piece, -1.0)
@@ -237,7 +237,7 @@ def _exit(problem: Problem, rising: Rising, i: int, piece: int) -> None:
 
 
 @leaf
-def rise(problem: Problem, state: State, rising: Rising, i: int, piece: int) -> None:
+def rise(problem: DrivenChain, state: State, rising: Rising, i: int, piece: int) -> None:
     """Let cell i follow λ from now on, on a rising piece."""
     pieces = problem.pieces
     state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
@@ -255,7 +255,7 @@ def rise(problem: Problem, state: State, rising: Rising, i: int, piece: int) -> 
 
 
 @leaf
-def rise_no_more(problem: Problem, state: State, rising: Rising, i: int) -> None:
+def rise_no_more(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
     """Take cell i out: it has come to the end of its rising branch."""
     _exit(problem, rising, i, state.piece[i])
     rising.counts[1] -= 1
@@ -265,7 +265,7 @@ def rise_no_more(problem: Problem, state: State, rising: Rising, i: int) -> None
 
 
 @leaf
-def pass_joint(problem: Problem, state: State, rising: Rising, toward: int) -> None:
+def pass_joint(problem: DrivenChain, state: State, rising: Rising, toward: int) -> None:
     """Let the cell that is first at a joint, λ going `toward`, go on to the next piece."""
     laws, pieces, queues = problem.laws, problem.pieces, rising.queues
     i = queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
@@ -288,7 +288,7 @@ def pass_joint(problem: Problem, state: State, rising: Rising, toward: int) -> N
 
 
 @leaf
-def rest(problem: Problem, state: State, rising: Rising, i: int) -> None:
+def rest(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
     """Hold cell i at the stop where it is, until λ releases it."""
     hold(problem, state, i)
     travel, ends = state.travel[i], problem.sheets.ends
@@ -308,7 +308,7 @@ def rest_no_more(state: State, rising: Rising, i: int) -> None:
 
 
 @leaf
-def past_end(problem: Problem, state: State, rising: Rising, i: int, toward: int) -> int:
+def past_end(problem: DrivenChain, state: State, rising: Rising, i: int, toward: int) -> int:
     """What comes for a cell that is at the end of its branch or released, λ going `toward`.
 
     The sign of its κ there, or 2 for a stop.
@@ -327,7 +327,7 @@ def is_held(rising: Rising, i: int) -> bool:
 
 
 @leaf
-def travel_at_force(problem: Problem, state: State, i: int, force: float) -> float:
+def travel_at_force(problem: DrivenChain, state: State, i: int, force: float) -> float:
     """Travel of a rising cell at a force on its branch [m]."""
     pieces = problem.pieces
     piece = piece_along(pieces, i, state.piece[i], force)
@@ -335,7 +335,7 @@ def travel_at_force(problem: Problem, state: State, i: int, force: float) -> flo
 
 
 @leaf
-def stroke_at(problem: Problem, state: State, rising: Rising, force: float) -> float:
+def stroke_at(problem: DrivenChain, state: State, rising: Rising, force: float) -> float:
     """Σ s of all cells but the one that leads, at λ = `force` between two joints [m].
 
     Leaves the cells of curved force where they are there.
@@ -351,7 +351,7 @@ def stroke_at(problem: Problem, state: State, rising: Rising, force: float) -> f
 
 
 @leaf
-def softness_at(problem: Problem, state: State, rising: Rising) -> float:
+def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
     """dΣs/dλ of the rising cells where those of curved force are [m/N]."""
     total = compliance_of(rising)
     for k in range(rising.counts[0]):
@@ -374,7 +374,7 @@ def count_work(rising: Rising, before: float, after: float) -> None:
 
 
 @leaf
-def energy_in(problem: Problem, state: State, rising: Rising) -> float:
+def energy_in(problem: DrivenChain, state: State, rising: Rising) -> float:
     """What the rising cells store, but for a constant [J]; those of curved force where they are."""
     total = rising.sums[_STORED] + rising.sums[_STORED + 1]
     for k in range(rising.counts[0]):

@@ -78,7 +78,7 @@ from stepwell.statics.following.state import (
     TIE,
     TRIGGER,
     WHY,
-    Problem,
+    DrivenChain,
     State,
     set_near,
     set_snap,
@@ -91,7 +91,7 @@ _WORTH = 64
 
 
 @record
-class Segment(NamedTuple):
+class FollowedSegment(NamedTuple):
     """The segment that is being followed, and the cells that its row has to name.
 
     All others between their stops follow λ on their branches, which needs no row.
@@ -104,9 +104,9 @@ class Segment(NamedTuple):
     counts: Ints  # (2,) how many, and the row of the segment before or -1
 
 
-def no_segment(cells: int) -> Segment:
+def no_segment(cells: int) -> FollowedSegment:
     """None yet, in a chain of so many cells."""
-    return Segment(
+    return FollowedSegment(
         np.zeros(2),
         np.zeros(cells, np.int64),
         np.zeros(cells),
@@ -116,7 +116,7 @@ def no_segment(cells: int) -> Segment:
 
 
 @leaf
-def is_regular(problem: Problem) -> bool:
+def is_regular(problem: DrivenChain) -> bool:
     """Whether long stretches of the path of a chain can be followed here."""
     laws, sheets = problem.laws, problem.sheets
     return bool(
@@ -129,7 +129,7 @@ def is_regular(problem: Problem) -> bool:
 
 
 @leaf
-def _gather(problem: Problem, state: State, rising: Rising, direction: int) -> tuple[bool, int]:
+def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) -> tuple[bool, int]:
     """Put every cell where it belongs; whether all do, and the cell of falling force or -1."""
     leader = -1
     for i in range(len(state.mode)):
@@ -150,7 +150,7 @@ def _gather(problem: Problem, state: State, rising: Rising, direction: int) -> t
 
 
 @leaf
-def _name(segment: Segment, i: int, travel: float) -> None:
+def _name(segment: FollowedSegment, i: int, travel: float) -> None:
     """Let the row of the segment name cell i, which was at `travel` when it began."""
     if segment.named[i] == 0:
         k = segment.counts[0]
@@ -172,10 +172,10 @@ def _mover(state: State, i: int, piece: int, before: float, after: float) -> Non
 
 @leaf
 def _end_segment(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     rising: Rising,
-    segment: Segment,
+    segment: FollowedSegment,
     kind: int,
     direction: int,
     drive: float,
@@ -204,7 +204,12 @@ def _end_segment(
 
 @leaf
 def _leave_branch(
-    problem: Problem, state: State, rising: Rising, segment: Segment, i: int, toward: int
+    problem: DrivenChain,
+    state: State,
+    rising: Rising,
+    segment: FollowedSegment,
+    i: int,
+    toward: int,
 ) -> None:
     """Take a cell off its branch at the end that λ going `toward` leads to; its row is due."""
     pieces, log = problem.pieces, state.log
@@ -222,10 +227,10 @@ def _leave_branch(
 
 @leaf
 def _stop_here(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     rising: Rising,
-    segment: Segment,
+    segment: FollowedSegment,
     direction: int,
     drive: float,
     closes: bool,
@@ -276,7 +281,7 @@ def _ties(queues: Queues, q: int, within: float) -> bool:
 
 
 @leaf
-def _next_cell(problem: Problem, state: State, rising: Rising, q: int, toward: int) -> int:
+def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
     """The cell to which something happens first; a tie is noted where it decides which one falls.
 
     Of several within the tolerance those that rest or begin to rise come first, then the innermost.
@@ -307,10 +312,10 @@ def _next_cell(problem: Problem, state: State, rising: Rising, q: int, toward: i
 
 @leaf
 def advance(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     rising: Rising,
-    segment: Segment,
+    segment: FollowedSegment,
     direction: int,
     target: float,
     slack: float,

@@ -23,8 +23,8 @@ from stepwell.statics.following.state import (
     TIE,
     TRIGGER,
     WHY,
+    DrivenChain,
     Movers,
-    Problem,
     State,
     begin,
     drive_of,
@@ -59,7 +59,7 @@ class BranchEnd(NamedTuple):
 
 
 @leaf
-def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[int, int]:
+def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tuple[int, int]:
     """How the chain can go on, and the falling cell that leads it or -1.
 
     `goes` (N,) becomes 1 for the cells that move.
@@ -112,7 +112,7 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
 
 
 @leaf
-def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
+def _turn_here(problem: DrivenChain, state: State, cells: Ints) -> bool:
     """Whether the leader and another moving cell stand where their forces turn."""
     laws, pieces = problem.laws, problem.pieces
     others, leads = 0, False
@@ -129,7 +129,7 @@ def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
 
 
 @leaf
-def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
+def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
     """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
     mode = state.mode
     for i in range(len(goes)):
@@ -145,7 +145,7 @@ def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
 
 
 @leaf
-def join_flat(problem: Problem, state: State, direction: int) -> bool:
+def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
     """Bring in the cells that offer the same constant force; whether there are any.
 
     They are held ones that let go at it, and moving ones that have just reached it.
@@ -174,7 +174,7 @@ def join_flat(problem: Problem, state: State, direction: int) -> bool:
 
 
 @leaf
-def share(problem: Problem, state: State, goes: Ints) -> None:
+def share(problem: DrivenChain, state: State, goes: Ints) -> None:
     """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
     rank, one, two, first = problem.rank, -1, -1, 0
     for i in range(len(goes)):
@@ -201,7 +201,7 @@ def _end_of(pieces: Pieces, movers: Movers, m: int, direction: int) -> float:
 
 
 @leaf
-def drift(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
+def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, target: float) -> int:
     """Cells of constant force take the motion, by mobility, until one of them leaves its piece."""
     laws, pieces, alpha = problem.laws, problem.pieces, problem.alpha
     mobility, count = problem.mobility, len(movers.cell)
@@ -250,7 +250,7 @@ def _until_letting_go(
 
 
 @leaf
-def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float, int]:
+def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank = problem.pieces, problem.rank
     friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, TIE * problem.scale
@@ -302,7 +302,7 @@ def _turns_over(ends: Floats, pieces: Pieces, cell: int, piece: int, heading: in
 
 @leaf
 def _first_to_arrive(
-    problem: Problem, state: State, movers: Movers, toward: int, direction: int
+    problem: DrivenChain, state: State, movers: Movers, toward: int, direction: int
 ) -> tuple[float, int, bool]:
     """Distance of λ to the first end of a piece, which mover comes there, and whether in company.
 
@@ -352,7 +352,7 @@ def _first_to_arrive(
 
 @leaf
 def _first_event(
-    problem: Problem, state: State, movers: Movers, toward: int, direction: int
+    problem: DrivenChain, state: State, movers: Movers, toward: int, direction: int
 ) -> BranchEnd:
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
     pieces = problem.pieces
@@ -379,7 +379,7 @@ def _first_event(
 
 @leaf
 def _or_fold(
-    problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int
+    problem: DrivenChain, state: State, movers: Movers, event: BranchEnd, toward: int
 ) -> BranchEnd:
     """The event, or the fold that comes before it."""
     blunt = toward * BLUNT * problem.scale
@@ -397,7 +397,7 @@ def _or_fold(
 
 @leaf
 def _places_at(
-    problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int, out: Floats
+    problem: DrivenChain, state: State, movers: Movers, event: BranchEnd, toward: int, out: Floats
 ) -> None:
     """Travels of the movers at an event, into `out`; those that come to an end are there."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
@@ -428,7 +428,7 @@ def _leader(pieces: Pieces, movers: Movers) -> int:
 
 
 @leaf
-def move(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
+def move(problem: DrivenChain, state: State, movers: Movers, direction: int, target: float) -> int:
     """Follow one branch to its first event or to the target."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     toward = direction if _leader(pieces, movers) < 0 else -direction

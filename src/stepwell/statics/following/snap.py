@@ -13,7 +13,7 @@ from stepwell.statics.following.landing import (
     LANDED,
     STOPPED,
     UNDECIDED,
-    Line,
+    SnapLine,
     land,
     least_pull,
     note_next_snap,
@@ -48,7 +48,7 @@ from stepwell.statics.following.state import (
     WEIGHTS,
     WHY,
     WORN,
-    Problem,
+    DrivenChain,
     State,
     begin,
     held_range,
@@ -66,7 +66,7 @@ FINE, COARSE = 2e-7, 1e-4
 
 
 @leaf
-def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
+def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
     # One function: one pass over the cells adds up what moved and what was released.
     laws, pieces = problem.laws, problem.pieces
@@ -133,7 +133,7 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
 
 
 @leaf
-def note_saddle(problem: Problem, state: State, leader: int) -> None:
+def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
         if i != leader and state.mode[i] != HELD and problem.pieces.sign[state.piece[i]] < 0:
@@ -141,7 +141,9 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
 
 
 @leaf
-def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
+def along_line(
+    problem: DrivenChain, state: State, direction: int, rubbed: Floats
+) -> tuple[int, bool]:
     """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
 
     JOINED where there is more than one degree of freedom, or from where on there is.
@@ -172,7 +174,7 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
     share = 0.5
     if rigid:
         share = problem.mobility[back] / (problem.mobility[back] + problem.mobility[forth])
-    line = Line(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
+    line = SnapLine(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     begun, neutral = line, state.next_snap[WHY] != FOLD and _is_neutral(problem, line)
     if neutral:
@@ -230,7 +232,7 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
 
 
 @leaf
-def _is_neutral(problem: Problem, line: Line) -> bool:
+def _is_neutral(problem: DrivenChain, line: SnapLine) -> bool:
     """Whether slopes that are each other's opposite leave a whole line in balance.
 
     Then rounding would choose the landing; the drive, ever so little further, is what does.
@@ -250,19 +252,19 @@ def _is_neutral(problem: Problem, line: Line) -> bool:
 
 
 @leaf
-def _driven_on(line: Line, direction: int, by: float) -> Line:
+def _driven_on(line: SnapLine, direction: int, by: float) -> SnapLine:
     """The same line with the drive further on by so little travel."""
     forth, back, at_forth, at_back, force, softness, share, low, high = line
     if forth >= 0 and (direction > 0 or back < 0):
         at_forth += direction * by
     else:
         at_back += direction * by
-    return Line(forth, back, at_forth, at_back, force, softness, share, low, high)
+    return SnapLine(forth, back, at_forth, at_back, force, softness, share, low, high)
 
 
 @leaf
 def _by_flow(
-    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
+    problem: DrivenChain, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
     """Let the flow bring all cells to rest; whether it did, and whether by a tie.
 
@@ -311,7 +313,7 @@ def _by_flow(
 
 
 @leaf
-def _leave(problem: Problem, state: State, share: float) -> None:
+def _leave(problem: DrivenChain, state: State, share: float) -> None:
     """Step off an unstable equilibrium along its one unstable direction."""
     # One function: which cells move decides slopes and weights, in the same spare room.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta

@@ -90,7 +90,7 @@ def spare_room(cells: int) -> Spare:
 
 
 @record
-class Problem(NamedTuple):
+class DrivenChain(NamedTuple):
     """A chain and its actuator: what stays as it is while it is followed; N cells."""
 
     laws: Laws
@@ -162,19 +162,19 @@ class Begin(NamedTuple):
 
 
 @leaf
-def drive_of(problem: Problem, travel: Floats, force: float) -> float:
+def drive_of(problem: DrivenChain, travel: Floats, force: float) -> float:
     """U = α Σ s_i + β λ."""
     return problem.alpha * summed(travel) + problem.beta * force
 
 
 @leaf
-def drive_slack(problem: Problem) -> float:
+def drive_slack(problem: DrivenChain) -> float:
     """Drives closer than this differ by rounding."""
     return problem.alpha * 1e-13 * summed(problem.laws.full) + problem.beta * 1e-13 * problem.scale
 
 
 @leaf
-def begin(problem: Problem, state: State, direction: int) -> Begin:
+def begin(problem: DrivenChain, state: State, direction: int) -> Begin:
     """The beginning of a segment: where the chain is now."""
     travel, sheet, now = problem.spare.number[WAS], problem.spare.whole[WAS_ON], state.travel
     for i in range(len(now)):
@@ -191,7 +191,7 @@ def some_movers(spare: Spare, count: int, held: float) -> Movers:
 
 
 @leaf
-def movers_of(problem: Problem, state: State, goes: Ints) -> Movers:
+def movers_of(problem: DrivenChain, state: State, goes: Ints) -> Movers:
     """The cells marked in (N,) `goes` as movers."""
     spare, friction = problem.spare, problem.laws.friction
     cell, piece, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
@@ -239,7 +239,7 @@ def write_row(
 
 @leaf
 def write(
-    problem: Problem,
+    problem: DrivenChain,
     state: State,
     kind: int,
     begun: Begin,
@@ -268,7 +268,7 @@ def write(
 
 
 @kernel
-def moved(problem: Problem, log: Log, k: int, travel: Floats) -> Floats:
+def moved(problem: DrivenChain, log: Log, k: int, travel: Floats) -> Floats:
     """(m, MOVER_COLUMNS) rows of all cells that move in segment k, by cell.
 
     `travel` (N,) says where the cells are before it; (N,) for cells that follow, any place on their
@@ -319,7 +319,7 @@ def set_tie(tie: Ints, one: int, two: int) -> None:
 
 
 @leaf
-def hold(problem: Problem, state: State, i: int) -> None:
+def hold(problem: DrivenChain, state: State, i: int) -> None:
     """Let cell i rest where it is."""
     laws, pieces, travel = problem.laws, problem.pieces, state.travel[i]
     state.mode[i], state.sense[i] = HELD, 0
@@ -333,7 +333,7 @@ def hold(problem: Problem, state: State, i: int) -> None:
 
 
 @leaf
-def held_range(problem: Problem, state: State) -> tuple[float, float]:
+def held_range(problem: DrivenChain, state: State) -> tuple[float, float]:
     """The forces λ at which every held cell stays."""
     friction, ends = problem.laws.friction, problem.sheets.ends
     mode, travel, at_rest = state.mode, state.travel, state.at_rest
@@ -348,7 +348,7 @@ def held_range(problem: Problem, state: State) -> tuple[float, float]:
 
 
 @leaf
-def settle(problem: Problem, state: State) -> None:
+def settle(problem: DrivenChain, state: State) -> None:
     """Read modes and λ off a resting configuration, after a snap."""
     laws, pieces, ends, mode = problem.laws, problem.pieces, problem.sheets.ends, state.mode
     free, total = 0, 0.0
@@ -374,7 +374,7 @@ def settle(problem: Problem, state: State) -> None:
 
 
 @leaf
-def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
+def end_piece(problem: DrivenChain, state: State, cell: int, heading: int) -> None:
     """A cell has reached the end of its piece: it rests at a stop, jumps, or goes on."""
     ends = problem.sheets.ends
     end = ends[cell, HIGH] if heading > 0 else ends[cell, LOW]
@@ -391,7 +391,7 @@ def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
 
 
 @leaf
-def jump(problem: Problem, state: State, cell: int) -> bool:
+def jump(problem: DrivenChain, state: State, cell: int) -> bool:
     """Let a cell whose sheet ends where it stands jump to the next one; whether it does."""
     sheets = problem.sheets
     to = beyond(sheets, cell, state.travel[cell])

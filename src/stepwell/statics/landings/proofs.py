@@ -7,7 +7,7 @@ from stepwell.kernels import UNLIMITED, entry, kernel
 from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import stand_all_on
 from stepwell.statics.following.snap import along_line
-from stepwell.statics.following.state import Problem, State
+from stepwell.statics.following.state import DrivenChain, State
 from stepwell.statics.landings.rests import places_of_rest
 from stepwell.statics.landings.room import Room, energy_of, leads_on, narrow, room_of, whole_room
 from stepwell.statics.landings.start import Start, room_for, stand_before
@@ -17,7 +17,7 @@ from stepwell.statics.landings.ways import boxes_of, grid_of, keeps_off
 _ALIKE = 1e-9
 
 
-def goes_one_way(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
+def goes_one_way(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
     """Whether a snap runs along one line to its landing for all mobilities within a ratio.
 
     Args:
@@ -32,7 +32,7 @@ def goes_one_way(problem: Problem, start: Start, landing: Floats, ratio: float) 
 
 @entry()
 def _goes_one_way(
-    problem: Problem, start: Start, state: State, landing: Floats, ratio: float
+    problem: DrivenChain, start: Start, state: State, landing: Floats, ratio: float
 ) -> bool:
     """The same, with room for a state and with mobilities to be written to.
 
@@ -71,7 +71,7 @@ _COARSE, _FINE = 1500, 6000
 
 @kernel
 def lands_only_at(
-    problem: Problem, start: Start, room: Room, landing: Floats, ratio: float
+    problem: DrivenChain, start: Start, room: Room, landing: Floats, ratio: float
 ) -> bool:
     """Whether of all places of rest in a room the landing alone is reached.
 
@@ -112,7 +112,7 @@ def lands_only_at(
 
 
 @entry(0.3, "problem.mobility")
-def energy_holds(problem: Problem, start: Start, landing: Floats) -> bool:
+def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
     """Whether the energy at the start suffices for no other place of rest than `landing`.
 
     Then the snap lands there for all mobilities, and with any masses and dampers.
@@ -138,7 +138,7 @@ def energy_holds(problem: Problem, start: Start, landing: Floats) -> bool:
 
 
 @entry(0.3, "problem.mobility")
-def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
+def enclosed(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
     """Whether the snap lands at `landing` for all mobilities m_i x_i with max x / min x <= ratio.
 
     Args:

@@ -13,7 +13,7 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import law
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
 from stepwell.statics.landings.start import Start
 
@@ -26,7 +26,7 @@ _KNOWN = 1e-8
 NEAR_START = 1e-5
 
 
-class Branches(NamedTuple):
+class Stretches(NamedTuple):
     """Stretches of all cells on which the force does not turn; R of them, in order of the cell."""
 
     of_cell: Ints  # (N + 1,) those of cell i are of_cell[i] .. of_cell[i + 1] - 1
@@ -40,13 +40,13 @@ class Branches(NamedTuple):
 
 
 @kernel
-def _branches(problem: Problem, room: Room) -> Branches:
+def _branches(problem: DrivenChain, room: Room) -> Stretches:
     """The branches of all cells within their room."""
     pieces, n = problem.pieces, len(room.low)
     count = 0
     for i in range(n):
         count += pieces.among[i, 1] - pieces.among[i, 0] + 4
-    out = Branches(
+    out = Stretches(
         np.zeros(n + 1, np.int64),
         np.empty(count, np.int64),
         np.empty(count),
@@ -101,7 +101,7 @@ def _branches(problem: Problem, room: Room) -> Branches:
 
 
 @kernel
-def _travel_at(problem: Problem, branches: Branches, i: int, r: int, force: float) -> float:
+def _travel_at(problem: DrivenChain, branches: Stretches, i: int, r: int, force: float) -> float:
     """Where cell i rests on branch r under a force."""
     low, high = branches.low[r], branches.high[r]
     if low == high:
@@ -116,7 +116,7 @@ def _travel_at(problem: Problem, branches: Branches, i: int, r: int, force: floa
 
 @kernel
 def _compliance(
-    problem: Problem, room: Room, branches: Branches, i: int, r: int, low: float, high: float
+    problem: DrivenChain, room: Room, branches: Stretches, i: int, r: int, low: float, high: float
 ) -> tuple[float, float]:
     """Least and largest 1/κ of cell i between two travels of branch r; 0 where a stop holds it."""
     if branches.low[r] == branches.high[r]:
@@ -140,10 +140,10 @@ def _compliance(
     return (0.0 if stopped else least), most
 
 
-class Search(NamedTuple):
+class RestSearch(NamedTuple):
     """What is looked through, and what has been found."""
 
-    branches: Branches
+    branches: Stretches
     choice: Ints  # (N,) a branch of every cell
     box: Floats  # (2, N) travels between which it rests under some interval of λ
     places: Floats  # (C, 2, N) the same of every place found
@@ -151,14 +151,14 @@ class Search(NamedTuple):
 
 
 @kernel
-def _slip(problem: Problem) -> float:
+def _slip(problem: DrivenChain) -> float:
     """Drives that are closer than this differ by rounding, of the drive and of the forces."""
     travels = problem.alpha * CLOSE * np.sum(problem.laws.full)
     return travels + problem.beta * CLOSE_FORCE * problem.scale
 
 
 @kernel
-def _span(problem: Problem, search: Search, low: float, high: float) -> tuple[float, float]:
+def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> tuple[float, float]:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
     branches, choice, box = search.branches, search.choice, search.box
     slip = CLOSE_FORCE * problem.scale
@@ -176,7 +176,7 @@ def _span(problem: Problem, search: Search, low: float, high: float) -> tuple[fl
 
 
 @kernel
-def _stability(problem: Problem, room: Room, search: Search) -> tuple[float, float]:
+def _stability(problem: DrivenChain, room: Room, search: RestSearch) -> tuple[float, float]:
     """Least and largest α Σ 1/κ + β in the box."""
     branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
     least, most = problem.beta, problem.beta
@@ -189,7 +189,7 @@ def _stability(problem: Problem, room: Room, search: Search) -> tuple[float, flo
 
 
 @kernel
-def _noted(problem: Problem, search: Search) -> bool:
+def _noted(problem: DrivenChain, search: RestSearch) -> bool:
     """Whether the box is the place that was noted last: λ may be free there."""
     last, box = search.counts[0] - 1, search.box
     if last < 0:
@@ -203,7 +203,7 @@ def _noted(problem: Problem, search: Search) -> bool:
 
 
 @kernel
-def _note(problem: Problem, start: Start, search: Search) -> bool:
+def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
     """Whether the box is known well enough to be noted, which it then is, or is the start."""
     laws, box, counts = problem.laws, search.box, search.counts
     here, known = True, True
@@ -222,7 +222,9 @@ def _note(problem: Problem, start: Start, search: Search) -> bool:
 
 
 @kernel
-def _excess(problem: Problem, start: Start, search: Search, force: float) -> tuple[float, float]:
+def _excess(
+    problem: DrivenChain, start: Start, search: RestSearch, force: float
+) -> tuple[float, float]:
     """Least and largest α Σ s + β λ of the choice under one λ, less the drive."""
     least, most = _span(problem, search, force, force)
     rest = problem.beta * force - start.drive
@@ -231,7 +233,7 @@ def _excess(problem: Problem, start: Start, search: Search, force: float) -> tup
 
 @kernel
 def _one_place(
-    problem: Problem, start: Start, search: Search, a: float, b: float, way: int
+    problem: DrivenChain, start: Start, search: RestSearch, a: float, b: float, way: int
 ) -> bool:
     """Note the place between two λ where the drive only grows, `way` = 1, or falls with λ.
 
@@ -270,7 +272,9 @@ def _one_place(
 
 
 @kernel
-def _places(problem: Problem, room: Room, start: Start, search: Search, ends: Floats) -> bool:
+def _places(
+    problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: Floats
+) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
     alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
     counts = search.counts
@@ -312,13 +316,13 @@ def _places(problem: Problem, room: Room, start: Start, search: Search, ends: Fl
 
 
 @kernel
-def places_of_rest(problem: Problem, room: Room, start: Start, places: Floats) -> int:
+def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Floats) -> int:
     """Fill (C, 2, N) places of rest, but for the start; how many, or -1 where it cannot be told.
 
     Every stable place of rest in the room lies in one of them; some may hold none.
     """
     branches, n = _branches(problem, room), len(room.low)
-    search = Search(
+    search = RestSearch(
         branches,
         np.full(n, -1, np.int64),
         np.empty((2, n)),

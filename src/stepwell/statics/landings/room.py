@@ -8,7 +8,7 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.start import Start
 
 # Forces are told apart from here on, as a share of the largest, and travels, as a share of theirs:
@@ -28,7 +28,7 @@ class Room(NamedTuple):
 
 
 @kernel
-def force_at(problem: Problem, i: int, travel: float) -> float:
+def force_at(problem: DrivenChain, i: int, travel: float) -> float:
     """F of cell i [N]."""
     pieces = problem.pieces
     piece = find_piece(pieces, i, travel, 0)
@@ -40,7 +40,7 @@ def force_at(problem: Problem, i: int, travel: float) -> float:
 
 
 @kernel
-def forces_within(problem: Problem, i: int, low: float, high: float) -> tuple[float, float]:
+def forces_within(problem: DrivenChain, i: int, low: float, high: float) -> tuple[float, float]:
     """Least and largest F of cell i between two travels: forces are monotone on every piece."""
     pieces = problem.pieces
     one, two = force_at(problem, i, low), force_at(problem, i, high)
@@ -54,7 +54,7 @@ def forces_within(problem: Problem, i: int, low: float, high: float) -> tuple[fl
 
 
 @kernel
-def _pushed(problem: Problem, i: int, travel: float, level: float, up: bool) -> float:
+def _pushed(problem: DrivenChain, i: int, travel: float, level: float, up: bool) -> float:
     """The travel from which a force cannot bring cell i any further on its way up, or down."""
     pieces, toward = problem.pieces, 1 if up else -1
     if toward * (level - force_at(problem, i, travel)) <= 0.0:
@@ -71,7 +71,7 @@ def _pushed(problem: Problem, i: int, travel: float, level: float, up: bool) -> 
 
 
 @kernel
-def whole_room(problem: Problem, start: Start) -> Room:
+def whole_room(problem: DrivenChain, start: Start) -> Room:
     """All travels of the sheets on which the cells stand, and all forces."""
     n, ends = len(start.travel), problem.sheets.ends
     room = Room(ends[:, LOW].copy(), ends[:, HIGH].copy(), np.ones((n, 2), np.int64), np.empty(2))
@@ -90,7 +90,7 @@ def whole_room(problem: Problem, start: Start) -> Room:
 
 
 @kernel
-def leads_on(problem: Problem, room: Room) -> bool:
+def leads_on(problem: DrivenChain, room: Room) -> bool:
     """Whether some cell can come to where its curve folds back, and jump."""
     ends = problem.sheets.ends
     for i in range(len(room.low)):
@@ -103,7 +103,7 @@ def leads_on(problem: Problem, room: Room) -> bool:
 
 
 @kernel
-def room_of(problem: Problem, start: Start, within: Room) -> Room:
+def room_of(problem: DrivenChain, start: Start, within: Room) -> Room:
     """The room of overdamped flow, for all mobilities, within one that it is known not to leave.
 
     λ stays between the least and the largest force of the cells that move, friction added; a cell
@@ -159,7 +159,7 @@ _STEPS = 64
 
 
 @kernel
-def energy_at(problem: Problem, start: Start, i: int, travel: float) -> float:
+def energy_at(problem: DrivenChain, start: Start, i: int, travel: float) -> float:
     """What cell i has stored since the start, less λ of the start times the way [J]."""
     pieces, begun = problem.pieces, start.travel[i]
     picked = pieces.picked
@@ -169,7 +169,7 @@ def energy_at(problem: Problem, start: Start, i: int, travel: float) -> float:
 
 
 @kernel
-def energy_of(problem: Problem, start: Start, travel: Floats) -> float:
+def energy_of(problem: DrivenChain, start: Start, travel: Floats) -> float:
     """What the chain and its actuator have stored at `travel` (N,) since the start [J]."""
     total, way = 0.0, 0.0
     for i in range(len(travel)):
@@ -181,7 +181,7 @@ def energy_of(problem: Problem, start: Start, travel: Floats) -> float:
 
 
 @kernel
-def energy_slack(problem: Problem) -> float:
+def energy_slack(problem: DrivenChain) -> float:
     """Energies that are closer than this differ by rounding [J]."""
     return CLOSE_FORCE * problem.scale * np.max(problem.laws.full)
 
@@ -215,7 +215,7 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 
 
 @kernel
-def narrow(problem: Problem, start: Start, room: Room) -> None:
+def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
     """Take off a room what the chain cannot come to without more energy than at the start.
 
     Each cell is given the cheapest that all others can do at the same drive. Travels are counted

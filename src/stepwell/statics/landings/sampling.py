@@ -9,7 +9,7 @@ from stepwell.kernels import entry, kernel, watched
 from stepwell.statics.following.pieces import sheets_of
 from stepwell.statics.following.smooth import LOST, choose
 from stepwell.statics.following.snap import FINE, snap
-from stepwell.statics.following.state import GOES, GOES_ON, SENSE, TRIGGER, Problem, State
+from stepwell.statics.following.state import GOES, GOES_ON, SENSE, TRIGGER, DrivenChain, State
 from stepwell.statics.landings.start import Start, room_for, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.
@@ -28,7 +28,9 @@ class Landings(NamedTuple):
     settled: Ints  # (n,) 1 where it came to rest
 
 
-def land_all(problem: Problem, start: Start, factors: Floats, accuracy: float = FINE) -> Landings:
+def land_all(
+    problem: DrivenChain, start: Start, factors: Floats, accuracy: float = FINE
+) -> Landings:
     """Where a snap lands with the given mobilities times each row of (n, N) factors.
 
     The accuracy of the flow is a share of the travel: FINE is that of paths, and COARSE, several
@@ -51,7 +53,7 @@ def land_all(problem: Problem, start: Start, factors: Floats, accuracy: float = 
 
 @entry(3e-2, "factors")
 def _land_all(
-    problem: Problem,
+    problem: DrivenChain,
     start: Start,
     state: State,
     factors: Floats,
@@ -72,7 +74,7 @@ def _land_all(
 
 
 @kernel
-def _land(problem: Problem, state: State, direction: int, accuracy: float) -> bool:
+def _land(problem: DrivenChain, state: State, direction: int, accuracy: float) -> bool:
     """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
     goes = problem.spare.whole[GOES]
     for _ in range(_SADDLES):

@@ -14,7 +14,7 @@ from stepwell.statics.following.state import (
     DUE,
     FREE,
     SLIDES,
-    Problem,
+    DrivenChain,
     State,
     blank_state,
     hold,
@@ -50,7 +50,7 @@ class Snap(NamedTuple):
     rows: int  # of the log
 
 
-def snaps_of(problem: Problem, log: logged.Log, travel: Floats, sheet: Ints) -> Iterator[Snap]:
+def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints) -> Iterator[Snap]:
     """Every snap of a path in order.
 
     Args:
@@ -80,20 +80,20 @@ def snaps_of(problem: Problem, log: logged.Log, travel: Floats, sheet: Ints) -> 
         yield pending
 
 
-def _goes_on(problem: Problem, row: Floats, travel: Floats) -> bool:
+def _goes_on(problem: DrivenChain, row: Floats, travel: Floats) -> bool:
     """Whether a snap that follows another one leaves a saddle: nothing came between."""
     leader = int(row[logged.LEADER])
     return int(row[logged.CAUSE]) == logged.FOLD and _inside(problem, leader, travel[leader])
 
 
-def _inside(problem: Problem, cell: int, travel: float) -> bool:
+def _inside(problem: DrivenChain, cell: int, travel: float) -> bool:
     """Whether a cell rests neither against a stop nor against friction."""
     ends = problem.sheets.ends
     free = problem.laws.friction[cell] == 0.0
     return bool(free and ends[cell, BEFORE] < travel < ends[cell, BEYOND])
 
 
-def _start(problem: Problem, log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
+def _start(problem: DrivenChain, log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
     """The start of the snap in row k of the log."""
     n, row = len(travel), log.segments[k]
     leader, heading = int(row[logged.LEADER]), int(row[logged.HEADING])
@@ -135,7 +135,7 @@ def room_for(cells: int) -> State:
 
 
 @kernel
-def stand_before(problem: Problem, start: Start, state: State) -> None:
+def stand_before(problem: DrivenChain, start: Start, state: State) -> None:
     """Let the chain stand as it does just before a snap."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, start.sheet)

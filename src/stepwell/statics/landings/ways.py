@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.room import (
     CLOSE_FORCE,
     Room,
@@ -73,7 +73,7 @@ def _nodes(low: float, start: float, high: float, near: float, far: float, out: 
 
 
 @kernel
-def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
+def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
     """A grid of at most `most` boxes over the room of the cells that move."""
     rigid = problem.beta == 0.0
     width = room.high - room.low
@@ -140,7 +140,7 @@ def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float
 
 
 @kernel
-def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
+def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
     """Whether some point of a box takes no more energy than the start.
 
     What all cells store is bounded with a constant force taken off each of them and given to the
@@ -180,7 +180,7 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
 
 @kernel
 def _can_leave(
-    problem: Problem, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
+    problem: DrivenChain, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis.
 
@@ -229,7 +229,7 @@ def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
 
 @kernel
 def _mark(
-    problem: Problem, room: Room, grid: Grid, low: Floats, high: Floats, value: int, out: Ints
+    problem: DrivenChain, room: Room, grid: Grid, low: Floats, high: Floats, value: int, out: Ints
 ) -> int:
     """Mark all boxes that hold a point between travels `low` and `high`; how many."""
     dims, marked = len(grid.cell), 0
@@ -260,7 +260,7 @@ def _mark(
 
 
 @kernel
-def _exists(problem: Problem, room: Room, grid: Grid, at: Ints) -> bool:
+def _exists(problem: DrivenChain, room: Room, grid: Grid, at: Ints) -> bool:
     """Whether a box holds points at which the last cell has what the others leave."""
     if grid.last < 0:
         return True
@@ -279,7 +279,7 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 
 @kernel
 def keeps_off(
-    problem: Problem, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
+    problem: DrivenChain, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
     """Whether no way leads to the (C, 2, N) other places, for all mobilities within a ratio.
 

@@ -25,7 +25,7 @@ from stepwell.studies import (
     opened,
     understood,
 )
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
 # In parts of the picture's width: circles of the rarest and the most frequent machine, and the
@@ -108,7 +108,7 @@ def _apart(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
 _LONGEST, _MOST = 400, 300
 
 
-def answer_atlas(_design: Design, ask: Ask) -> View:
+def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell atlas show --json`, with places, designs and ways of its machines.
 
     With a `query`, the names that `stepwell atlas find` finds, and nothing else. `name` is that

@@ -18,7 +18,7 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.sequences import Program
 from stepwell.statics import Path
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of
 from stepwell.studio.panels.motion import program_of
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _GROUPS = ("paper", "further", "elements", "robots")
 
 
-def answer_gallery(_design: Design, ask: Ask) -> View:
+def answer_gallery(_design: PageDesign, ask: Ask) -> View:
     """Names, titles and groups, in the order of the page."""
     ask.close()
     return View({"designs": _designs()})
@@ -76,7 +76,7 @@ _SAMPLES = 60
 _BLOCKS = ("drive", "travel", "angle", "segment", "direction")
 
 
-def answer_thumbnails(_design: Design, ask: Ask) -> View:
+def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
     """One motion after another in the order of the gallery, and at last how many they were."""
     ask.close()
     for name in gallery_names():
@@ -146,7 +146,7 @@ def _robot(name: str, robot: Robot) -> View:
     return View({"name": name, "sequence": sequence, **moving.header}, moving.blocks)
 
 
-def answer_open(_design: Design, ask: Ask) -> View:
+def answer_open(_design: PageDesign, ask: Ask) -> View:
     """The tables of the design and its title.
 
     The text is all there is of a file: no name in it is ever opened.
@@ -219,7 +219,7 @@ def _call(start: str, parts: list[str], end: str, depth: int) -> str:
     return f"{start}\n" + "".join(f"{pad}{part},\n" for part in parts) + "    " * depth + end
 
 
-def answer_text(design: Design, ask: Ask) -> View:
+def answer_text(design: PageDesign, ask: Ask) -> View:
     """TOML that reads as this design, and Python that makes it."""
     ask.close()
     found, program = design.read.subject, design.read.program
@@ -231,7 +231,7 @@ _DPI = 600
 _KINDS = ("svg", "png", "pdf")
 
 
-def answer_export(design: Design, ask: Ask) -> View:
+def answer_export(design: PageDesign, ask: Ask) -> View:
     """The bytes of a file: `what` is a figure in the `kind` svg, png or pdf, or the samples in csv.
 
     Of the full cycle, and the samples with all columns that `stepwell run --out` writes: a snap is
@@ -273,7 +273,7 @@ def _drawn(what: str, cycle: Cycle) -> Figure:
 # Where no closed form tells the margins they are searched, and robots are simulated.
 
 
-def answer_replay(design: Design, ask: Ask) -> View:
+def answer_replay(design: PageDesign, ask: Ask) -> View:
     """The file: of a run where `cycles` or `limit_s` are asked for, else of a chain.
 
     A run is as in panels `walk` and `maze`, which give the same samples. A chain is shown as its
@@ -288,7 +288,7 @@ def answer_replay(design: Design, ask: Ask) -> View:
     return View({"suffix": "html"}, {"file": np.frombuffer(page.encode(), np.uint8)})
 
 
-def _result(design: Design, ask: Ask) -> Chain | Program | Walk | Maze:
+def _result(design: PageDesign, ask: Ask) -> Chain | Program | Walk | Maze:
     if ask.has("limit_s"):
         arena, limit = maze_asked(ask)
         robot = design.robot

@@ -21,7 +21,7 @@ from stepwell.design import (
     parameters,
 )
 from stepwell.mechanism import Cell, Chain
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 
 _FARTHEST = 1e6
 _MOST_PIXELS = 1000
@@ -35,7 +35,7 @@ class Unproved(InputError):
 
 
 @dataclass(frozen=True)
-class Axis:
+class PlaneAxis:
     """One of the two parameters, and how far its values reach, in SI."""
 
     parameter: Parameter
@@ -59,7 +59,7 @@ class Plane:
     """
 
     chain: Chain
-    axes: tuple[Axis, Axis]
+    axes: tuple[PlaneAxis, PlaneAxis]
     here: tuple[float, float]
 
     @classmethod
@@ -187,11 +187,11 @@ def _proved_curves(plane: Plane) -> tuple[Boundary, ...]:
     return plane.curves(61, unproved)
 
 
-def _axis(chain: Chain, ask: Ask, letter: str) -> Axis:
+def _axis(chain: Chain, ask: Ask, letter: str) -> PlaneAxis:
     parameter = asked_parameter(chain, ask, letter)
     factor = unit_of(parameter)[1]
     low, high = ask.pair(f"{letter}_range", -_FARTHEST, _FARTHEST)
-    return Axis(parameter, low / factor, high / factor)
+    return PlaneAxis(parameter, low / factor, high / factor)
 
 
 def _ways(
@@ -261,7 +261,7 @@ _WORDS = {
 }
 
 
-def answer_parameters(design: Design, ask: Ask) -> View:
+def answer_parameters(design: PageDesign, ask: Ask) -> View:
     """Every parameter that is a number, with its value and a range in the unit that is told."""
     ask.close()
     chain = design.chain
@@ -323,7 +323,7 @@ def _short(value: float) -> float:
     return float(f"{value:.3g}")
 
 
-def answer_map(design: Design, ask: Ask) -> View:
+def answer_map(design: PageDesign, ask: Ask) -> View:
     """An image of numbers into `sequences`, rows from low to high y.
 
     Where some places have to be followed one by one there is no image, and `aside` says that panel
@@ -350,7 +350,7 @@ Known = tuple[dict[str, Any], Blocks, tuple[Boundary, ...]]
 _known: dict[Plane, Known] = {}
 
 
-def answer_map_followed(design: Design, ask: Ask) -> View:
+def answer_map_followed(design: PageDesign, ask: Ask) -> View:
     """As panels `map` and `border` together, coarser: `coarse` says how many pixels stand as one.
 
     The coarsest image comes first, and curves with the last.
@@ -387,7 +387,7 @@ def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
     return header, blocks, plane.curves(_SEARCH, ask.tell)
 
 
-def answer_border(design: Design, ask: Ask) -> View:
+def answer_border(design: PageDesign, ask: Ask) -> View:
     """Curves in units of the bench, the design's place, and the nearest other sequence.
 
     `aside` says that no closed form tells them all, and that panel `map_followed` looks for them.
@@ -402,7 +402,7 @@ def answer_border(design: Design, ask: Ask) -> View:
     return View({"aside": aside, **header}, blocks)
 
 
-def answer_jump(design: Design, ask: Ask) -> View:
+def answer_jump(design: PageDesign, ask: Ask) -> View:
     """Table `chain` of its design file; `at` has the two values in units of the bench."""
     chain = design.chain
     both = [asked_parameter(chain, ask, letter) for letter in "xy"]

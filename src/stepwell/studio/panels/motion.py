@@ -14,7 +14,7 @@ from stepwell.design import margin, proved_margin
 from stepwell.files import WrittenProgram, columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Program, ProgramMethod, to_dot
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.motion import (
     arrays_of,
     cycle_told,
@@ -28,7 +28,7 @@ from stepwell.studio.motion import (
 )
 
 
-def answer_evaluate(design: Design, ask: Ask) -> View:
+def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     """The cycle, and how far the design is from another where that is known in closed form.
 
     Numbers of a chain of volumes or of angles stand under the same names; `units` has theirs.
@@ -49,7 +49,7 @@ def answer_evaluate(design: Design, ask: Ask) -> View:
     return View(header, arrays_of(path) | landscape(chain))
 
 
-def answer_margin(design: Design, ask: Ask) -> View:
+def answer_margin(design: PageDesign, ask: Ask) -> View:
     """The margins as panel `evaluate` tells them, by whatever it takes."""
     ask.close()
     return View(margins_of(margin(design.chain, progress=ask.tell)))
@@ -58,7 +58,7 @@ def answer_margin(design: Design, ask: Ask) -> View:
 _POINTS = 121
 
 
-def answer_cells(design: Design, ask: Ask) -> View:
+def answer_cells(design: PageDesign, ask: Ask) -> View:
     """The keys of the shown chain and of every cell, what can be added, and samples of curves.
 
     It is asked of designs that are refused too, so that what was typed can be typed otherwise;
@@ -101,7 +101,7 @@ def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     }
 
 
-def _tables(design: Design) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
+def _tables(design: PageDesign) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
     """The table that holds the cells, and that which legs share."""
     tables = design.tables or {}
     common, legs = _table(tables.get("chain")), tables.get("leg")
@@ -120,7 +120,7 @@ def _table(found: Any) -> Mapping[str, Any]:
 _MOST_CELLS = 8
 
 
-def answer_graph(design: Design, ask: Ask) -> View:
+def answer_graph(design: PageDesign, ask: Ask) -> View:
     """Nodes and edges, their drives in the unit of `units`, and the graph in DOT."""
     ask.close()
     chain = design.chain
@@ -166,7 +166,7 @@ _MOST_TURNS = 100
 _FARTHEST = 1e6
 
 
-def answer_program(design: Design, ask: Ask) -> View:
+def answer_program(design: PageDesign, ask: Ask) -> View:
     """The program from `start` to `to`, or the one of `turning_points_mm`, with its samples."""
     found = program_of(design.chain, ask)
     ask.close()

@@ -28,7 +28,7 @@ from stepwell.lab import (
 )
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
 MM = told_in("m")[1]
@@ -41,7 +41,7 @@ _DRAWN = 1500
 _GAP = 3.0, 20.0
 
 
-def answer_measured(design: Design, ask: Ask) -> View:
+def answer_measured(design: PageDesign, ask: Ask) -> View:
     """What is in the recordings, how they compare, and the bands that would fit them.
 
     A file that cannot be read gets a line and stops no other. The design is the one that was
@@ -244,12 +244,12 @@ def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
     return steps > most * float(np.median(moving)) if len(moving) else steps > 0
 
 
-def _fit(found: Refit, design: Design) -> dict[str, Any]:
+def _fit(found: Refit, design: PageDesign) -> dict[str, Any]:
     """The fit, and the design with it."""
     return {**found.record(), "design": _taken(found, design)}
 
 
-def _taken(found: Refit, design: Design) -> dict[str, Any]:
+def _taken(found: Refit, design: PageDesign) -> dict[str, Any]:
     """The tables of the design with the fitted bands, all else as it was."""
     tables = deepcopy(design.tables or {})
     legs = tables.get("leg") or [{}]

@@ -6,7 +6,7 @@ from stepwell import files
 from stepwell.accounts import account
 from stepwell.base import InputError
 from stepwell.robot import Arena
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
 _MOST_CYCLES = 1000
@@ -46,7 +46,7 @@ def maze_asked(ask: Ask) -> tuple[Arena, float]:
     return arena, limit
 
 
-def answer_arena(_design: Design, ask: Ask) -> View:
+def answer_arena(_design: PageDesign, ask: Ask) -> View:
     """The list; or the tables of the arena of a `name` or a `text`; or the file of an `arena`.
 
     The text is all there is of a file: no name in it is ever opened.
@@ -70,7 +70,7 @@ def answer_arena(_design: Design, ask: Ask) -> View:
     return View({"arena": files.arena_tables(arena), "title": arena.title})
 
 
-def answer_robot(design: Design, ask: Ask) -> View:
+def answer_robot(design: PageDesign, ask: Ask) -> View:
     """Parts and lines of the robot, their places, and what its antennas do."""
     arena = arena_of(ask)
     ask.close()
@@ -82,14 +82,14 @@ def answer_robot(design: Design, ask: Ask) -> View:
     return View(scene.told(), scene.placed(scene.start))
 
 
-def answer_predict(design: Design, ask: Ask) -> View:
+def answer_predict(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell robot show --json` prints, and the prediction in words."""
     ask.close()
     prediction = design.robot.predict()
     return View({"motion": prediction.motion.value, "record": account(prediction).record})
 
 
-def answer_walk(design: Design, ask: Ask) -> View:
+def answer_walk(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell walk --json` prints, and every sample."""
     arena, cycles = walk_asked(ask)
     robot = design.robot
@@ -101,7 +101,7 @@ def answer_walk(design: Design, ask: Ask) -> View:
     return live.view(found, record=account(found).record)
 
 
-def answer_maze(design: Design, ask: Ask) -> View:
+def answer_maze(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell maze --json` prints, and every sample."""
     arena, limit = maze_asked(ask)
     robot = design.robot
@@ -116,7 +116,7 @@ def answer_maze(design: Design, ask: Ask) -> View:
 _SHARES = 0.8, 1.2
 
 
-def answer_robot_numbers(design: Design, ask: Ask) -> View:
+def answer_robot_numbers(design: PageDesign, ask: Ask) -> View:
     """Every number that is not 0, by its key, with its unit and a fifth to either side of it."""
     ask.close()
     found = [

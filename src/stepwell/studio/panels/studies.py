@@ -14,13 +14,13 @@ from stepwell.accounts import account
 from stepwell.base import InputError, have, missing, to_unit
 from stepwell.kernels import cores
 from stepwell.robot import Robot
-from stepwell.studies import Blocks, Study, begun, cancel, estimate, pace, status
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studies import IndependentBlocks, Study, begun, cancel, estimate, pace, status
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import begin, described, home, how, stop, stores, study_of
 from stepwell.studio.sweeps import asked_study, command_of
 
 
-def answer_studies(_design: Design, ask: Ask) -> View:
+def answer_studies(_design: PageDesign, ask: Ask) -> View:
     """Each by its name, the newest first; `missing` says how to get what studies need."""
     ask.close()
     if not have("studies"):
@@ -39,7 +39,7 @@ def answer_studies(_design: Design, ask: Ask) -> View:
 _POINTS, _WORDS = 4000, 12
 
 
-def answer_study(_design: Design, ask: Ask) -> View:
+def answer_study(_design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell sweep status --json`, its pace, and columns as they are told.
 
     `rows` are numbers of designs that are done, evenly over all; of words a column has their
@@ -100,7 +100,7 @@ def _column(
     return {**told, "block": f"c{k}", "words": [*often, "any other"]}
 
 
-def answer_study_begin(design: Design, ask: Ask) -> View:
+def answer_study_begin(design: PageDesign, ask: Ask) -> View:
     """The name of the store; a study that was begun before is the same, and goes on."""
     if ask.has("name"):
         study = study_of(ask)
@@ -114,7 +114,7 @@ def answer_study_begin(design: Design, ask: Ask) -> View:
     return View({"name": study.folder.name})
 
 
-def answer_study_stop(_design: Design, ask: Ask) -> View:
+def answer_study_stop(_design: PageDesign, ask: Ask) -> View:
     """At once if this server began it; otherwise the process that did stops after its chunks."""
     study = study_of(ask)
     ask.close()
@@ -124,7 +124,7 @@ def answer_study_stop(_design: Design, ask: Ask) -> View:
     return View({"name": study.folder.name, "at_once": at_once})
 
 
-def answer_study_estimate(design: Design, ask: Ask) -> View:
+def answer_study_estimate(design: PageDesign, ask: Ask) -> View:
     """What `stepwell sweep ... --estimate` tells, as numbers."""
     study = asked_study(design, ask, home(ask))
     found = estimate(study, cores())
@@ -145,7 +145,7 @@ def answer_study_estimate(design: Design, ask: Ask) -> View:
 _MOST = 1_000_000
 
 
-def answer_study_csv(_design: Design, ask: Ask) -> View:
+def answer_study_csv(_design: PageDesign, ask: Ask) -> View:
     """The bytes that `stepwell sweep export` writes."""
     study = study_of(ask)
     ask.close()
@@ -161,13 +161,13 @@ def answer_study_csv(_design: Design, ask: Ask) -> View:
     return View({"suffix": "csv", "designs": count}, {"file": data})
 
 
-def answer_study_design(_design: Design, ask: Ask) -> View:
+def answer_study_design(_design: PageDesign, ask: Ask) -> View:
     """The tables of the design of that `number`, counted from 0."""
     study = study_of(ask)
     number = ask.whole("number", 0, study.count - 1)
     ask.close()
     designs = study.designs
-    if isinstance(designs, Blocks):
+    if isinstance(designs, IndependentBlocks):
         raise InputError(f"{study.folder.name}: is an atlas, whose rows are blocks of designs.")
     (_, made), *_ = designs.made(study.subject, number, number + 1)
     if isinstance(made, ValueError):

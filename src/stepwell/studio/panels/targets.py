@@ -10,7 +10,7 @@ from stepwell.accounts import account
 from stepwell.base import InputError, from_unit
 from stepwell.design import Yield, design as designed, judged, yields
 from stepwell.sequences import cycle
-from stepwell.studio.ask import Ask, Design, View
+from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.panels.motion import answer_evaluate as evaluated
 
 _LONGEST = 600
@@ -18,7 +18,7 @@ _MOST_CELLS = 8
 _OBJECTIVES = ("yield", "worst")
 
 
-def answer_wish(_design: Design, ask: Ask) -> View:
+def answer_wish(_design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell design --json`, the design, and in `shown` its cycle.
 
     Asked for is a `sequence`, or `states` as text between blanks, or "all" of so many `cells`.
@@ -42,7 +42,7 @@ def answer_wish(_design: Design, ask: Ask) -> View:
         progress=ask.tell,
     )
     tables = files.tables_in(files.dumps(found.chain))
-    shown = evaluated(Design(tables), Ask())
+    shown = evaluated(PageDesign(tables), Ask())
     header = {**account(found).record, "design": tables, "shown": shown.header}
     return View(header, shown.blocks)
 
@@ -69,7 +69,7 @@ _MOST = 1_000_000
 _FIRST = 1000
 
 
-def answer_yield(design: Design, ask: Ask) -> View:
+def answer_yield(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell yield --json` prints, and the verdict that `stepwell check` gives.
 
     Of few mechanisms first, where it takes long.
