@@ -268,8 +268,8 @@ def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
         beyond = " or beyond"
     return (
         f"{i} has {smaller} of the two, so it {_goes_first(chain, fields, blocked)}. Where {j} is "
-        f"at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory page, "
-        f"'Stroke programs')."
+        f"at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory "
+        f"page, 'Stroke programs')."
     )
 
 
