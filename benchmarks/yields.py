@@ -31,7 +31,7 @@ def rows() -> list[tuple[str, str, str]]:
     start = time.perf_counter()
     done = [str(made.mechanism(i).cycle().sequence) for i in range(FOLLOWED)]
     ratio = rate * (time.perf_counter() - start) / FOLLOWED
-    same = "the same" if done.count(made.wanted) == made.successes else "ANOTHER"
+    same = "the same" if done.count(made.target) == made.successes else "ANOTHER"
     threads = cores()
     return [
         (

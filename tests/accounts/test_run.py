@@ -121,7 +121,7 @@ def test_samples_assumptions_and_the_nearest_change_in_words_are_on_the_page_alo
     for text in ("95 % confidence", "Quasi-static", "If the anchor q of".lower()):
         assert text in made
         assert text not in screen and text not in small
-    assert f"{forward.built.n} samples" in made
+    assert f"{forward.built.samples} samples" in made
 
 
 @pytest.mark.parametrize("count", [12, 13])

@@ -55,12 +55,12 @@ def test_every_form_has_target_yield_tolerances_critical_order_and_other_outcome
     (other, count), *_ = loose.outcomes.items()
     for form in _forms(account(loose)):
         for text in (
-            loose.wanted,
+            loose.target,
             f"{percent(loose.share)}, with 95 % confidence {low} to {high}",
             "anchors ±2 mm, stiffness ±10 %",
             str(loose.critical),
             other,
-            percent(count / loose.n),
+            percent(count / loose.samples),
         ):
             assert text in " ".join(form.split())
 

@@ -98,7 +98,7 @@ def test_it_says_what_the_engine_says(told):
     wish = files.load(told.folder / "wish.toml").chain
     assert str(wish.cycle().sequence) == steps._WISH
     built = wish.yields(sw.Tolerances(anchor=1e-3, stiffness=0.05))
-    assert f"Of {built.n:,} built" in words and f"{built.successes:,} do it too" in words
+    assert f"Of {built.samples:,} built" in words and f"{built.successes:,} do it too" in words
     turning = files.load(told.folder / "robot-turning.toml").robot.walk(cycles=steps._CYCLES)
     assert f"{np.degrees(turning.turn[1:].mean()):.3g}°" in words
     assert turning.turn[1:].mean() > np.radians(10)

@@ -24,7 +24,7 @@ def test_json_alone_says_everything(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH, "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
     found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
-    assert record["schema"] == "stepwell.yield/1"
+    assert record["schema"] == "stepwell.yield/2"
     assert record["share"] == found.share
     assert (record["share_low"], record["share_high"]) == found.interval
     assert {one["outcome"]: one["count"] for one in record["outcomes"]} == found.outcomes
@@ -63,7 +63,7 @@ def test_states_may_be_wanted(stepwell):
     options = ("--target", "00,10,01,11", "--samples", 20, "--json")
     record = json.loads(stepwell("yield", "forward.toml", *options).stdout)
     assert record["share"] == 1
-    assert record["wanted_states"] == ["00", "10", "01", "11"]
+    assert record["target_states"] == ["00", "10", "01", "11"]
     assert record["advice"] == ""
 
 

@@ -72,7 +72,7 @@ def test_the_killer_breaks_it_and_a_tenth_less_does_not():
         if killer is None:
             continue
         wanted = str(chain.cycle().sequence)
-        assert wanted == found.wanted
+        assert wanted == found.target
         broken, spared = (moved(killer, by) for by in (1.01, 0.9))
         assert str(broken.cycle().sequence) != wanted
         assert str(spared.cycle().sequence) == wanted
@@ -110,7 +110,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     for chain in random_chains(examples(10)):
         tolerances = Tolerances(0.0015, 0.10)
         found = check(chain, None, tolerances, samples=4000)
-        counted = yields(chain, tolerances, samples=4000, target=found.wanted)
+        counted = yields(chain, tolerances, samples=4000, target=found.target)
         each = {
             name: with_known(counted, name, _left(tolerances, part.tolerance), 4000)
             for name, part in parts_of(counted).items()
@@ -137,7 +137,7 @@ def test_a_program_is_checked_by_where_it_ends():
     hand = sw.load("preset:finger-selector")
     program = hand.program("00100")
     found = check(hand, program, samples=60)
-    assert found.wanted == "00000 to 00100" and found.does_it
+    assert found.target == "00000 to 00100" and found.does_it
     assert found.killer is not None
     broken = found.killer.design
     assert broken is not None

@@ -90,7 +90,7 @@ def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     assert not found.sensitivities.parameters
     assert alone.margin().changes[0].distance == math.inf
     beside = sw.Chain([rises, SNAP], drive)
-    assert beside.yields(samples=5).wanted == beside.cycle().sequence == "00>01>00"
+    assert beside.yields(samples=5).target == beside.cycle().sequence == "00>01>00"
 
 
 def test_switching_forces_of_lever_cells_and_elements_are_told_together():
@@ -167,8 +167,8 @@ def test_relays_of_several_phases_are_judged_as_the_engine_does():
     found = chain.yields(TOLERANCES, samples=30, seed=1)
     draws = Draws(chain, TOLERANCES, 1)
     does = Counter(str(draws.sample(k).cycle().sequence) for k in range(30))
-    assert found.wanted == chain.cycle().sequence
-    assert found.successes == does.pop(found.wanted, 0)
+    assert found.target == chain.cycle().sequence
+    assert found.successes == does.pop(found.target, 0)
     assert dict(found.outcomes) == dict(does)
 
 

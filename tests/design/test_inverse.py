@@ -72,7 +72,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
         (band,) = cell.bands
         assert (band.stiffness, band.rest_length, band.p) == (28.5, 0.010, (-0.010, 0.0))
         assert (cell.lever, cell.limit) == (PAPER_LEVER, math.pi / 4)
-    assert made.yield_.wanted == wanted
+    assert made.yield_.target == wanted
     assert made.yield_.share == 1.0
 
 

@@ -38,8 +38,8 @@ def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
 def test_what_is_counted_is_right_and_all_its_landings_hold():
     chain = any_chain(np.random.default_rng(4), 3, friction=False)
     found = chain.yields(sw.Tolerances(anchor=0.0005), samples=examples(6), robust=RATIO)
-    made = [found.mechanism(number).cycle() for number in range(found.n)]
-    right = [one for one in made if str(one.sequence) == found.wanted and not one.degenerate]
+    made = [found.mechanism(number).cycle() for number in range(found.samples)]
+    right = [one for one in made if str(one.sequence) == found.target and not one.degenerate]
     holding = [one for one in right if all(x.holds for x in one.path.landings(RATIO))]
     assert found.successes == len(holding)
     assert found.outcomes.get(HANGS, 0) == len(right) - len(holding)
@@ -120,5 +120,5 @@ def test_mobilities_that_no_cell_can_have_are_refused_with_the_ratio_that_is_lef
     fast = replace(RACE, cells=tuple(replace(cell, mobility=10.0) for cell in RACE.cells))
     with pytest.raises(ValueError, match="100 at most"):
         fast.yields(sw.Tolerances(mobility=101.0), samples=1)
-    assert fast.yields(sw.Tolerances(mobility=100.0), samples=2).n == 2
-    assert RACE.yields(sw.Tolerances(mobility=1e4), samples=2).n == 2
+    assert fast.yields(sw.Tolerances(mobility=100.0), samples=2).samples == 2
+    assert RACE.yields(sw.Tolerances(mobility=1e4), samples=2).samples == 2

@@ -89,17 +89,17 @@ def test_the_drawing_is_searched_whole_and_told_so(states):
     assert in_reach(made.chain) == set(states) == set(made.states)
     assert made.reached.whole
     assert made.yield_.states == made.states
-    assert made.yield_.wanted == f"states {' '.join(made.states)}"
+    assert made.yield_.target == f"states {' '.join(made.states)}"
 
 
 def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
     rough = Tolerances(anchor=0.002, stiffness=0.15)
     made = design(states=WANTED, tolerances=rough, samples=examples(30))
     right = 0
-    for number in range(made.yield_.n):
+    for number in range(made.yield_.samples):
         right += in_reach(made.yield_.mechanism(number)) == set(WANTED)
     assert made.yield_.successes == right
-    assert made.yield_.successes + sum(made.yield_.outcomes.values()) == made.yield_.n
+    assert made.yield_.successes + sum(made.yield_.outcomes.values()) == made.yield_.samples
 
 
 def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
@@ -153,7 +153,7 @@ def test_what_cannot_be_searched_whole_says_so():
     assert set(long.states) == set(nine)
     says(str(long), "surely")
     assert "8 cells" in told(long)
-    assert long.yield_.states is None and long.yield_.wanted == long.sequence
+    assert long.yield_.states is None and long.yield_.target == long.sequence
     says(long.assumptions, "yield", "cycle")
     rubbing = design(states=WANTED, tolerances=Tolerances(anchor=0.0003, friction=0.01), samples=20)
     assert rubbing.reached.whole  # as drawn it has none

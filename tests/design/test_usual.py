@@ -42,8 +42,8 @@ def test_what_a_tolerance_does_not_name_is_exact():
 def test_few_are_made_where_the_engine_follows_each():
     two_bands = sw.Chain([sw.Cell([b, b]) for b in (c.bands[0] for c in LEG.cells)])
     states = ["00", "10", "01", "11"]
-    assert LEG.yields().n == 100_000
-    assert survival(LEG, (0.0, 0.04), "11").n == LEG.yields(target=states).n == 500
+    assert LEG.yields().samples == 100_000
+    assert survival(LEG, (0.0, 0.04), "11").samples == LEG.yields(target=states).samples == 500
     assert two_bands.yields(sw.Tolerances(), samples=3).by_engine == 3
 
 

@@ -109,20 +109,20 @@ def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
     rng = np.random.default_rng(2)
     for cells in (2, 3, 4):
         found = yields(concave_chain(rng, cells), tolerances, samples=examples(200), seed=5)
-        done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
-        assert found.successes == done.count(found.wanted)
+        done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
+        assert found.successes == done.count(found.target)
         for sequence, times in found.outcomes.items():
             assert done.count(sequence) == times
-        assert found.successes + sum(found.outcomes.values()) == found.n
+        assert found.successes + sum(found.outcomes.values()) == found.samples
 
 
 def test_where_the_closed_form_is_not_proved_the_engine_decides():
     # Anchors that the tolerance brings to where the force no longer falls all the way.
     chain = sw.Chain((cell(-3, 4), cell(12)))
     found = yields(chain, Tolerances(anchor=0.004), samples=60)
-    assert 0 < found.by_engine < found.n
-    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
-    assert found.successes == done.count(found.wanted)
+    assert 0 < found.by_engine < found.samples
+    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
+    assert found.successes == done.count(found.target)
     says(str(found), f"{found.by_engine} followed", "general engine")
 
 
@@ -195,7 +195,7 @@ def test_the_interval_covers_a_probability_known_on_paper():
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     assert 0.8 < truth < 0.99
     found = yields(chain, Tolerances(stiffness=0.12), samples=examples(200_000))
-    assert found.wanted == CLOCKWISE
+    assert found.target == CLOCKWISE
     low, high = found.interval
     assert low < found.share < high and low < truth < high
     assert list(found.outcomes) == ["00>01>11>10>00"]
@@ -309,7 +309,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
         says(found.assumptions, "general engine", "all 12")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
         done = [*followed(draws, next(draws.chunks(12)))]
-        assert found.successes == done.count(found.wanted)
+        assert found.successes == done.count(found.target)
 
 
 def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
@@ -331,9 +331,9 @@ def test_chains_too_long_to_tell_orders_apart_still_count_successes():
     rng = np.random.default_rng(12)
     chain = concave_chain(rng, 12)
     found = yields(chain, Tolerances(stiffness=0.001), samples=40)
-    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.n)]
-    assert found.successes == done.count(found.wanted)
-    assert sum(found.outcomes.values()) == found.n - found.successes
+    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
+    assert found.successes == done.count(found.target)
+    assert sum(found.outcomes.values()) == found.samples - found.successes
     assert len(repr(found)) < 400
 
 
@@ -353,7 +353,7 @@ def test_a_sequence_that_the_drawing_does_not_do_may_be_wanted():
     assert found.share == 0.0 and dict(found.outcomes) == {CLOCKWISE: 500}
     assert found.critical is not None and found.critical.share == 1.0
     with_spaces = yields(leg(), Tolerances(), samples=5, target="00 > 10 > 11 > 01 > 00")
-    assert with_spaces.share == 1.0 and with_spaces.wanted == CLOCKWISE
+    assert with_spaces.share == 1.0 and with_spaces.target == CLOCKWISE
 
 
 def test_two_cells_at_once_is_no_cycle_of_concave_cells():
@@ -408,7 +408,7 @@ def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     assert critical is not None
     assert {critical.first, critical.second} == {1, 2}
     # Straight bands: F1 = -F0, so loading and unloading go wrong together, by the same factor.
-    forces = found.end_forces(found.n)
+    forces = found.end_forces(found.samples)
     assert critical.share == np.mean(forces[:, 1, 0] > forces[:, 2, 0])
     assert critical.names == ("cell 2", "cell 3") or critical.names == ("cell 3", "cell 2")
     says(str(critical), "cell ", "cell ", critical.way, "order", "%")

@@ -19,7 +19,7 @@ def found():
 
 def test_bars_are_as_long_as_the_shares(found):
     bars = boxes(figures.yield_bars(found), "outcomes")
-    shares = [found.share, *(count / found.n for count in found.outcomes.values())]
+    shares = [found.share, *(count / found.samples for count in found.outcomes.values())]
     assert [bar.get_width() for bar in bars] == pytest.approx([100 * share for share in shares])
     assert sum(bar.get_width() for bar in bars) == pytest.approx(100.0)
 

@@ -230,7 +230,7 @@ def test_a_yield_shows_few_first_and_is_pythons():
 
 def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
     """The record of a yield, and the verdict on what the drawing does."""
-    checked = check(chain, tolerances=found.tolerances, samples=found.n, seed=found.seed)
+    checked = check(chain, tolerances=found.tolerances, samples=found.samples, seed=found.seed)
     return {**account(found).record, "verdict": checked.verdict}
 
 

@@ -238,7 +238,7 @@ def test_missing_designs_and_long_chains_are_refused_in_words():
         (long, "80 cells"),
     ):
         assert words in ask("evaluate", design).header["problems"][0]["text"]
-    problem = ask("evaluate", FORWARD, wanted="x").header["problems"][0]
+    problem = ask("evaluate", FORWARD, target="x").header["problems"][0]
     assert problem["at"] == "" and "unknown key" in problem["text"]
 
 

@@ -85,7 +85,7 @@ KINDS: dict[str, str] = {
     "survival/1": "yields:survival_schema",
     "sweep/1": "study:SWEEP",
     "walk/1": "walks:WALK",
-    "yield/1": "yields:yield_schema",
+    "yield/2": "yields:yield_schema",
 }
 
 

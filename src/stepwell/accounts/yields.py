@@ -37,7 +37,7 @@ def counted_schema(shape: Shape) -> Schema:
         Quantity("share", holds=float),
         Quantity("share_low", holds=float, read=lambda found: found.interval[0]),
         Quantity("share_high", holds=float, read=lambda found: found.interval[1]),
-        Quantity("samples", holds=int, read="n"),
+        Quantity("samples", holds=int),
         Quantity("successes", holds=int),
         Quantity("tolerances", holds=tolerance_schema(shape)),
     )
@@ -80,14 +80,14 @@ def yield_words(found: Yield | Survival) -> str:
 
 def sample_words(found: Yield | Survival) -> str:
     """How many samples were made, and within which tolerances."""
-    return f"{found.n} samples with {tolerance_words(found.tolerances, found.chain)}"
+    return f"{found.samples} samples with {tolerance_words(found.tolerances, found.chain)}"
 
 
 def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
     """The facts that yields and survivals share."""
     return (
         Fact("Yield", yield_words(found)),
-        Fact("Successes", f"{found.successes} of {found.n}", Level.PAGE),
+        Fact("Successes", f"{found.successes} of {found.samples}", Level.PAGE),
         Fact("Samples", sample_words(found)),
     )
 
@@ -108,8 +108,8 @@ def yield_schema(shape: Shape) -> Schema:
 def inner_yield_schema(shape: Shape) -> Schema:
     """A yield within another record."""
     return (
-        Quantity("wanted"),
-        Quantity("wanted_states", read="states", holds=[str], missing=True),
+        Quantity("target"),
+        Quantity("target_states", read="states", holds=[str], missing=True),
         *counted_schema(shape),
         Quantity("seed", holds=int),
         Quantity("outcomes", read=lambda found: [*found.outcomes.items()], holds=[_OUTCOME]),
@@ -171,7 +171,7 @@ def yield_account(found: Yield, about: About | None = None) -> Account:
     target = "target sequence" if found.states is None else "target states and no others"
     return Account(
         value=found,
-        kind="yield/1",
+        kind="yield/2",
         schema=yield_schema(Shape.of(chain)),
         title=chain.title or "A yield",
         origin=f"{cells_of(chain)}.",
@@ -180,7 +180,7 @@ def yield_account(found: Yield, about: About | None = None) -> Account:
         seed=found.seed,
         given={"calibrated": about.calibrated},
         facts=(
-            Fact("Target", found.wanted),
+            Fact("Target", found.target),
             *counted_facts(found),
             critical_fact(found),
         ),
@@ -214,7 +214,7 @@ def other_outcomes(found: Yield) -> RecordTable:
     return RecordTable(
         [
             Column("other outcome", itemgetter("outcome")),
-            Column("fraction", lambda row: percent(row["count"] / found.n), True),
+            Column("fraction", lambda row: percent(row["count"] / found.samples), True),
         ],
         lambda: [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
         "Outcomes of the samples that do not reproduce the target, most frequent first.",
@@ -251,7 +251,7 @@ def survival_schema(shape: Shape) -> Schema:
         Quantity("title", read="chain.title"),
         Quantity("cells", read="chain.names", holds=[str]),
         Quantity("from", read="start"),
-        Quantity("to", read="ends"),
+        Quantity("to", read="target"),
         Quantity("turning_points", shape.drive, holds=[float]),
         *counted_schema(shape),
         Quantity("seed", holds=int),
@@ -269,12 +269,12 @@ def survival_account(found: Survival, about: About | None = None) -> Account:
         schema=survival_schema(Shape.of(chain)),
         title=chain.title or "A program with tolerances",
         origin=f"{cells_of(chain)}.",
-        answer=f"The program ends in {found.ends} in {percent(found.share)} of the samples",
+        answer=f"The program ends in {found.target} in {percent(found.share)} of the samples",
         about=about,
         seed=found.seed,
         given={"calibrated": about.calibrated},
         facts=(
-            Fact("Target", f"{found.start} to {found.ends} by the program"),
+            Fact("Target", f"{found.start} to {found.target} by the program"),
             Fact("Turning points", turning_points(found.turning_points, chain)),
             *counted_facts(found),
         ),

@@ -86,10 +86,10 @@ def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
 
 
 @kernel
-def _sort(key: Floats, wanted: Ints, order: Ints) -> None:
+def _sort(key: Floats, target: Ints, order: Ints) -> None:
     """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
-    for place in range(len(wanted)):
-        cell = wanted[place]
+    for place in range(len(target)):
+        cell = target[place]
         j = place
         while j > 0 and key[order[j - 1]] > key[cell]:
             order[j] = order[j - 1]
@@ -129,7 +129,7 @@ def judged(
     draws: Floats,
     cells: Floats,
     spread: Floats,
-    wanted: Ints,
+    target: Ints,
     drive: int,
     verdict: Verdicts,
     does: Ints,
@@ -149,7 +149,7 @@ def judged(
         draws: (m, 8 N) one sample a row, as `Draws` lays them out.
         cells: (N, 7) d_x, d_y, k, ℓ0, r, sin θc, friction of the drawing, SI.
         spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
-        wanted: (2, N) cells in order of loading and of unloading.
+        target: (2, N) cells in order of loading and of unloading.
         drive: RIGID, COMPLIANT or FORCE.
         verdict: (m,) out, ASK where the closed form is not proved.
         does: (m,) out, both orders as digits of base N; wraps where they are too many.
@@ -178,14 +178,14 @@ def judged(
         tie = False
         number, right = 0, True
         for side in range(2):
-            _sort(key[side], wanted[side], order[side])
+            _sort(key[side], target[side], order[side])
             for place in range(n):
                 number = number * n + order[side, place]
-                right = right and order[side, place] == wanted[side, place]
+                right = right and order[side, place] == target[side, place]
             for place in range(n - 1):
                 before, after = order[side, place], order[side, place + 1]
                 tie = tie or key[side, after] - key[side, before] <= TIED * scale
-                apart = key[side, wanted[side, place + 1]] - key[side, wanted[side, place]]
+                apart = key[side, target[side, place + 1]] - key[side, target[side, place]]
                 if apart < smallest:
                     smallest, where = apart, side * (n - 1) + place
         gap[sample] = smallest
@@ -202,7 +202,7 @@ def judged(
         if verdict[sample] == OTHER:
             for side in range(2):
                 for place in range(n - 1):
-                    first, second = wanted[side, place], wanted[side, place + 1]
+                    first, second = target[side, place], target[side, place + 1]
                     wrong[side, place] += key[side, second] < key[side, first]
 
 
@@ -222,11 +222,11 @@ class DrawJudge:
 
     cells: Floats  # (N, 7) as `judged` takes them
     spread: Floats  # (5,)
-    wanted: Ints  # (2, N)
+    target: Ints  # (2, N)
     drive: int
 
     @classmethod
-    def of(cls, chain: Chain, spread: Floats, wanted: Ints) -> "DrawJudge | None":
+    def of(cls, chain: Chain, spread: Floats, target: Ints) -> "DrawJudge | None":
         """None where a cell has several bands, a bent law or a load: no closed form at all."""
         cells: list[list[float]] = []
         for cell in chain.cells:
@@ -237,7 +237,7 @@ class DrawJudge:
         drive = COMPLIANT
         if math.isinf(chain.actuator_stiffness) or chain.actuator_stiffness == 0.0:
             drive = FORCE if chain.actuator_stiffness == 0.0 else RIGID
-        return cls(np.array(cells), spread, wanted, drive)
+        return cls(np.array(cells), spread, target, drive)
 
     def __call__(self, draws: Floats) -> Judged:
         """The verdicts on draws (m, 8 N)."""
@@ -249,7 +249,7 @@ class DrawJudge:
             counted = np.zeros((2, 2, n - 1), np.int64)
             here = slice(begin, end)
             judged(
-                draws[here], self.cells, self.spread, self.wanted, self.drive,
+                draws[here], self.cells, self.spread, self.target, self.drive,
                 verdict[here], does[here], gap[here], counted[0], counted[1],
             )  # fmt: skip
             counts.append(counted)

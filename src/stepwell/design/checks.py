@@ -172,12 +172,12 @@ def measurement(found: Yield | Survival) -> Measurement | None:
     parts = parts_of(found)
     left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
     worth = [name for name in parts if left[name] < 1.0]
-    if found.successes == found.n or not worth:
+    if found.successes == found.samples or not worth:
         return None
     quickly = isinstance(found, Yield) and not found.by_engine
-    n = min(found.n, _RANKED if quickly else _RANKED_ONE_BY_ONE)
+    n = min(found.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
     best = max(worth, key=lambda name: with_known(found, name, left[name], n))
-    after = with_known(found, best, left[best], found.n) / found.n
+    after = with_known(found, best, left[best], found.samples) / found.samples
     if after < found.share + _GAIN:
         return None
     cell, what, tolerance, _ = parts[best]
@@ -297,7 +297,7 @@ class Check(ByValue):
         chain: the design.
         verdict: whether the real one will do what is wanted.
         reason: why, in a sentence.
-        wanted: the full cycle that counts; or where its program begins and where it shall end.
+        target: the full cycle that counts; or where its program begins and where it shall end.
         does: what the drawing does.
         does_it: whether that is what is wanted.
         path: what the actuator does with the drawing, with forces, energy and ties.
@@ -311,7 +311,7 @@ class Check(ByValue):
     chain: Chain = field(repr=False)
     verdict: Verdict
     reason: str
-    wanted: str
+    target: str
     does: str
     does_it: bool
     path: Path = field(repr=False)
@@ -396,7 +396,7 @@ def _of_program(
 
 def _told(
     path: Path,
-    wanted: str,
+    target: str,
     does: str,
     does_it: bool,
     found: Yield | Survival,
@@ -423,5 +423,5 @@ def _told(
     worth = measurement(found) if does_it and not tied else None
     odd = oddities(found.chain, path)
     return Check(
-        found.chain, verdict, reason, wanted, does, does_it, path, found, killer, odd, worth
+        found.chain, verdict, reason, target, does, does_it, path, found, killer, odd, worth
     )

@@ -11,35 +11,35 @@ from stepwell.concave import ideals
 from stepwell.sequences import Sequence
 
 
-def checked_cycle(wanted: str, last: str, name: str = "target") -> str:
+def checked_cycle(target: str, last: str, name: str = "target") -> str:
     """A full cycle without its spaces; messages call it `name`.
 
     Args:
-        wanted: such as "00>10>11>01>00".
+        target: such as "00>10>11>01>00".
         last: the state with every cell in its last phase, such as "11".
 
     Raises:
         ValueError: a text that is none.
     """
-    states = wanted.replace(" ", "").split(">")
+    states = target.replace(" ", "").split(">")
     first = "0" * len(last)
     example = f"for example {short(_example(last))!r}"
     for state in states:
         if not is_state(state, last):
             digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
             raise InputError(
-                f"{name} = {short(wanted)!r}: state {short(state)!r} must be {len(last)} {digits}, "
+                f"{name} = {short(target)!r}: state {short(state)!r} must be {len(last)} {digits}, "
                 f"one a cell, inner first, with > between states; {example}."
             )
     if states[0] != first or states[-1] != first or last not in states:
         ends = ("at 0", "at 1") if set(last) == {"1"} else ("in their first phase", "in their last")
         raise InputError(
-            f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells {ends[0]} "
+            f"{name} = {short(target)!r}: a full cycle begins and ends with all cells {ends[0]} "
             f"and passes the state with all {ends[1]}; {example}."
         )
     if any(a == b for a, b in pairwise(states)):
         raise InputError(
-            f"{name} = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
+            f"{name} = {short(target)!r}: the same state twice in a row; name it once a visit, "
             f"{example}."
         )
     return ">".join(states)
@@ -62,13 +62,13 @@ def _example(last: str) -> str:
     return ">".join(states)
 
 
-def orders_of(wanted: str) -> Ints | None:
+def orders_of(target: str) -> Ints | None:
     """(2, T) the switches of a full cycle in the order in which they go up, and come down.
 
     None unless each goes up once and then comes down once, one by one. Of cells with two phases,
     each is the number of its cell.
     """
-    states = [[int(digit) for digit in state] for state in wanted.split(">")]
+    states = [[int(digit) for digit in state] for state in target.split(">")]
     last = np.max(states, axis=0)
     first = np.cumsum(last) - last
     steps: list[tuple[int, int]] = []
@@ -233,27 +233,27 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
             raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
         antichain = [[i == j for j in range(cells)] for i in range(cells)]
         return _realised(antichain, alike, None)
-    wanted, n = _listed(states, cells)
-    listed = frozenset(wanted)
+    target, n = _listed(states, cells)
+    listed = frozenset(target)
     for name, state in (("0", "0" * n), ("1", "1" * n)):
-        if state not in wanted:
+        if state not in target:
             why = (
                 f"{state} is not among the wanted states, but a chain has all its cells at {name} "
                 f"in every full cycle: add it"
             )
             return Wish((), states=listed, why=why, never=True)
     try:
-        return _realised(_partial_order(wanted, n), alike, listed)
+        return _realised(_partial_order(target, n), alike, listed)
     except NoOrders as reason:
-        return Wish((), states=listed, why=str(reason), stepwise=_stepwise(wanted, n))
+        return Wish((), states=listed, why=str(reason), stepwise=_stepwise(target, n))
 
 
-def _stepwise(wanted: set[str], n: int) -> bool:
+def _stepwise(target: set[str], n: int) -> bool:
     """Whether states of the wanted ones lead from all cells at 0 to all at 1, one by one."""
     front = {"0" * n}
     for _ in range(n):
         more = {s[:i] + "1" + s[i + 1 :] for s in front for i in range(n) if s[i] == "0"}
-        front = more & wanted
+        front = more & target
     return bool(front)
 
 
@@ -283,25 +283,25 @@ def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], i
         raise InputError(
             f'states = {states!r}: must be "all" or a list such as ["00", "10", "11"].'
         )
-    wanted = {str(state) for state in states}
-    n = len(next(iter(wanted), ""))
-    if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in wanted):
+    target = {str(state) for state in states}
+    n = len(next(iter(target), ""))
+    if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in target):
         raise InputError(
-            f"states = {sorted(wanted)}: must be states of 0 and 1, one a cell, inner first, and "
+            f"states = {sorted(target)}: must be states of 0 and 1, one a cell, inner first, and "
             f"as long as each other."
         )
     if cells not in (None, n):
         raise InputError(f"cells = {cells}, but the states have {n} cells: leave `cells` out.")
-    return wanted, n
+    return target, n
 
 
 Below = list[list[bool]]  # below[i][j]: j is at 1 only where i is
 
 
-def _partial_order(wanted: set[str], n: int) -> Below:
+def _partial_order(target: set[str], n: int) -> Below:
     # Birkhoff: a family with empty and full set, closed under union and intersection, holds
     # exactly the ideals of the preorder that it makes.
-    numbers = {int(state, 2) for state in wanted}
+    numbers = {int(state, 2) for state in target}
     for a, b in combinations(sorted(numbers), 2):
         for made, words in ((a | b, "either of them"), (a & b, "both")):
             if made not in numbers:
@@ -310,7 +310,7 @@ def _partial_order(wanted: set[str], n: int) -> Below:
                     f"{first} and {second} are wanted, so {third}, with the cells that are at 1 in "
                     f"{words}, comes with them"
                 )
-    below = [[all(s[i] == "1" for s in wanted if s[j] == "1") for j in range(n)] for i in range(n)]
+    below = [[all(s[i] == "1" for s in target if s[j] == "1") for j in range(n)] for i in range(n)]
     for i, j in combinations(range(n), 2):
         if below[i][j] and below[j][i]:
             raise NoOrders(

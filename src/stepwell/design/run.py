@@ -67,6 +67,6 @@ class Run(ByValue):
         """
         if len(self.chain) > LONGEST_FOLLOWED:
             return None
-        wanted = str(self.cycle.sequence)
-        few = yields(self.chain, samples=_FOLLOWED, target=wanted)
-        return few if few.by_engine else yields(self.chain, samples=_IN_CLOSED_FORM, target=wanted)
+        target = str(self.cycle.sequence)
+        few = yields(self.chain, samples=_FOLLOWED, target=target)
+        return few if few.by_engine else yields(self.chain, samples=_IN_CLOSED_FORM, target=target)

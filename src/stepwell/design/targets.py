@@ -121,10 +121,10 @@ def unsearchable(chain: Chain, friction: float = 0.0) -> str:
     return ""
 
 
-def unlike(found: Iterable[str], wanted: Iterable[str]) -> str:
+def unlike(found: Iterable[str], target: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
-    found, wanted = set(found), set(wanted)
-    parts = [("also reaches", found - wanted), ("does not reach", wanted - found)]
+    found, target = set(found), set(target)
+    parts = [("also reaches", found - target), ("does not reach", target - found)]
     return ", ".join(f"{words} {_few(states)}" for words, states in parts if states)
 
 

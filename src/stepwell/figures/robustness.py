@@ -340,14 +340,15 @@ def _outcomes(result: Yield) -> list[_Outcome]:
     low, high = map(percent, result.interval)
     # On a line of its own: beside or on the bar, the interval would strike it through.
     words = f"{percent(result.share)} ({low} to {high}) as wanted"
-    found = [_Outcome([*_outcome_lines(result.wanted), words], result.share, style.GREEN)]
+    found = [_Outcome([*_outcome_lines(result.target), words], result.share, style.GREEN)]
     found += [
-        _Outcome(_outcome_lines(text), count / result.n, style.VERMILLION) for text, count in shown
+        _Outcome(_outcome_lines(text), count / result.samples, style.VERMILLION)
+        for text, count in shown
     ]
     rest = sum(count for _, count in others[_OUTCOMES:])
     if rest:
         text = f"{len(others) - _OUTCOMES} other outcomes"
-        found.append(_Outcome([text], rest / result.n, style.VERMILLION))
+        found.append(_Outcome([text], rest / result.samples, style.VERMILLION))
     return found
 
 
@@ -385,7 +386,9 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
         y += _YIELD_BAR + _YIELD_GAP
     ax.set_yticks([])
     _bare(ax)
-    ax.set_xlabel(f"Share of {result.n:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}"))
+    ax.set_xlabel(
+        f"Share of {result.samples:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}")
+    )
     sheet.name_panel(ax, "What they do")
 
 

@@ -107,7 +107,7 @@ class Move(ByValue):
 def best_moves(
     drawing: Chain,
     built: Sequence[Chain],
-    wanted: str,
+    target: str,
     hole: float,
     share: float,
     tried: Callable[[], None],
@@ -120,7 +120,7 @@ def best_moves(
     Args:
         drawing: whose anchors are named.
         built: as they may be, each as likely as the others.
-        wanted: the sequence of states.
+        target: the sequence of states.
         hole: how far apart holes are [m].
         share: how many of the builds do it as they are.
         tried: called after each move that was tried.
@@ -131,13 +131,13 @@ def best_moves(
 
     def better(moves: list[Move], than: float) -> list[Move]:
         best = sorted(moves, key=lambda move: -move.share)[:_BEST]
-        again = [_judged(move.steps, built, wanted) for move in best]
+        again = [_judged(move.steps, built, target) for move in best]
         held = [move for move in again if move.share - than > _chance(move.share, than, len(built))]
         return sorted(held, key=lambda move: -move.share)
 
     def judged(steps: tuple[AnchorMove, ...]) -> Move:
         tried()
-        return _judged(steps, built[:_FIRST], wanted)
+        return _judged(steps, built[:_FIRST], target)
 
     if share == 1.0:
         return ()
@@ -187,23 +187,23 @@ def _chance(one: float, other: float, n: int) -> float:
     return 2.0 * math.sqrt(2.0 * both * (1.0 - both) / n)
 
 
-def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], wanted: str) -> Move:
+def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
         try:
-            count += does(move.of(one), wanted)
+            count += does(move.of(one), target)
         except StepwellError:
             continue  # Hooked there it cannot be built.
     return Move(steps, count / len(built))
 
 
-def does(chain: Chain, wanted: str) -> bool:
+def does(chain: Chain, target: str) -> bool:
     """Whether a chain does it; one that ties may do otherwise."""
     try:
         cycle = chain.cycle()
     except StepwellError:
         return False
-    return str(cycle.sequence) == wanted and not cycle.degenerate
+    return str(cycle.sequence) == target and not cycle.degenerate
 
 
 # What is believed of a first build before it is tried: drilled by hand, bands of one bag.
@@ -259,10 +259,10 @@ class AsBuilt(ByValue):
     Attributes:
         drawing: what was meant to be built.
         seen: what it did.
-        wanted: what it should do.
+        target: what it should do.
         tolerances: how far parts were taken to be off at most.
         wider: how many times as far as first thought; 1 where that sufficed.
-        n, seed: how many were drawn, and which.
+        samples, seed: how many were drawn, and which.
         agreeing: of those drawn, how many move as was seen, whatever the strokes and forces [1].
         known: every number of every cell.
         chain: the build, at the means; where these together do something else, the one drawn
@@ -278,10 +278,10 @@ class AsBuilt(ByValue):
 
     drawing: Chain = field(repr=False)
     seen: Observed
-    wanted: str
+    target: str
     tolerances: Tolerances
     wider: float
-    n: int
+    samples: int
     seed: int
     agreeing: float
     known: tuple[Known, ...] = field(repr=False)

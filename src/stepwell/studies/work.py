@@ -134,7 +134,7 @@ def _yield() -> Work:
         found = yields(chain, seed=seed)
         low, high = found.interval
         shares = {"share": found.share, "share_low": low, "share_high": high}
-        return {"sequence": found.wanted, **shares}
+        return {"sequence": found.target, **shares}
 
     return Work({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, row)
 

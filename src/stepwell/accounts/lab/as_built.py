@@ -70,7 +70,7 @@ def as_built_schema(shape: Shape) -> Schema:
     return (
         Quantity("title", read="drawing.title"),
         Quantity("advice"),
-        Quantity("wanted"),
+        Quantity("target"),
         Quantity("share", holds=float),
         Quantity("moves", holds=[_MOVE]),
         Quantity("hole", "mm"),
@@ -78,7 +78,7 @@ def as_built_schema(shape: Shape) -> Schema:
         Quantity("wrong_holes", holds=[_WRONG], read="wrong"),
         Quantity("seen", holds=_seen(shape)),
         Quantity("known", holds=[_KNOWN]),
-        Quantity("drawn", holds=int, read="n"),
+        Quantity("drawn", holds=int, read="samples"),
         Quantity("agreeing", holds=float),
         Quantity("wider", holds=float),
         Quantity("anchor", "mm", read="tolerances.anchor"),
@@ -99,7 +99,7 @@ def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
         about=about,
         seed=found.seed,
         facts=(
-            Fact("Target", found.wanted),
+            Fact("Target", found.target),
             Fact("Yield as built", percent(found.share)),
             Fact("Yield after the move", percent(found.moves[0].share) if found.moves else ""),
             Fact("Observed", _observed(found), Level.TERMINAL),
@@ -148,7 +148,7 @@ def _samples(found: AsBuilt) -> str:
     """Within which tolerances builds were drawn, and how many of them agree."""
     wider = f", {number(found.wider)} times those given" * (found.wider > 1)
     return (
-        f"{found.n} with {tolerance_words(found.tolerances, found.drawing)}{wider}; "
+        f"{found.samples} with {tolerance_words(found.tolerances, found.drawing)}{wider}; "
         f"{percent(found.agreeing)} of random builds move as observed"
     )
 

@@ -280,13 +280,13 @@ class Aim:
         chain: any number of cells.
         now: what it does.
         anchor: a p or q of the chain.
-        wanted: what it has to do; None for anything else than now.
+        target: what it has to do; None for anything else than now.
     """
 
     chain: Chain
     now: Sequence
     anchor: Parameter
-    wanted: Sequence | None
+    target: Sequence | None
 
     @property
     def at_once(self) -> bool:
@@ -295,7 +295,7 @@ class Aim:
 
     def met(self, done: Sequence) -> bool:
         """Whether this is what is wanted."""
-        return done != self.now if self.wanted is None else done == self.wanted
+        return done != self.now if self.target is None else done == self.target
 
     def met_at(self, move: Floats) -> bool:
         """Whether the chain with its anchor displaced by (2,) [m] does what is wanted."""
@@ -337,9 +337,9 @@ def nearest(
     """
     known, past, proved = None, None, False
     if forces is not None:
-        known, proved = _in_closed_form(forces, aim.anchor, aim.wanted, ways)
+        known, proved = _in_closed_form(forces, aim.anchor, aim.target, ways)
         # Where any other sequence will do, the closed form is proof enough.
-        if proved and aim.wanted is None:
+        if proved and aim.target is None:
             return _proved(known)
         if known is not None:
             past = next(filter(aim.met_at, _just_past(known)), None)
@@ -351,7 +351,7 @@ def nearest(
             lambda u: aim.met_at(ways.frame @ u),
             ways,
             within,
-            aim.wanted is not None,
+            aim.target is not None,
             progress,
             (lambda us: aim.met_at_each(us @ ways.frame.T)) if at_once else None,
         )
@@ -392,13 +392,13 @@ def _vec(move: Floats) -> Vec2:
 
 
 def _in_closed_form(
-    forces: SortedChain, anchor: Parameter, wanted: Sequence | None, ways: Displacements
+    forces: SortedChain, anchor: Parameter, target: Sequence | None, ways: Displacements
 ) -> tuple[Place | None, bool]:
     """The nearest place, and whether the cell is proved concave all the way there."""
     assert anchor.cell is not None
     cell, sign = anchor.cell, 1 if anchor.part == "q" else -1
     best: Place | None = None
-    for conditions in _regions(forces, cell, wanted):
+    for conditions in _regions(forces, cell, target):
         within = ways.reach if best is None else best.distance
         place = nearest_place(forces.cells[cell], conditions, ways, sign, within)
         if place is not None and (best is None or place.distance < best.distance):
@@ -408,11 +408,11 @@ def _in_closed_form(
     return best, len(forces.cells) == 1 or ways.proved(forces.cells[cell], sign, far)
 
 
-def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Neighbour]]:
+def _regions(forces: SortedChain, cell: int, target: Sequence | None) -> list[list[Neighbour]]:
     """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
-    if wanted is None:
+    if target is None:
         return [[neighbour] for neighbour in forces.neighbours(cell)]
-    orders = wanted.orders
+    orders = target.orders
     if orders is None:
         return []
     for order, now in zip(orders, (forces.loading, forces.unloading), strict=True):

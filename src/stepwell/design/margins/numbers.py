@@ -67,7 +67,7 @@ def nearest_share(
     forces: SortedChain | None,
     now: str,
     number: Parameter,
-    wanted: str | None = None,
+    target: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> NearestShare:
     """The smallest change of a number of a cell after which a chain does what is wanted.
@@ -82,24 +82,24 @@ def nearest_share(
         forces: the chain in closed form, None where that is not proved.
         now: what it does.
         number: a number of one of its cells.
-        wanted: what it has to do; None for anything else than now.
+        target: what it has to do; None for anything else than now.
         progress: called with (done, total) values while the engine is asked.
     """
     assert number.cell is not None
-    if forces is not None and number.part == "stiffness" and wanted is None:
+    if forces is not None and number.part == "stiffness" and target is None:
         return _nearest(_quotients(forces, number.cell))
     if chain.elements and number.part in _OF_FORCES and are_relays(chain):
-        return _among_relays(chain, number, wanted)
+        return _among_relays(chain, number, target)
 
     def does(share: float) -> bool:
         # A design that cannot be made, or that the engine cannot follow, is another one.
         try:
             done = str(sequence(changed_by(chain, number, share)))
         except (StaticsError, ValueError):
-            return wanted is None
-        return done != now if wanted is None else done == wanted
+            return target is None
+        return done != now if target is None else done == target
 
-    found = _searched(does, chain, number, finely=wanted is not None, progress=progress)
+    found = _searched(does, chain, number, finely=target is not None, progress=progress)
     share = min(found, key=abs, default=math.nan)
     return NearestShare(share, share, Method.SEARCH)
 
@@ -120,7 +120,7 @@ def _quotients(forces: SortedChain, cell: int) -> list[tuple[float, int]]:
     ]
 
 
-def _among_relays(chain: Chain, number: Parameter, wanted: str | None) -> NearestShare:
+def _among_relays(chain: Chain, number: Parameter, target: str | None) -> NearestShare:
     """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
     meetings = _meetings(chain, number)
     least = -1.0
@@ -138,7 +138,7 @@ def _among_relays(chain: Chain, number: Parameter, wanted: str | None) -> Neares
             continue
         middle = begin + way * (1.0 if math.isinf(end) else abs(end - begin) / 2.0)
         done = _by_forces(chain, _forces_at(chain, number, middle))
-        if done is None or (done == now if wanted is None else done != wanted):
+        if done is None or (done == now if target is None else done != target):
             continue
         past = begin + way * min(_PAST, abs(middle - begin))
         return NearestShare(begin, past, Method.EXACT)

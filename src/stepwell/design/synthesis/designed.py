@@ -166,7 +166,7 @@ class Impossible(Shown, StepwellError, ValueError):
     """What is wanted cannot be had within what is allowed; `str` of it says why.
 
     Attributes:
-        wanted: as text.
+        target: as text.
         proved: True for a proof, which then covers all that is allowed, as it is drawn: no choice
             does it without a tie. False where something was not tried, and the text says what.
         region: the pairs (F0, F1) [N] that a cell can have: closed curves round them, or all of
@@ -180,7 +180,7 @@ class Impossible(Shown, StepwellError, ValueError):
 
     def __init__(
         self,
-        wanted: str,
+        target: str,
         why: str,
         *,
         proved: bool,
@@ -190,11 +190,11 @@ class Impossible(Shown, StepwellError, ValueError):
         gap_needed: float = math.nan,
         measure: Measure = Measure.TRAVEL,
     ):
-        self.wanted, self.proved, self.measure = wanted, proved, measure
+        self.target, self.proved, self.measure = target, proved, measure
         self.region = tuple(region)
         self.largest_gap, self.gap_needed = largest_gap, gap_needed
         verdict = ("impossible" if proved else "not found") + (allowed and f" with {allowed}")
-        super().__init__(f"{short(wanted)}: {verdict}: {why}.")
+        super().__init__(f"{short(target)}: {verdict}: {why}.")
 
 
 def nothing_works(

@@ -178,10 +178,10 @@ class ElementTarget:
                     f"all are in their last one, and back, as in 00>10>11>01>00."
                 )
             return cls(text, last, (orders,), True, text, None)
-        wanted = states if isinstance(states, str) else tuple(states or ())
-        wish: Wish = of_states(wanted, cells, True)
+        target = states if isinstance(states, str) else tuple(states or ())
+        wish: Wish = of_states(target, cells, True)
         listed = wish.states or frozenset(wish.orders[0].states)
-        text = f"states {' '.join(wanted)}" if wanted != "all" else f"all states of {cells} cells"
+        text = f"states {' '.join(target)}" if target != "all" else f"all states of {cells} cells"
         last = "1" * wish.cells
         orders = tuple(np.array([one.loading, one.unloading]) for one in wish.orders)
         return cls(text, last, orders, wish.complete, "", listed, wish.why, wish.never)
@@ -426,10 +426,10 @@ def _at_random(
                 break
     if not done:
         return None
-    wanted = goal.cycle or sorted(goal.states or ())
+    target = goal.cycle or sorted(goal.states or ())
 
     def share(chain: Chain) -> float:
-        return yields(chain, allowed.tolerances, samples=_MADE, target=wanted).share
+        return yields(chain, allowed.tolerances, samples=_MADE, target=target).share
 
     return Scaled(
         max(done, key=share),
@@ -497,8 +497,8 @@ def _clash(goal: ElementTarget, allowed: Allowed, sets: list[list[int]]) -> tupl
     for a, b in combinations(range(len(sets)), 2):
         # The switches of these two alone, numbered from 0.
         kept = [t for t in range(len(switches)) if switches.cell[t] in (a, b)]
-        wanted: list[list[int]] = only.tolist()
-        orders = np.array([[kept.index(t) for t in row if t in kept] for row in wanted])
+        target: list[list[int]] = only.tolist()
+        orders = np.array([[kept.index(t) for t in row if t in kept] for row in target])
         programs = (allowed.scales(pair, orders) for pair in product(sets[a], sets[b]))
         if not any(one is not None and one.largest_gap > LEAST for one in programs):
             return a, b

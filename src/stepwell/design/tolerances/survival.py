@@ -22,17 +22,17 @@ class Survival(Counted):
     Attributes:
         chain: the drawing.
         turning_points: drives of the program [m], or [N] under force control.
-        start, ends: states at its beginning and at its end.
+        start, target: states at its beginning and at its end.
         tolerances: how far the parts may be from the drawing.
-        n, seed: how many mechanisms, and which.
-        share, interval: successes over n, and the 95 % confidence interval of the probability
+        samples, seed: how many mechanisms, and which.
+        share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
-        successes: how many end with every cell in the phase that `ends` says, or nearest to it.
+        successes: how many end with every cell in the phase that `target` says, or nearest to it.
     """
 
     turning_points: tuple[float, ...]
     start: str
-    ends: str
+    target: str
 
     @property
     def assumptions(self) -> str:
@@ -47,7 +47,7 @@ class Survival(Counted):
     def __repr__(self):
         low, high = self.interval
         return (
-            f"Survival({self.start} to {self.ends}: {100 * self.share:.1f} % of {self.n}, "
+            f"Survival({self.start} to {self.target}: {100 * self.share:.1f} % of {self.samples}, "
             f"{100 * low:.1f} % to {100 * high:.1f} %, {self.tolerances!r})"
         )
 
@@ -79,7 +79,7 @@ def survival(
         raise SlipError(slips, "")
     points = tuple(float(point) for point in turning_points)
     successes = count_ends(Draws(chain, tolerances, seed), points, start, target, samples, progress)
-    counted = {"chain": chain, "tolerances": tolerances, "n": samples, "seed": seed}
+    counted = {"chain": chain, "tolerances": tolerances, "samples": samples, "seed": seed}
     return Survival(points, start, target, successes=successes, **counted)
 
 

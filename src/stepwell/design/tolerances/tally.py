@@ -65,23 +65,23 @@ def share_of(times: int, of: int) -> Share:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Counted(ByValue):
-    """How many of n mechanisms, made at random after a drawing, do something."""
+    """How many mechanisms of the samples, made at random after a drawing, do something."""
 
     chain: Chain = field(repr=False)
     tolerances: Tolerances
-    n: int
+    samples: int
     seed: int
     successes: int
 
     @property
     def share(self) -> float:
-        """Successes over n: the estimate of the probability."""
-        return self.successes / self.n
+        """Successes over samples: the estimate of the probability."""
+        return self.successes / self.samples
 
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        found = share_of(self.successes, self.n)
+        found = share_of(self.successes, self.samples)
         return found.low, found.high
 
 
@@ -94,24 +94,24 @@ class RelayJudge:
 
     Attributes:
         draws: the mechanisms.
-        wanted: the cycle that counts.
+        target: the cycle that counts.
         orders: (2, T) of that; None where it is not one switch after the other.
         texts: the cycles found, to which `Judged.does` are the numbers.
     """
 
     draws: Draws
-    wanted: str
+    target: str
     orders: Ints | None
     texts: list[str] = field(default_factory=list[str])
     _numbers: dict[str, int] = field(default_factory=dict[str, int])
 
     @classmethod
-    def of(cls, draws: Draws, wanted: str, orders: Ints | None) -> RelayJudge | None:
+    def of(cls, draws: Draws, target: str, orders: Ints | None) -> RelayJudge | None:
         """None where switching forces do not decide, or a cell has levers."""
         chain = draws.chain
         if len(chain.elements) < len(chain) or not are_relays(chain):
             return None
-        return cls(draws, wanted, orders)
+        return cls(draws, target, orders)
 
     def __call__(self, drawn: Floats) -> Judged:
         """The verdicts on draws (m, columns)."""
@@ -119,7 +119,7 @@ class RelayJudge:
         motion = Switches.of(self.draws.chain.last_state).motion(forces)
         cycles, which = motion.cycles()
         does = np.array([self._number(text) for text in cycles])[which]
-        right = np.array([text == self.wanted for text in cycles])[which]
+        right = np.array([text == self.target for text in cycles])[which]
         verdict = np.where(motion.tied, TIE, np.where(right, DOES, OTHER)).astype(np.int8)
         gap, wrong = np.full(len(drawn), np.inf), np.zeros((2, 0), np.int64)
         narrowest = wrong
@@ -227,7 +227,7 @@ class Tally:
 
     Args:
         draws: the mechanisms.
-        wanted: the cycle that counts; where states are wanted, the one whose orders are compared.
+        target: the cycle that counts; where states are wanted, the one whose orders are compared.
         states: those that shall be reached and no others; None where the cycle counts.
         robust: the ratio of mobilities within which all landings on the way have to hold.
 
@@ -246,20 +246,20 @@ class Tally:
     def __init__(
         self,
         draws: Draws,
-        wanted: str,
+        target: str,
         states: frozenset[str] | None = None,
         robust: float | None = None,
     ):
-        self.draws, self.orders = draws, orders_of(wanted)
+        self.draws, self.orders = draws, orders_of(target)
         self.states, self.robust = states, robust
-        self._success = wanted if states is None else ""
+        self._success = target if states is None else ""
         chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").
         whole = states is not None and len(states) == 2**count and not chain.elements
         self._nested_do = whole and one_travel(chain) and not draws.tolerances.lever
         some = self.orders if self.orders is not None else np.tile(np.arange(count), (2, 1))
         self.judge = (
-            RelayJudge.of(draws, wanted, self.orders)
+            RelayJudge.of(draws, target, self.orders)
             if chain.elements
             else DrawJudge.of(chain, draws.spread, some)
         )
@@ -362,18 +362,18 @@ class Tally:
         return numbered_cycle(number, len(self.draws.chain))
 
 
-def why_none(chain: Chain, wanted: str, concave: bool) -> str:
+def why_none(chain: Chain, target: str, concave: bool) -> str:
     """The reason in a sentence, and advice.
 
     Args:
         chain: the drawing.
-        wanted: the full cycle that none makes.
+        target: the full cycle that none makes.
         concave: whether all cells that were made are proved concave, and so go one after the
             other.
     """
     if chain.elements:
         return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
-    states = Sequence.parse(wanted).states
+    states = Sequence.parse(target).states
     strokes = [
         math.fsum(full for full, s in zip(chain.full_travels, state, strict=True) if s == "1")
         for state in states
@@ -388,7 +388,7 @@ def why_none(chain: Chain, wanted: str, concave: bool) -> str:
                 f"program`, in Python chain.program; and `stepwell yield --program` how surely it "
                 f"works"
             )
-    for (a, b), flips in zip(pairwise(states), Sequence.parse(wanted).flips, strict=True):
+    for (a, b), flips in zip(pairwise(states), Sequence.parse(target).flips, strict=True):
         if concave and len(flips) > 1:
             return (
                 f"one stroke out and back cannot do it: {a}>{b} moves {len(flips)} cells at once, "

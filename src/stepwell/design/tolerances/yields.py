@@ -88,15 +88,15 @@ class Critical(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Yield(Counted, Drawn):
-    """How many of n mechanisms, made at random within tolerances, do what is wanted.
+    """How many mechanisms, sampled within tolerances, reach the target.
 
     Attributes:
         chain: the drawing.
         tolerances: how far the parts may be from it.
-        n, seed: how many mechanisms, and which.
-        share, interval: successes over n, and the 95 % confidence interval of the probability
+        samples, seed: how many mechanisms, and which.
+        share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
-        wanted: the sequence of states of a full cycle; or "states", and those wanted.
+        target: the sequence of states of a full cycle; or "states", and those wanted.
         states: those that shall be in reach from all cells at 0 and no others; None where the
             cycle counts.
         successes: how many do it, without a tie.
@@ -118,7 +118,7 @@ class Yield(Counted, Drawn):
         advice: where none does what is wanted, why, and what to ask for instead; else "".
     """
 
-    wanted: str
+    target: str
     states: tuple[str, ...] | None
     outcomes: Mapping[str, int]
     critical: Critical | None
@@ -135,8 +135,8 @@ class Yield(Counted, Drawn):
         Raises:
             ValueError: no such number, or one that cannot be built.
         """
-        if not 0 <= number < self.n:
-            raise InputError(f"number = {number}: must be between 0 and {self.n - 1}.")
+        if not 0 <= number < self.samples:
+            raise InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
 
     def end_forces(self, n: int = 1000) -> Floats:
@@ -145,9 +145,9 @@ class Yield(Counted, Drawn):
         Returns:
             (m, T, 2) F0 plus friction and F1 less friction [N], of elements the forces up and
             down of each switch from a phase to the next; T = N where every cell has two phases,
-            m = min(n, self.n), and NaN where a mechanism cannot be built.
+            m = min(n, self.samples), and NaN where a mechanism cannot be built.
         """
-        found = np.full((min(n, self.n), *switching_forces(self.chain).shape), np.nan)
+        found = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
         for number in range(len(found)):
             try:
                 found[number] = switching_forces(self.mechanism(number))
@@ -171,10 +171,10 @@ class Yield(Counted, Drawn):
         low, high = self.interval
         attrs = {
             "title": self.chain.title or "yield",
-            "wanted": self.wanted,
+            "target": self.target,
             "share": self.share,
             "interval_95": [low, high],
-            "n": self.n,
+            "samples": self.samples,
             "seed": self.seed,
             "tolerances": repr(self.tolerances),
             "critical": str(self.critical or ""),
@@ -192,23 +192,23 @@ class Yield(Counted, Drawn):
             OSError: it cannot be written.
         """
         texts, counts = self._counts.keys(), self._counts.values()
-        shares = Quantity("share", "1"), [count / self.n for count in counts]
+        shares = Quantity("share", "1"), [count / self.samples for count in counts]
         write_csv(path, [(Quantity("outcome"), texts), (Quantity("count"), counts), shares], 9)
 
     @property
     def _counts(self) -> dict[str, int]:
-        return {self.wanted: self.successes, **self.outcomes}
+        return {self.target: self.successes, **self.outcomes}
 
     def __str__(self):
         low, high = self.interval
         lines = [
-            f"{percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
+            f"{percent(self.share)} of {self.samples} mechanisms do {short(self.target)} "
             f"(95 % confidence: {percent(low)} to {percent(high)})"
         ]
         if self.advice:
             lines.append(self.advice)
         shown = list(self.outcomes.items())[:_SHOWN]
-        lines += [f"{percent(count / self.n)}: {short(text)}" for text, count in shown]
+        lines += [f"{percent(count / self.samples)}: {short(text)}" for text, count in shown]
         if len(self.outcomes) > _SHOWN:
             lines.append(f"and {len(self.outcomes) - _SHOWN} other outcomes")
         if self.critical is not None:
@@ -220,7 +220,7 @@ class Yield(Counted, Drawn):
     def __repr__(self):
         low, high = self.interval
         return (
-            f"Yield({short(self.wanted)}: {percent(self.share)} of {self.n}, "
+            f"Yield({short(self.target)}: {percent(self.share)} of {self.samples}, "
             f"{percent(low)} to {percent(high)}, {self.tolerances!r})"
         )
 
@@ -268,7 +268,7 @@ def yields(
         _advice(tally, sequence),
         chain=chain,
         tolerances=tolerances,
-        n=samples,
+        samples=samples,
         seed=seed,
         successes=tally.successes,
     )
@@ -313,7 +313,7 @@ def _refuse(chain: Chain, tolerances: Tolerances, samples: int, seed: int) -> No
     meet(tolerances, chain)
 
 
-def _advice(tally: Tally, wanted: str) -> str:
+def _advice(tally: Tally, target: str) -> str:
     if tally.successes:
         return ""
     if tally.outcomes().get(HANGS):
@@ -322,7 +322,7 @@ def _advice(tally: Tally, wanted: str) -> str:
             "ratio; or in Python, with Tolerances(mobility=...), how often it works"
         )
     if tally.states is None:
-        return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
+        return why_none(tally.draws.chain, target, tally.by_engine == 0)
     found = reached(tally.draws.chain)
     return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
 
@@ -424,8 +424,8 @@ def with_known(found: Yield | Survival, part: str, left: float, n: int) -> int:
     """
     draws = Draws(found.chain, found.tolerances, found.seed, part, left)
     if isinstance(found, Survival):
-        return count_ends(draws, found.turning_points, found.start, found.ends, n)
+        return count_ends(draws, found.turning_points, found.start, found.target, n)
     states = None if found.states is None else frozenset(found.states)
-    tally = Tally(draws, found.wanted, states, found.robust)
+    tally = Tally(draws, found.target, states, found.robust)
     tally.count(n, None)
     return tally.successes

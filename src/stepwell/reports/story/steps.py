@@ -192,7 +192,7 @@ def _wish(progress: Progress | None) -> StoryStep:
     anchors = [line for line in text.splitlines() if line.startswith("q_mm")]
     return StoryStep(
         (
-            f"{_order(made.cycle())} Anchors for it are found. Of {built.n:,} built at "
+            f"{_order(made.cycle())} Anchors for it are found. Of {built.samples:,} built at "
             f"random with anchors up to {amount(_ANCHOR, 'm')} off and bands that differ by "
             f"{number(_STIFFNESS * 100)} %, {built.successes:,} do it too.",
         ),
