@@ -45,7 +45,7 @@ def test_states_a_ratio_of_mobilities_and_a_calibration_keep_to_the_schema_too()
     robust = account(chain.yields(samples=5, robust=2.0), About(chain, calibrated=given))
     for found in (of_states, robust):
         assert violations(found.record) == []
-    assert of_states.record["wanted_states"] == ["00", "10", "01", "11"]
+    assert of_states.record["target_states"] == ["00", "10", "01", "11"]
     assert (robust.record["robust"], robust.record["proved"]) == (2.0, 5)
     assert all("k = 28.5 N/m" in form for form in (_forms(robust)[0], _forms(robust)[2]))
 
