@@ -9,7 +9,7 @@ import typer
 from stepwell.accounts import account
 from stepwell.base import installation
 from stepwell.cli import options as completing
-from stepwell.cli.options import Force, ForceFile, Json, Out, free, free_file, local
+from stepwell.cli.options import OUTPUT, ForceFile, Json, Output, free_file, grouped, local
 from stepwell.cli.screen import (
     FAILED,
     has_display,
@@ -67,6 +67,7 @@ def new(
     show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
+@grouped
 def paper(
     everything: Annotated[
         bool,
@@ -79,9 +80,7 @@ def paper(
             help="The authors' recordings, for the claims that they decide.",
         ),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Check what the paper claims.
 
@@ -93,10 +92,10 @@ def paper(
     """
     import stepwell.paper as claims
 
-    free(out, "paper", force)
+    output.free("paper")
     with progress("claims") as tell:
         found = claims.run(tell, everything=everything, data=data)
-    report(account(found), as_json, out, force, everything=everything)
+    output.report(account(found), everything=everything)
 
 
 def validate(as_json: Json = False) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
-from stepwell.cli.options import Force, Json, Out, free, local, read_design
+from stepwell.cli.options import OUTPUT, Json, Output, grouped, local, read_design
 from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, styled, usable, warn
 from stepwell.cli.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
@@ -115,32 +115,25 @@ def build(
             subject, axes, int(designs), out,
             drive=drive, seed=seed, workers=workers, scheduler=scheduler, progress=tell,
         )  # fmt: skip
-    _show(found.study, _charted(found.study), as_json)
+    _show(found.study, _charted(found.study), Output(as_json=as_json))
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def show(
     store: _There = None,
     anchor: parts.Anchor = parts.ANCHOR_MM,
     stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
     rest_length_tolerance: parts.RestLengthTolerance = 0.0,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """List the machines of a store: their fractions and yields, what is proved.
 
     Example: stepwell atlas show
     """
-    free(out, "atlas show", force)
+    output.free("atlas show")
     study = _opened(store)
-    _show(
-        study,
-        _charted(study, anchor, stiffness_tolerance, rest_length_tolerance),
-        as_json,
-        out,
-        force,
-    )
+    _show(study, _charted(study, anchor, stiffness_tolerance, rest_length_tolerance), output)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -228,11 +221,9 @@ def _charted(
         return charted(study, tolerances=within, checks=checks, progress=tell)
 
 
-def _show(
-    study: Study, found: Atlas, as_json: bool, out: Path | None = None, force: bool = False
-) -> None:
+def _show(study: Study, found: Atlas, output: Output) -> None:
     from stepwell.studies import borders
 
     # People look at neighbours in the studio.
-    near = borders(study, found) if as_json else ()
-    report(account(found, borders=near), as_json, out, force)
+    near = borders(study, found) if output.as_json else ()
+    output.report(account(found, borders=near))

@@ -6,11 +6,12 @@ import typer
 
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
-from stepwell.cli.options import Design, Force, Json, Out, Robust, free, read_chain
-from stepwell.cli.screen import answered, progress, report, usable
+from stepwell.cli.options import OUTPUT, Design, Output, Robust, grouped, read_chain
+from stepwell.cli.screen import answered, progress, usable
 from stepwell.cli.tolerances import Data, calibrated_on
 
 
+@grouped
 def check(
     design: Design,
     target: Annotated[
@@ -21,18 +22,10 @@ def check(
             "or without one the cycle of the drawing.",
         ),
     ] = None,
-    anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
-    rest_length_tolerance: given.RestLengthTolerance = 0.0,
-    lever_tolerance: given.LeverTolerance = 0.0,
-    friction: given.Friction = 0.0,
-    travel_tolerance: given.TravelTolerance = 0.0,
+    within: given.Within = given.USUAL,
     data: Data = None,
-    samples: given.Samples = None,
-    seed: given.Seed = 0,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    sampling: given.Sampling = given.SAMPLING,
+    output: Output = OUTPUT,
 ) -> None:
     """Check a design within tolerances: works, fragile or won't.
 
@@ -48,35 +41,25 @@ def check(
     from stepwell.design import check
 
     text, chain = read_chain(design)
-    spread = given.tolerances(
-        anchor,
-        stiffness_tolerance,
-        rest_length_tolerance,
-        lever_tolerance,
-        friction,
-        travel_tolerance,
-        chain.measure,
-    )
-    free(out, "check", force, design=text)
+    spread = within.tolerances(chain.measure)
+    output.free("check", design=text)
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     program = files.loads(text, design).program if target is None else None
     wanted = target if program is None else own(text, design)
     with usable(design), progress("check") as tell:
-        found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
-    report(account(found, About(text, design, calibrated)), as_json, out, force)
+        found = check(
+            chain, wanted, spread, samples=sampling.samples, seed=sampling.seed, progress=tell
+        )
+    output.report(account(found, About(text, design, calibrated)))
     answered(found.verdict != "won't")
 
 
+@grouped
 def yield_(
     design: Design,
-    anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
-    rest_length_tolerance: given.RestLengthTolerance = 0.0,
-    lever_tolerance: given.LeverTolerance = 0.0,
-    friction: given.Friction = 0.0,
-    travel_tolerance: given.TravelTolerance = 0.0,
+    within: given.Within = given.USUAL,
     target: Annotated[
         str | None,
         typer.Option(
@@ -96,11 +79,8 @@ def yield_(
     ] = False,
     robust: Robust = None,
     data: Data = None,
-    samples: given.Samples = None,
-    seed: given.Seed = 0,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    sampling: given.Sampling = given.SAMPLING,
+    output: Output = OUTPUT,
 ) -> None:
     """Compute the fraction of samples that reach the target.
 
@@ -114,16 +94,8 @@ def yield_(
     from stepwell.design import survival, yields
 
     text, chain = read_chain(design)
-    spread = given.tolerances(
-        anchor,
-        stiffness_tolerance,
-        rest_length_tolerance,
-        lever_tolerance,
-        friction,
-        travel_tolerance,
-        chain.measure,
-    )
-    free(out, "yield", force, design=text)
+    spread = within.tolerances(chain.measure)
+    output.free("yield", design=text)
     asked = {"--target": target, "--sensitivity": sensitivity, "--robust": robust}
     option = next((option for option, value in asked.items() if value), None)
     if program and option:
@@ -141,19 +113,19 @@ def yield_(
                 played.to,
                 spread,
                 start=played.start,
-                samples=samples,
-                seed=seed,
+                samples=sampling.samples,
+                seed=sampling.seed,
                 progress=tell,
             )
         else:
             found = yields(
                 chain,
                 spread,
-                samples=samples,
-                seed=seed,
+                samples=sampling.samples,
+                seed=sampling.seed,
                 target=states or target,
                 sensitivity=sensitivity,
                 robust=robust,
                 progress=tell,
             )
-    report(account(found, About(text, design, calibrated)), as_json, out, force)
+    output.report(account(found, About(text, design, calibrated)))

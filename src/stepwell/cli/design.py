@@ -11,7 +11,7 @@ import typer
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
+from stepwell.cli.options import OUTPUT, Design, Output, grouped, read_chain
 from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable
 
@@ -71,6 +71,7 @@ class Objective(StrEnum):
     WORST = "worst"
 
 
+@grouped
 def design(
     target: Annotated[
         str,
@@ -150,9 +151,7 @@ def design(
     ] = False,
     samples: given.Samples = None,
     seed: given.Seed = 0,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Search anchors for a target sequence or a target set of states.
 
@@ -178,7 +177,7 @@ def design(
             "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
             param_hint="--element",
         )
-    free(out, "design", force)
+    output.free("design")
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
@@ -208,10 +207,10 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        report(account(why), as_json)
+        report(account(why), output.as_json)
         answered(False)
     else:
-        report(account(found), as_json, out, force)
+        output.report(account(found))
 
 
 class Direction(NamedTuple):
@@ -234,6 +233,7 @@ def along(text: str) -> Direction:
     return Direction(x, y)
 
 
+@grouped
 def reprogram(
     design: Design,
     by: Annotated[
@@ -269,9 +269,7 @@ def reprogram(
         float,
         typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
     ] = to_unit(REACH, "mm"),
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Search the smallest displacement of an anchor for another sequence.
 
@@ -289,11 +287,11 @@ def reprogram(
     if one_way and line is None:
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
     text, chain = read_chain(design)
-    free(out, "reprogram", force)
+    output.free("reprogram")
     ways = {"along": line, "one_way": one_way, "reach": from_unit(reach, "mm")}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
-    report(account(found, About(text, design)), as_json, out, force)
+    output.report(account(found, About(text, design)))
     answered(math.isfinite(found.distance))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,9 +10,9 @@ import typer
 
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
+from stepwell.cli.options import OUTPUT, Design, Output, grouped, read_chain
 from stepwell.cli.ranges import window as read_window
-from stepwell.cli.screen import EXIT_CODES, progress, report, usable
+from stepwell.cli.screen import EXIT_CODES, progress, usable
 from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ _Strokes = Annotated[
 ]
 
 
+@grouped
 def as_built(
     design: Design,
     seen: Annotated[
@@ -86,9 +88,7 @@ def as_built(
         int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
     ] = 200,
     seed: given.Seed = 0,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Fit as-built parameters to a first build, and search which anchors to move.
 
@@ -103,7 +103,7 @@ def as_built(
     from stepwell.accounts import About, account
     from stepwell.design import Tolerances
 
-    free(out, "lab as-built", force)
+    output.free("lab as-built")
     text, chain = read_chain(design)
     (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
     peak = abs(chain.cycle().peak_force)
@@ -137,7 +137,7 @@ def as_built(
             seed=seed,
             progress=tell,
         )
-    report(account(found, About(text, design)), as_json, out, force)
+    output.report(account(found, About(text, design)))
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:
@@ -181,6 +181,7 @@ def lab() -> None:
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def read(
     files: Annotated[
         list[Path],
@@ -190,9 +191,7 @@ def read(
             "columns.",
         ),
     ],
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """List what recordings hold: samples, cycles, columns and units.
 
@@ -204,15 +203,18 @@ def read(
     from stepwell import lab as measured
     from stepwell.accounts import account
 
-    free(out, "lab read", force)
+    output.free("lab read")
     with progress("reading") as tell:
         batch = measured.read_all(files, progress=tell)
-    report(account(batch), as_json, out if batch.recordings else None, force)
+    if not batch.recordings:
+        output = replace(output, out=None)
+    output.report(account(batch))
     if not batch.recordings:
         raise typer.Exit(2)
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def band(
     folders: Annotated[
         list[Path],
@@ -258,9 +260,7 @@ def band(
         str | None,
         typer.Option(metavar="NAME", help="The law to write, whatever is chosen."),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Fit the stiffness of bands, and write a `band` table for a design file.
 
@@ -274,7 +274,7 @@ def band(
     from stepwell import lab as measured
     from stepwell.accounts import About, account
 
-    free(out, "lab band", force)
+    output.free("lab band")
     edges = None if window is None else read_window(window)
     counted = None if cycles is None else read_window(cycles, whole=True)
     given = recordings_in(folders)
@@ -291,7 +291,7 @@ def band(
         found = measured.fit_bands(test, choice, law)
     source = ", ".join(folder.name for folder in folders)
     about = About(source=source, data_sha256=measured.hashes(given))
-    report(account(found, about), as_json, out, force)
+    output.report(account(found, about))
 
 
 _Data = Annotated[
@@ -315,6 +315,7 @@ _NoBaseline = Annotated[
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def compare(
     data: _Data,
     designs: Annotated[
@@ -346,9 +347,7 @@ def compare(
             help="The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
         ),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Compare unit cells and pairs on a test machine with their models.
 
@@ -361,7 +360,7 @@ def compare(
     from stepwell import files, lab as measured
     from stepwell.accounts import About, account
 
-    free(out, "lab compare", force)
+    output.free("lab compare")
     given = recordings_in([data])
     designed = {design: files.text_of(design) for design in designs or ()}
     comparison = measured.compare(
@@ -375,10 +374,11 @@ def compare(
         data_sha256=measured.hashes(given),
         designs_sha256={design: files.digest(text) for design, text in designed.items()},
     )
-    report(account(comparison, about), as_json, out, force)
+    output.report(account(comparison, about))
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def calibrate(
     data: _Data,
     law: Annotated[
@@ -391,9 +391,7 @@ def calibrate(
     ] = None,
     baseline: _Baseline = None,
     no_baseline: _NoBaseline = False,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Fit one physical model to the curves of all cells at once, single and in pairs.
 
@@ -406,14 +404,14 @@ def calibrate(
     from stepwell import lab as measured
     from stepwell.accounts import About, account
 
-    free(out, "lab calibrate", force)
+    output.free("lab calibrate")
     given = recordings_in([data])
     found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
     prepared = measured.prepare(found.series, measured.tension_tables(given), found.told)
     with progress("fits") as tell:
         calibration = measured.calibrate(prepared, law, progress=tell)
     about = About(source=data.name, data_sha256=measured.hashes(given))
-    report(account(calibration, about), as_json, out, force)
+    output.report(account(calibration, about))
 
 
 commands.command("as-built", epilog=EXIT_CODES)(as_built)

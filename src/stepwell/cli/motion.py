@@ -11,15 +11,15 @@ import typer
 
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
 from stepwell.cli.options import (
+    OUTPUT,
     Design,
-    Force,
     ForceFile,
     Json,
     MobilityRatio,
-    Out,
+    Output,
     Robust,
-    free,
     free_file,
+    grouped,
     local,
     read_chain,
 )
@@ -40,12 +40,11 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
+@grouped
 def run(
     design: Design,
     mobility_ratio: MobilityRatio = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
@@ -60,7 +59,7 @@ def run(
     from stepwell.design import Run, margin
 
     text, chain = read_chain(design)
-    free(out, "run", force, design=text)
+    output.free("run", design=text)
     with progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
     with usable("--mobility-ratio"), progress("landings"):
@@ -69,7 +68,7 @@ def run(
         )
     with progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
-    report(account(found, About(text, design)), as_json, out, force)
+    output.report(account(found, About(text, design)))
 
 
 def graph(
@@ -135,14 +134,13 @@ def graph(
         show_verbatim(f"Wrote {out}")
 
 
+@grouped
 def program(
     design: Design,
     start: From = None,
     target: Target = None,
     robust: Robust = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Search the fewest turning points from one state to another.
 
@@ -158,16 +156,16 @@ def program(
     from stepwell.sequences import Unreachable
 
     text, chain = read_chain(design)
-    free(out, "program", force)
+    output.free("program")
     try:
         if start or target:
             found = planned(chain, start, target, robust)
         else:
             found = replace(own(text, design), robust=robust)
     except Unreachable as why:
-        found, out = why, None
+        found, output = why, replace(output, out=None)
     reported = account(found, About(text, design))
-    report(reported, as_json, out, force)
+    output.report(reported)
     answered(reported.record["does_it"])
 
 
@@ -239,6 +237,7 @@ _Parameter = Annotated[
 ]
 
 
+@grouped
 def map_(
     design: Design,
     cell: Annotated[
@@ -252,9 +251,7 @@ def map_(
     y: _Axis = UP,
     across: _Parameter = None,
     up: _Parameter = None,
-    out: Out = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Compute the transition map over an anchor, or over two parameters.
 
@@ -274,7 +271,7 @@ def map_(
     )
 
     text, chain = read_chain(design)
-    free(out, "map", force)
+    output.free("map")
     with usable(design):
         if across is None and up is None:
             index = cell_of(chain, cell)
@@ -299,7 +296,7 @@ def map_(
         with progress("boundaries") as tell:
             found = curves(progress=tell)
         reported = account(MapView(dataset, found, designs), About(text, design))
-        report(reported, as_json, out, force)
+        output.report(reported)
 
 
 def _both(

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
 from stepwell.base import need, refuse_address
+from stepwell.cli.screen import report
 
 if TYPE_CHECKING:
     import stepwell.robot as values
+    from stepwell.accounts import Account
     from stepwell.mechanism import Chain
 
 
@@ -127,6 +132,56 @@ Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
 ]
+
+
+class Group:
+    """Options that several commands share, as one value: a dataclass of options."""
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """The same command with every option of a group as an option of its own, which Typer reads."""
+    groups: dict[str, type[Group]] = {}
+    options: dict[str, inspect.Parameter] = {}
+    for name, one in inspect.signature(command, eval_str=True).parameters.items():
+        if not isinstance(one.default, Group):
+            options[name] = one.replace(kind=inspect.Parameter.KEYWORD_ONLY)
+            continue
+        kind = groups[name] = type(one.default)
+        for option, hint in get_type_hints(kind, include_extras=True).items():
+            default = getattr(one.default, option)
+            options[option] = inspect.Parameter(
+                option, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint
+            )
+
+    @wraps(command)
+    def run(**given: Any) -> None:
+        for name, kind in groups.items():
+            given[name] = kind(**{one.name: given.pop(one.name) for one in fields(kind)})  # type: ignore[arg-type]
+        command(**given)
+
+    run.__signature__ = inspect.Signature([*options.values()])  # type: ignore[attr-defined]
+    run.__annotations__ = {name: one.annotation for name, one in options.items()}
+    return run
+
+
+@dataclass(frozen=True)
+class Output(Group):
+    """What becomes of a result: shown, printed as JSON, written into a folder."""
+
+    out: Out = None
+    force: Force = False
+    as_json: Json = False
+
+    def free(self, command: str, **texts: str) -> None:
+        """Refuse a folder where the results of a command may not be written, see `free`."""
+        free(self.out, command, self.force, **texts)
+
+    def report(self, account: Account, **options: Any) -> None:
+        """Write, print or show what is reported of a result, see `screen.report`."""
+        report(account, self.as_json, self.out, self.force, **options)
+
+
+OUTPUT = Output()
 Robust = Annotated[
     float | None,
     typer.Option(

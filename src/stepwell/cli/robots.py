@@ -12,15 +12,17 @@ import typer
 from stepwell.base import require
 from stepwell.cli import options as completing
 from stepwell.cli.options import (
+    OUTPUT,
     Arena,
     Force,
     ForceFile,
     Json,
     NoVideo,
-    Out,
+    Output,
     Robot,
     free,
     free_file,
+    grouped,
     local,
     read_robot,
 )
@@ -53,7 +55,8 @@ commands = typer.Typer(
 
 
 @commands.command(epilog=EXIT_CODES)
-def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+@grouped
+def show(robot: Robot, output: Output = OUTPUT) -> None:
     """List a robot's numbers with their sources, and predict its gait by statics.
 
     The prediction needs no simulation. With --out, drawings from above and the side, the
@@ -64,8 +67,8 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
-    free(out, "robot show", force, robot=text)
-    report(account(design.predict(), About(text, robot)), as_json, out, force)
+    output.free("robot show", robot=text)
+    output.report(account(design.predict(), About(text, robot)))
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -233,15 +236,14 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
+@grouped
 def walk(
     robot: Robot,
     cycles: Annotated[
         float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
     ] = 8,
-    out: Out = None,
     no_video: NoVideo = False,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
@@ -255,11 +257,11 @@ def walk(
     from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
-    free(out, "walk", force, robot=text)
+    output.free("walk", robot=text)
     with usable(robot), progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
     found = account(result, About(text, robot))
-    report(found, as_json, out, force, video=not no_video, warn=warn)
+    output.report(found, video=not no_video, warn=warn)
     stopped(result.stopped)
 
 
@@ -271,6 +273,7 @@ def _list(wanted: bool) -> None:
         raise typer.Exit
 
 
+@grouped
 def maze(
     robot: Robot,
     arena: Annotated[
@@ -296,10 +299,8 @@ def maze(
     no_antennas: Annotated[
         bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
     ] = False,
-    out: Out = None,
     no_video: NoVideo = False,
-    force: Force = False,
-    as_json: Json = False,
+    output: Output = OUTPUT,
     _: Annotated[
         bool,
         typer.Option(
@@ -322,12 +323,12 @@ def maze(
     text, given = read_robot(robot)
     design = _changed(given, disconnect, no_antennas)
     seeds = {"start_seed": start_seed, "layout_seed": layout_seed}
-    free(out, "maze", force)
+    output.free("maze")
     place = _jittered(files.load_arena(arena), start_seed, layout_seed)
     with usable(robot), progress("walking") as tell:
         result = simulation.maze(design, place, limit=limit, progress=tell)
     found = account(result, About(text if design is given else design, robot, seeds=seeds))
-    report(found, as_json, out, force, video=not no_video, warn=warn)
+    output.report(found, video=not no_video, warn=warn)
     stopped(result.walk.stopped)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +19,7 @@ from stepwell.base import (
     to_unit,
     told_in,
 )
+from stepwell.cli.options import Group
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -85,6 +86,41 @@ Samples = Annotated[
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
+
+
+@dataclass(frozen=True)
+class Sampling(Group):
+    """How many mechanisms are made at random, and which."""
+
+    samples: Samples = None
+    seed: Seed = 0
+
+
+@dataclass(frozen=True)
+class Within(Group):
+    """The tolerances within which mechanisms are made."""
+
+    anchor: Anchor = ANCHOR_MM
+    stiffness_tolerance: StiffnessTolerance = STIFFNESS_PERCENT
+    rest_length_tolerance: RestLengthTolerance = 0.0
+    lever_tolerance: LeverTolerance = 0.0
+    friction: Friction = 0.0
+    travel_tolerance: TravelTolerance = 0.0
+
+    def tolerances(self, measure: Measure) -> Tolerances:
+        """The same in SI, for a chain of this measure."""
+        return tolerances(
+            self.anchor,
+            self.stiffness_tolerance,
+            self.rest_length_tolerance,
+            self.lever_tolerance,
+            self.friction,
+            self.travel_tolerance,
+            measure,
+        )
+
+
+SAMPLING, USUAL = Sampling(), Within()
 
 
 def tolerances(
