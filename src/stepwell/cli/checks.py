@@ -22,7 +22,7 @@ def check(
             "or without one the cycle of the drawing.",
         ),
     ] = None,
-    within: given.Within = given.USUAL,
+    within: given.ToleranceOptions = given.USUAL,
     data: Data = None,
     sampling: given.Sampling = given.SAMPLING,
     output: Output = OUTPUT,
@@ -59,7 +59,7 @@ def check(
 @grouped
 def yield_(
     design: Design,
-    within: given.Within = given.USUAL,
+    within: given.ToleranceOptions = given.USUAL,
     target: Annotated[
         str | None,
         typer.Option(

@@ -97,7 +97,7 @@ class Sampling(Group):
 
 
 @dataclass(frozen=True)
-class Within(Group):
+class ToleranceOptions(Group):
     """The tolerances within which mechanisms are made."""
 
     anchor: Anchor = ANCHOR_MM
@@ -120,7 +120,7 @@ class Within(Group):
         )
 
 
-SAMPLING, USUAL = Sampling(), Within()
+SAMPLING, USUAL = Sampling(), ToleranceOptions()
 
 
 def tolerances(
