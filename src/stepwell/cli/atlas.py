@@ -11,18 +11,13 @@ import typer
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
 from stepwell.cli.options import OUTPUT, Json, Output, grouped, local, read_design
-from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, styled, usable, warn
+from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, subcommands, usable, warn
 from stepwell.cli.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
 if TYPE_CHECKING:
     from stepwell.studies import Atlas, Study
 
-commands = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich" if styled() else None,
-    help="Compute and search the transition graphs of a space of designs.",
-    epilog=EXIT_CODES,
-)
+commands = subcommands("Compute and search the transition graphs of a space of designs.")
 
 _There = Annotated[
     Path | None,
@@ -216,7 +211,7 @@ def _charted(
 ) -> Atlas:
     from stepwell.studies import charted
 
-    within = parts.tolerances(anchor, stiffness, rest_length, 0.0, 0.0)
+    within = parts.ToleranceOptions(anchor, stiffness, rest_length).tolerances()
     with usable("STORE"), progress("machines") as tell:
         return charted(study, tolerances=within, checks=checks, progress=tell)
 

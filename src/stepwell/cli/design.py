@@ -168,9 +168,9 @@ def design(
 
     wanted = wish(target)
     lengths = [from_unit(lever, "mm") for lever in levers or ()] or [PAPER_LEVER]
-    spread = given.tolerances(
+    spread = given.ToleranceOptions(
         anchor, stiffness_tolerance, rest_length_tolerance, lever_tolerance, friction
-    )
+    ).tolerances()
     kinds = [one for text in elements or () for one in elements_of(text)]
     if kinds and (x or y or holes or bands or levers):
         raise typer.BadParameter(

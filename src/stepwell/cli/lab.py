@@ -101,7 +101,6 @@ def as_built(
     """
     from stepwell import lab
     from stepwell.accounts import About, account
-    from stepwell.design import Tolerances
 
     output.free("lab as-built")
     text, chain = read_chain(design)
@@ -116,15 +115,13 @@ def as_built(
             ruler / driven,
             0.05 * peak if scale is None else scale / forced,
         )
-    spread: Tolerances = given.tolerances(
+    spread = given.ToleranceOptions(
         anchor,
         stiffness_tolerance,
         rest_length_tolerance,
-        0.0,
-        friction,
-        travel_tolerance,
-        chain.measure,
-    )
+        friction=friction,
+        travel_tolerance=travel_tolerance,
+    ).tolerances(chain.measure)
     with usable("what was seen"), progress("builds") as tell:
         found = lab.as_built(
             chain,

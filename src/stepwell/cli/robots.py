@@ -36,7 +36,7 @@ from stepwell.cli.screen import (
     show_table,
     show_verbatim,
     stopped,
-    styled,
+    subcommands,
     usable,
     warn,
 )
@@ -46,11 +46,8 @@ if TYPE_CHECKING:
     from stepwell.simulation import Sweep
 
 
-commands = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich" if styled() else None,
-    help="Compute a robot's gait by statics, vary its numbers, or check its time step.",
-    epilog=EXIT_CODES,
+commands = subcommands(
+    "Compute a robot's gait by statics, vary its numbers, or check its time step."
 )
 
 

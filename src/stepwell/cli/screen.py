@@ -210,6 +210,16 @@ EXIT_CODES = (
 )
 
 
+def subcommands(help: str) -> typer.Typer:
+    """A group of commands below a command, such as `stepwell sweep`, with its help."""
+    return typer.Typer(
+        no_args_is_help=True,
+        rich_markup_mode="rich" if styled() else None,
+        help=help,
+        epilog=EXIT_CODES,
+    )
+
+
 class Commands(TyperGroup):
     """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
 

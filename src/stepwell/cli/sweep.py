@@ -22,7 +22,7 @@ from stepwell.cli.screen import (
     progress,
     report as show,
     show_lines,
-    styled,
+    subcommands,
     usable,
     warn,
 )
@@ -30,12 +30,7 @@ from stepwell.cli.screen import (
 if TYPE_CHECKING:
     from stepwell.studies import Axis, Designs, Study, StudyEstimate
 
-commands = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich" if styled() else None,
-    help="Compute a parameter study on all cores; it can be resumed.",
-    epilog=EXIT_CODES,
-)
+commands = subcommands("Compute a parameter study on all cores; it can be resumed.")
 
 _Vary = Annotated[
     list[str] | None,
@@ -260,7 +255,7 @@ def _run(
         )
         measure = {"measure": subject.measure} if isinstance(subject, Chain) else {}
         with usable("--built"):
-            made = parts.tolerances(*within, **measure)
+            made = parts.ToleranceOptions(*within).tolerances(**measure)
             designs = studies.Workshop(made, built, seed)
     else:
         count = sobol or latin or random or 0

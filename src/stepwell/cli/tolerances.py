@@ -107,44 +107,23 @@ class ToleranceOptions(Group):
     friction: Friction = 0.0
     travel_tolerance: TravelTolerance = 0.0
 
-    def tolerances(self, measure: Measure) -> Tolerances:
-        """The same in SI, for a chain of this measure."""
-        return tolerances(
-            self.anchor,
-            self.stiffness_tolerance,
-            self.rest_length_tolerance,
-            self.lever_tolerance,
-            self.friction,
-            self.travel_tolerance,
-            measure,
-        )
+    def tolerances(self, measure: Measure = Measure.TRAVEL) -> Tolerances:
+        """The same in SI; friction is in the unit in which forces of the measure are shown."""
+        from stepwell.design import Tolerances
+
+        _, factor = told_in(measure.force_unit)
+        with usable("tolerances"):
+            return Tolerances(
+                from_unit(self.anchor, "mm"),
+                from_unit(self.stiffness_tolerance, "percent"),
+                from_unit(self.rest_length_tolerance, "percent"),
+                from_unit(self.lever_tolerance, "mm"),
+                self.friction / factor,
+                from_unit(self.travel_tolerance, "percent"),
+            )
 
 
 SAMPLING, USUAL = Sampling(), ToleranceOptions()
-
-
-def tolerances(
-    anchor: float,
-    stiffness: float,
-    rest_length: float,
-    lever: float,
-    friction: float,
-    travel: float = 0.0,
-    measure: Measure = Measure.TRAVEL,
-) -> Tolerances:
-    """The tolerances of these options: mm, %, %, mm, a force as people are told it, %."""
-    from stepwell.design import Tolerances
-
-    _, factor = told_in(measure.force_unit)
-    with usable("tolerances"):
-        return Tolerances(
-            from_unit(anchor, "mm"),
-            from_unit(stiffness, "percent"),
-            from_unit(rest_length, "percent"),
-            from_unit(lever, "mm"),
-            friction / factor,
-            from_unit(travel, "percent"),
-        )
 
 
 Data = Annotated[
