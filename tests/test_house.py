@@ -307,6 +307,18 @@ def test_no_file_names_a_package_index():
     assert mentions(INDEX_HOST, repository_files()) == []
 
 
+def test_the_package_holds_sources_and_data_that_it_reads_and_nothing_else():
+    package = ROOT / "src" / "stepwell"
+    data = ("files/presets/", "files/arenas/", "studio/page/", "py.typed")
+    strays = [
+        name
+        for file in repository_files()
+        if file.is_relative_to(package) and file.suffix not in (".py", ".html")
+        if not (name := file.relative_to(package).as_posix()).startswith(data)
+    ]
+    assert strays == []
+
+
 def test_no_file_names_a_path_of_somebodys_machine():
     assert mentions(MACHINE_PATH, repository_files()) == []
 

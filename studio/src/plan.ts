@@ -32,7 +32,7 @@ function cycled(view: View): Plan {
 export const askOf = ({ start, points, ends }: Plan): object => ({
   start,
   turning_points_mm: points,
-  ...(ends ? { to: ends } : {}),
+  ...(ends ? { target: ends } : {}),
 });
 
 /** Without the last digits of a computation, which nobody set. */

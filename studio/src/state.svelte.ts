@@ -260,7 +260,7 @@ class Studio {
   /** Brings the mechanism to a state from where the last way ended, or from the first state. */
   goTo(state: string, failed: (text: string) => void): void {
     const start = this.way ? { start: this.way.arrives } : {};
-    this.drive({ to: state, ...start }, failed);
+    this.drive({ target: state, ...start }, failed);
   }
 
   /** Shows the way of a stroke program. */

@@ -142,7 +142,7 @@ def test_csv_and_xarray_hold_the_same_path(tmp_path, stiffness):
 
 def test_csv_xarray_and_record_of_a_program_and_a_reprogramming_have_the_same(tmp_path):
     chain = sw.preset("paper-forward")
-    program = chain.program(to="01", start="10")
+    program = chain.program(target="01", start="10")
     program.to_csv(tmp_path / "program.csv")
     (turn,) = account(program).record["turns"]
     held = columns_of(tmp_path / "program.csv")

@@ -85,7 +85,7 @@ def test_every_snap_on_the_way_has_its_landing():
 
 
 def test_a_program_that_ends_elsewhere_does_not_do_it(found):
-    other = account(replace(found, to="11"))
+    other = account(replace(found, target="11"))
     assert (other.record["does_it"], other.record["arrives"]) == (False, "01")
     assert all("ends in 01" in form for form in forms(other))
 

@@ -27,7 +27,7 @@ def _text(found) -> str:
     [
         ("margin", {}, Space(PLANE)),
         ("graph", {}, Workshop(Tolerances(anchor=1e-4), 2, 0)),
-        ("program", {"to": "01"}, Space(PLANE)),
+        ("program", {"target": "01"}, Space(PLANE)),
     ],
 )
 def test_the_record_of_every_kind_of_study_keeps_to_the_generated_schema(

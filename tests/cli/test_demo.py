@@ -109,9 +109,9 @@ def test_the_fingers_program_puts_up_one_finger_alone(told):
     plan = files.load(told.folder / "fingers.toml").program
     assert plan is not None
     program = plan.on(hand)
-    up = [name for name, state in zip(hand.names, program.to, strict=True) if state == "1"]
+    up = [name for name, state in zip(hand.names, program.target, strict=True) if state == "1"]
     assert up == [steps._FINGER]
-    assert program.arrives == program.to
+    assert program.arrives == program.target
     for point in program.turning_points[1:]:
         assert f"{point * 1e3:.4g} " in told.words
 

@@ -415,7 +415,7 @@ def test_each_set_of_states_of_few_cells_is_had_or_refused_with_the_engine_as_wi
             for state in every:
                 if state in wanted:
                     program = sequences.program(made.chain, state)
-                    assert program.to == state
+                    assert program.target == state
                 else:
                     with pytest.raises(sequences.Unreachable):
                         sequences.program(made.chain, state)

@@ -248,7 +248,7 @@ def test_turning_anywhere_in_the_windows_ends_alike(first, second):
 def test_with_friction_turns_have_no_windows():
     program = WrittenProgram("00", (0.0, 0.039, 0.020)).on(preset("friction"))
     assert program.slack == 0.0
-    assert program.to == program.arrives == "01"
+    assert program.target == program.arrives == "01"
 
 
 def test_a_cell_counts_as_at_a_stop_within_a_hundredth_of_its_travel():

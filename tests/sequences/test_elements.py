@@ -479,4 +479,4 @@ def test_a_program_of_pouches_is_told_in_their_units(tmp_path):
     program.to_csv(tmp_path / "program.csv")
     assert (tmp_path / "program.csv").read_text().startswith("what,drive_mL,low_mL,high_mL")
     given = sw.Program.given(pouches(), [0.0, program.end])
-    assert given.start == "00" and given.to == "11"
+    assert given.start == "00" and given.target == "11"

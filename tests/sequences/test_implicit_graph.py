@@ -415,7 +415,7 @@ def test_what_cannot_be_listed_says_who_still_answers():
     chain = forced(0, 24, concave_chain)
     assert not chain.implicit_graph().is_listable
     with refuses(
-        sw.InputError, "24 cells", "chain.implicit_graph()", "start=", "chain.program(to=...)"
+        sw.InputError, "24 cells", "chain.implicit_graph()", "start=", "chain.program(target=...)"
     ):
         chain.implicit_graph().listed()
     with pytest.raises(sw.InputError, match=r"24 cells .* at most 10"):

@@ -439,9 +439,9 @@ def test_going_nowhere_is_a_program_without_strokes():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"to": "0"}, "to = '0': must be 2 characters 0 or 1"),
-        ({"to": "0x"}, "must be 2 characters 0 or 1"),
-        ({"to": "01", "start": "222"}, "start = '222'"),
+        ({"target": "0"}, "target = '0': must be 2 characters 0 or 1"),
+        ({"target": "0x"}, "must be 2 characters 0 or 1"),
+        ({"target": "01", "start": "222"}, "start = '222'"),
     ],
 )
 def test_a_wrong_state_is_refused_with_what_is_allowed(given, words):

@@ -364,7 +364,7 @@ def test_programs_are_found_of_every_design_or_proved_impossible(tmp_path):
     space = Space((Axis("outer.q.x", 0.0, 0.02, 5),))
     from stepwell.design import parameter
 
-    given = {"start": "00", "to": "01"}
+    given = {"start": "00", "target": "01"}
     data = sweep(LEG, "program", space, tmp_path / "p.zarr", given=given, workers=0)
     found = data.study.to_xarray()
     for k, x in enumerate(np.linspace(0.0, 0.02, 5)):

@@ -268,7 +268,7 @@ def test_a_graph_that_cannot_be_is_told_in_the_words_of_the_command():
 
 
 def test_the_program_to_a_state_is_pythons():
-    header, blocks = ask("program", FORWARD, to="01")
+    header, blocks = ask("program", FORWARD, target="01")
     program = sw.preset("paper-forward").program("01")
     assert header["turning_points_mm"] == [x * 1e3 for x in program.turning_points]
     assert header["states"] == list(program.sequence.states)
@@ -281,10 +281,10 @@ def test_the_program_to_a_state_is_pythons():
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({}, "ask.to = nothing"),
-        ({"to": "1x"}, "one digit a cell"),
-        ({"to": "02"}, "one digit a cell"),
-        ({"to": "01", "start": "0"}, "one digit a cell"),
+        ({}, "ask.target = nothing"),
+        ({"target": "1x"}, "one digit a cell"),
+        ({"target": "02"}, "one digit a cell"),
+        ({"target": "01", "start": "0"}, "one digit a cell"),
         ({"turning_points_mm": []}, "a list of 1 to 100 numbers"),
         ({"turning_points_mm": [0, "x"]}, "ask.turning_points_mm"),
         ({"turning_points_mm": [0, 99]}, "out of reach"),

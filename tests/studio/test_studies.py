@@ -123,7 +123,7 @@ ASKED: list[tuple[str, dict[str, Any]]] = [
     ("chain", {"what": "cycle", "vary": VARY}),
     ("chain", {"what": "margin", "how": "sobol", "count": 40, "seed": 3, "vary": DRAWN}),
     ("chain", {"what": "graph", "how": "latin", "count": 12, "vary": DRAWN}),
-    ("chain", {"what": "program", "to": "01", "start": "00", "vary": VARY}),
+    ("chain", {"what": "program", "target": "01", "start": "00", "vary": VARY}),
     ("chain", {"what": "yield", "how": "built", "count": 9, "anchor_mm": 0.7, "seed": 1}),
     ("robot", {"what": "walk", "cycles": 3, "vary": FOOT}),
     ("robot", {"what": "maze", "limit_s": 90, "layouts": 2, "first": 7, "vary": FOOT}),
@@ -220,7 +220,7 @@ def test_a_study_lies_in_the_servers_folder_whatever_its_design_is_called(
         ({"what": "cycle", "how": "drawn", "vary": VARY}, "ask.how"),
         ({"what": "cycle", "how": "sobol", "vary": DRAWN}, "ask.count"),
         ({"what": "cycle", "vary": VARY, "out": "/tmp/x"}, "ask.'out': unknown key"),
-        ({"what": "program", "vary": VARY}, "ask.to"),
+        ({"what": "program", "vary": VARY}, "ask.target"),
         ({"what": "walk", "vary": VARY}, "needs a robot"),
     ],
 )  # fmt: skip

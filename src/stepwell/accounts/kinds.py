@@ -82,7 +82,7 @@ KINDS: dict[str, str] = {
     "robot/1": "robot:ROBOT",
     "run/2": "run:run_schema",
     "study/1": "study:STUDY",
-    "survival/1": "yields:survival_schema",
+    "survival/2": "yields:survival_schema",
     "sweep/1": "study:SWEEP",
     "walk/1": "walks:WALK",
     "yield/2": "yields:yield_schema",

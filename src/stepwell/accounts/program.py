@@ -60,7 +60,7 @@ def program_schema(shape: Shape) -> Schema:
         Quantity("actuator", read="chain", holds=actuator_schema(shape)),
         Quantity("cells", read="chain.names", holds=[str]),
         Quantity("from", read="start"),
-        Quantity("to"),
+        Quantity("target"),
         Quantity("does_it", read=does_it, holds=bool),
         Quantity(
             "proved",
@@ -81,7 +81,7 @@ def does_it(value: Program | Unreachable) -> bool:
     """Whether a program ends in the state that it is meant to end in."""
     if isinstance(value, Unreachable):
         return False
-    return value.arrives == value.to and value.hangs is None
+    return value.arrives == value.target and value.hangs is None
 
 
 def unreachable_account(value: Unreachable, about: About | None = None) -> Account:
@@ -113,8 +113,8 @@ def program_account(program: Program, about: About | None = None) -> Account:
         chain.title or "A stroke program",
         "program/2",
         program_schema(shape),
-        origin=f"A program from {program.start} to {program.to} for {cells_of(chain)}.",
-        answer=f"{program.start} to {program.to}: {ends}",
+        origin=f"A program from {program.start} to {program.target} for {cells_of(chain)}.",
+        answer=f"{program.start} to {program.target}: {ends}",
         about=about or About(chain),
         facts=(
             Fact("Turning points", turning_points(program.turning_points, chain)),

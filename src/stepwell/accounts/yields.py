@@ -251,7 +251,7 @@ def survival_schema(shape: Shape) -> Schema:
         Quantity("title", read="chain.title"),
         Quantity("cells", read="chain.names", holds=[str]),
         Quantity("from", read="start"),
-        Quantity("to", read="target"),
+        Quantity("target"),
         Quantity("turning_points", shape.drive, holds=[float]),
         *counted_schema(shape),
         Quantity("seed", holds=int),
@@ -265,7 +265,7 @@ def survival_account(found: Survival, about: About | None = None) -> Account:
     chain, about = found.chain, about or About(found.chain)
     return Account(
         value=found,
-        kind="survival/1",
+        kind="survival/2",
         schema=survival_schema(Shape.of(chain)),
         title=chain.title or "A program with tolerances",
         origin=f"{cells_of(chain)}.",

@@ -110,7 +110,7 @@ def yield_(
             found = survival(
                 played.chain,
                 played.turning_points,
-                played.to,
+                played.target,
                 spread,
                 start=played.start,
                 samples=sampling.samples,

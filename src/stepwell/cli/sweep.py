@@ -121,7 +121,7 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")],
             None,
         ),
-        "to": (Annotated[str, typer.Option("--target", metavar="STATE", help="As in 01.")], ...),
+        "target": (Annotated[str, typer.Option(metavar="STATE", help="As in 01.")], ...),
     },
     "walk": {
         "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4),

@@ -384,7 +384,7 @@ class RelayPlan:
     blocked: tuple[int, int] | None = None
 
 
-def fewest_strokes(fields: Relays, start: str, to: str) -> RelayPlan:
+def fewest_strokes(fields: Relays, start: str, target: str) -> RelayPlan:
     """The fewest strokes that bring relays from one state to another, where none skips a phase.
 
     Backward from the end. The last stroke, if it goes up, sets all relays with A below some
@@ -395,9 +395,9 @@ def fewest_strokes(fields: Relays, start: str, to: str) -> RelayPlan:
 
     Source: Preisach 1935; Terzi and Mungan 2020 for the states; the plan is ours (theory page).
     """
-    if start == to:
+    if start == target:
         return RelayPlan(())
-    before, wanted = fields.raised(start), fields.raised(to)
+    before, wanted = fields.raised(start), fields.raised(target)
     plans = [
         plan for last in (+1, -1) if (plan := _backward(fields, before, wanted, last)) is not None
     ]

@@ -250,7 +250,7 @@ def killer_of_program(program: Program, tolerances: Tolerances) -> Change | None
             return True
         try:
             assert made.design is not None
-            return ends_right(made.design, program.turning_points, program.start, program.to)
+            return ends_right(made.design, program.turning_points, program.start, program.target)
         except (ValueError, StaticsError):
             return False
 
@@ -384,14 +384,26 @@ def _of_program(
     seed: int,
     progress: Callable[[int, int], None] | None,
 ) -> Check:
-    chain, points, start, to = program.chain, program.turning_points, program.start, program.to
-    found = survival(
-        chain, points, to, tolerances, start=start, samples=samples, seed=seed, progress=progress
+    chain, points, start, target = (
+        program.chain,
+        program.turning_points,
+        program.start,
+        program.target,
     )
-    does_it = ends_right(chain, points, start, to)
+    found = survival(
+        chain,
+        points,
+        target,
+        tolerances,
+        start=start,
+        samples=samples,
+        seed=seed,
+        progress=progress,
+    )
+    does_it = ends_right(chain, points, start, target)
     killer = killer_of_program(program, tolerances) if does_it else None
-    does = f"{start} to {to if does_it else program.arrives}"
-    return _told(program.path, f"{start} to {to}", does, does_it, found, killer)
+    does = f"{start} to {target if does_it else program.arrives}"
+    return _told(program.path, f"{start} to {target}", does, does_it, found, killer)
 
 
 def _told(

@@ -254,8 +254,8 @@ def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
     another = graph.chain is not None and graph.chain != program.chain
     if another or program.start not in graph:
         raise InputError(
-            f"program: leads from {program.start} to {program.to} in another chain, or begins in a "
-            f"state that this graph does not have. Draw the graph of its own chain: "
+            f"program: leads from {program.start} to {program.target} in another chain, or begins "
+            f"in a state that this graph does not have. Draw the graph of its own chain: "
             f"program.chain.graph()."
         )
     points = program.turning_points

@@ -246,7 +246,7 @@ class _Drawing:
         if self.gardens:
             key.append(_box(style.ORANGE, 1.3, "Garden of Eden"))
         if program is not None:
-            label = f"program, {program.start} to {program.to}"
+            label = f"program, {program.start} to {program.target}"
             key.append(legends.line(label, style.YELLOW, _HALO))
         return key
 

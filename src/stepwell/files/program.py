@@ -48,7 +48,7 @@ class WrittenProgram(ByValue):
             _tidy(point, max(_ROUND * slack, least), _key(program.chain))
             for point, slack in zip(points, slacks, strict=False)
         )
-        return cls(program.start, tuple(tidy), program.to)
+        return cls(program.start, tuple(tidy), program.target)
 
     def on(self, chain: Chain) -> Program:
         """The program on the chain of the same file, with the window of every turn.
@@ -62,7 +62,7 @@ class WrittenProgram(ByValue):
         """
         from stepwell.sequences import Program
 
-        return Program.given(chain, self.turning_points, start=self.start, to=self.ends)
+        return Program.given(chain, self.turning_points, start=self.start, target=self.ends)
 
     def text(self, chain: Chain) -> str:
         """The table [program] in the design file of the chain."""

@@ -262,7 +262,7 @@ class Chain(ByValue, Drawn):
 
     def program(
         self,
-        to: str,
+        target: str,
         *,
         start: str | None = None,
         robust: float | None = None,
@@ -271,7 +271,7 @@ class Chain(ByValue, Drawn):
         """The shortest list of turning points of the actuator from one state to another.
 
         Args:
-            to: the state wanted, such as "01", inner cell first.
+            target: the state in which it is to end, such as "01", inner cell first.
             start: the state at the beginning; all cells at 0 by default.
             robust: a ratio, such as 10: it has to work for all mobilities of the cells that are
                 up to so far apart from those given. Then every landing on the way holds within
@@ -293,7 +293,7 @@ class Chain(ByValue, Drawn):
         """
         from stepwell import sequences
 
-        return sequences.program(self, to, start=start, robust=robust, progress=progress)
+        return sequences.program(self, target, start=start, robust=robust, progress=progress)
 
     def margin(
         self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None

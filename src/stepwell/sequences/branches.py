@@ -253,8 +253,8 @@ class Branches:
                 found = problem("branches", len(seen), "there are", so_far=True)
                 raise InputError(
                     f"{found} Or look at a shorter chain, walk only so far with "
-                    f"chain.implicit_graph().walk(most=...), or ask chain.program(to=...) for one "
-                    f"way."
+                    f"chain.implicit_graph().walk(most=...), or ask chain.program(target=...) for "
+                    f"one way."
                 )
             if progress is not None:
                 progress(max(0, len(seen) - len(waiting)), len(seen))

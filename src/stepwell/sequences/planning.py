@@ -27,7 +27,7 @@ _SAME = 1e-4
 def search_with_friction(
     branches: Branches,
     start: str,
-    to: str,
+    target: str,
     origin: tuple[Configuration, float],
     progress: Callable[[int, int], None] | None,
     robust: float | None,
@@ -49,9 +49,9 @@ def search_with_friction(
         if progress is not None:
             progress(len(seen), _MOST_PLACES)
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
-            if section.state == to:
+            if section.state == target:
                 low, high = sorted(section.drive)
-                found = _widened(branches, start, to, origin, turns, (low, high), robust)
+                found = _widened(branches, start, target, origin, turns, (low, high), robust)
                 if found is not None:
                     return found
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
@@ -59,9 +59,9 @@ def search_with_friction(
                 stopped = path(chain, [drive, middle], start=place).end_configuration
                 waiting.append((stopped, middle, -direction, (*turns, middle)))
     raise Unreachable(
-        f"no program from {start} to {to} was found: {len(seen)} places with up to {_MOST_TURNS} "
-        f"turns were tried, turning in the middle of every smooth part. With friction that is a "
-        f"search and no proof; without friction the answer would be certain.",
+        f"no program from {start} to {target} was found: {len(seen)} places with up to "
+        f"{_MOST_TURNS} turns were tried, turning in the middle of every smooth part. With "
+        f"friction that is a search and no proof; without friction the answer would be certain.",
         proved=False,
     )
 
@@ -78,7 +78,7 @@ def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> l
 def _widened(
     branches: Branches,
     start: str,
-    to: str,
+    target: str,
     origin: tuple[Configuration, float],
     turns: tuple[float, ...],
     ends: tuple[float, float],
@@ -96,7 +96,7 @@ def _widened(
             found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=origin[0])
         except (StaticsError, ValueError):
             return False
-        arrives = state_of(chain.stretches, found.end_configuration) == to
+        arrives = state_of(chain.stretches, found.end_configuration) == target
         return arrives and (robust is None or all(x.holds for x in found.landings(robust)))
 
     if robust is not None and not works(0, points[0]):
@@ -114,7 +114,7 @@ def _widened(
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
     method = ProgramMethod.FRICTION
-    found = chain, start, to, origin[1], tuple(windows), *ends, method, False, origin[0]
+    found = chain, start, target, origin[1], tuple(windows), *ends, method, False, origin[0]
     return Program(*found, robust)
 
 
@@ -128,7 +128,7 @@ Progress = Callable[[int, int], None]
 
 def program(
     chain: Chain,
-    to: str,
+    target: str,
     *,
     start: str | None = None,
     robust: float | None = None,
@@ -139,25 +139,25 @@ def program(
     All else as for `Chain.program`.
     """
     start = checked_state(chain, "start", chain.first_state if start is None else start)
-    checked_state(chain, "to", to)
+    checked_state(chain, "target", target)
     robust = None if robust is None else a_ratio("robust", robust)
     try:
-        return _planned(chain, start, to, robust, progress)
+        return _planned(chain, start, target, robust, progress)
     except Unreachable as why:
-        why.chain, why.start, why.to, why.robust = chain, start, to, robust
+        why.chain, why.start, why.target, why.robust = chain, start, target, robust
         raise
 
 
 def _planned(
-    chain: Chain, start: str, to: str, robust: float | None, progress: Progress | None
+    chain: Chain, start: str, target: str, robust: float | None, progress: Progress | None
 ) -> Program:
     branches = Branches(chain)
-    origin = _origin(branches, start, to)
+    origin = _origin(branches, start, target)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
-    by_fields = None if rubbed else partial(_by_fields, branches, start, to, origin)
+    by_fields = None if rubbed else partial(_by_fields, branches, start, target, origin)
     search = search_with_friction if rubbed else _by_branches
     found = by_fields() if by_fields and len(chain) > _LOOKED_AT else None
-    found = found or search(branches, start, to, origin, progress, None)
+    found = found or search(branches, start, target, origin, progress, None)
     if robust is None:
         return found
     found = replace(found, robust=robust)
@@ -168,19 +168,19 @@ def _planned(
         shortest = found.shortest and turned.strokes == found.strokes
         return replace(turned, shortest=shortest)
     try:
-        return search(branches, start, to, origin, progress, robust)
+        return search(branches, start, target, origin, progress, robust)
     except Unreachable as why:
         text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
         raise Unreachable(text, proved=why.proved) from None
 
 
-def _origin(branches: Branches, start: str, to: str) -> tuple[Configuration, float]:
+def _origin(branches: Branches, start: str, target: str) -> tuple[Configuration, float]:
     """Where the chain stands at the start, and the drive there, if it can stand in both states."""
     origin = branches.vertex(start)
     if origin is None:
         raise InputError(f"start: {_unstable(branches.chain, start)}")
-    if branches.vertex(to) is None:
-        raise Unreachable(_unstable(branches.chain, to), proved=True)
+    if branches.vertex(target) is None:
+        raise Unreachable(_unstable(branches.chain, target), proved=True)
     return origin
 
 
@@ -195,11 +195,11 @@ def _hanging(found: Program, hangs: Landing) -> str:
     cells = ", ".join(found.chain.names[cell] for cell in event.cells)
     factors = ", ".join(f"{one:.3g}" for one in place.mobility)
     return (
-        f"no program leads from {found.start} to {found.to} on which every snap lands in one place "
-        f"for all mobilities up to {hangs.ratio:g} apart. On the shortest, {found}, the snap at "
-        f"{at} on the way {way} ({cells}) stands in the way: with {factors} times the mobilities "
-        f"given it lands in {place.state}. Ask for a smaller ratio or another state, or move an "
-        f"anchor."
+        f"no program leads from {found.start} to {found.target} on which every snap lands in one "
+        f"place for all mobilities up to {hangs.ratio:g} apart. On the shortest, {found}, the "
+        f"snap at {at} on the way {way} ({cells}) stands in the way: with {factors} times the "
+        f"mobilities given it lands in {place.state}. Ask for a smaller ratio or another state, or "
+        f"move an anchor."
     )
 
 
@@ -220,7 +220,7 @@ def _unstable(chain: Chain, state: str) -> str:
 def _by_fields(
     branches: Branches,
     start: str,
-    to: str,
+    target: str,
     origin: tuple[Configuration, float],
     robust: float | None = None,
 ) -> Program | None:
@@ -240,7 +240,7 @@ def _by_fields(
         rigid = fields.equal and math.isinf(chain.actuator_stiffness)
         if not rigid or fewest_strokes(fields, "0" * len(chain), start).blocked is not None:
             return None
-    plan = fewest_strokes(fields, start, to)
+    plan = fewest_strokes(fields, start, target)
     if plan.blocked is not None and robust is not None:
         return None
     # Under a prescribed force relays are what the cells are.
@@ -249,13 +249,13 @@ def _by_fields(
         if not order.only_ideals:
             return None
         why = _why_blocked(chain, fields, plan.blocked)
-        raise Unreachable(f"no program leads from {start} to {to}: {why}", proved=True)
+        raise Unreachable(f"no program leads from {start} to {target}: {why}", proved=True)
     aimed = _aimed(branches, origin, plan.states, past=robust is not None)
     if aimed is None:
         return None
     method = ProgramMethod.RELAYS if chain.elements else ProgramMethod.FIELDS
     method = method if robust is None else ProgramMethod.VERTICES
-    found = chain, start, to, origin[1], *aimed, method, order.leaders_win, origin[0]
+    found = chain, start, target, origin[1], *aimed, method, order.leaders_win, origin[0]
     return Program(*found, robust)
 
 
@@ -325,15 +325,15 @@ class _Reached:
 def _by_branches(
     branches: Branches,
     start: str,
-    to: str,
+    target: str,
     origin: tuple[Configuration, float],
     progress: Progress | None,
     robust: float | None,
 ) -> Program:
     first = branches.at(*origin)
-    if start == to:
-        here = branches[first].sections[branches[first].find(to, origin[1])]
-        found = branches.chain, start, to, origin[1], (), *here.drive
+    if start == target:
+        here = branches[first].sections[branches[first].find(target, origin[1])]
+        found = branches.chain, start, target, origin[1], (), *here.drive
         return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
     order = count()
     heap: list[tuple[tuple[int, float], int, _Reached]] = []
@@ -355,14 +355,14 @@ def _by_branches(
         looked.add(reached.branch)
         if progress is not None:
             progress(len(looked), len(branches))
-        end = _end(branches, reached, to)
+        end = _end(branches, reached, target)
         if end is not None:
-            found = branches.chain, start, to, origin[1], reached.turns, *end
+            found = branches.chain, start, target, origin[1], reached.turns, *end
             return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
-                f"no program from {start} to {to} with {len(reached.turns)} turns or fewer, and "
-                f"{_MOST_BRANCHES} branches were looked at: there may be a longer one.",
+                f"no program from {start} to {target} with {len(reached.turns)} turns or fewer, "
+                f"and {_MOST_BRANCHES} branches were looked at: there may be a longer one.",
                 proved=False,
             )
         if reached.can_turn:
@@ -373,9 +373,9 @@ def _by_branches(
             push(replace(reached, branch=exit_.branch, entry=exit_.snap.drive[1], can_turn=True))
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(
-        f"no program leads from {start} to {to}: every branch that can be reached from {start} "
+        f"no program leads from {start} to {target}: every branch that can be reached from {start} "
         f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
-        f"only. {_why(branches, to)}".strip(),
+        f"only. {_why(branches, target)}".strip(),
         proved=not branches.ties,
     )
 
@@ -396,10 +396,10 @@ def _turned(branches: Branches, reached: _Reached) -> _Reached:
     )
 
 
-def _end(branches: Branches, reached: _Reached, to: str) -> tuple[float, float] | None:
+def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, float] | None:
     """Drives at which a search may end in the state wanted, if that lies ahead on its branch."""
     for section in branches[reached.branch].sections:
-        if section.state == to:
+        if section.state == target:
             low, high = section.drive
             if reached.direction > 0 and high >= reached.entry - branches.slip:
                 return max(low, min(reached.entry, high)), high
@@ -408,7 +408,7 @@ def _end(branches: Branches, reached: _Reached, to: str) -> tuple[float, float] 
     return None
 
 
-def _why(branches: Branches, to: str) -> str:
+def _why(branches: Branches, target: str) -> str:
     """The order of fields that forbids a state, where there is one; or why nothing is proved."""
     if branches.ties:
         tie = next(iter(branches.ties))
@@ -419,7 +419,7 @@ def _why(branches: Branches, to: str) -> str:
     told = not chain.elements or chain.actuator_stiffness == 0
     if fields is None or fields.skips or not told:
         return ""
-    blocked = fewest_strokes(fields, chain.first_state, to).blocked
+    blocked = fewest_strokes(fields, chain.first_state, target).blocked
     if blocked is None:
         return ""
     return f"{chain.names[fields.cell[blocked[0]]]} {_goes_first(chain, fields, blocked)}."

@@ -93,7 +93,7 @@ class Program(ByValue, Drawn):
 
     Attributes:
         chain: what is driven, with its actuator.
-        start, to: the states, such as "10".
+        start, target: the states, such as "10".
         begin: drive at which it stands at the start [m], or [N] under force control.
         turns: what lies between; empty where one stroke does it.
         low, high: the drives between which the last stroke may end and the chain still stand at
@@ -106,7 +106,7 @@ class Program(ByValue, Drawn):
 
     chain: Chain
     start: str
-    to: str
+    target: str
     begin: float
     turns: tuple[Turn, ...]
     low: float
@@ -123,7 +123,7 @@ class Program(ByValue, Drawn):
         turning_points: Drives[float],
         *,
         start: str | None = None,
-        to: str | None = None,
+        target: str | None = None,
     ) -> Program:
         """A program whose turning points are known, with the window of every turn.
 
@@ -131,7 +131,7 @@ class Program(ByValue, Drawn):
             chain: what is driven.
             turning_points: from the beginning to the end [m], or [N] under force control.
             start: the state at the beginning; every cell in its first phase by default.
-            to: the state it is meant to end in; the one it ends in by default.
+            target: the state it is meant to end in; the one it ends in by default.
 
         Returns:
             The program; with friction no turn has a window.
@@ -147,10 +147,10 @@ class Program(ByValue, Drawn):
             Turn(point, low, high, ())
             for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
         )
-        to, ends = to or arrival(path), (points[-1], points[-1])
+        target, ends = target or arrival(path), (points[-1], points[-1])
         method = ProgramMethod.GIVEN
         begin = Configuration(path.start, path.start_sheet)
-        return cls(chain, start, to, points[0], turns, *ends, method, False, begin)
+        return cls(chain, start, target, points[0], turns, *ends, method, False, begin)
 
     @property
     def end(self) -> float:
@@ -245,7 +245,7 @@ class Program(ByValue, Drawn):
         least = 1e-9 * max(map(abs, self.turning_points))
         shown = (0.0 if abs(point) < least else point for point in self.turning_points)
         points = " → ".join(f"{point * factor:.4g}" for point in shown)
-        text = f"{self.start} to {self.to}: {points} {unit}"
+        text = f"{self.start} to {self.target}: {points} {unit}"
         if not self.turns:
             return text
         if all(math.isclose(turn.slack, (turn.high - turn.low) / 2) for turn in self.turns):
@@ -263,12 +263,12 @@ class Unreachable(Shown, StepwellError, ValueError):
 
     Attributes:
         proved: whether that is certain, or only that a search found no way.
-        chain, start, to, robust: what was asked of `Chain.program`; None where that is not known.
+        chain, start, target, robust: what was asked of `Chain.program`; None where not known.
     """
 
     chain: Chain | None = None
     start: str | None = None
-    to: str | None = None
+    target: str | None = None
     robust: float | None = None
 
     def __init__(self, text: str, *, proved: bool):

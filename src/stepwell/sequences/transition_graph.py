@@ -326,7 +326,7 @@ def require_as_many(count: int, limit: str, what: str) -> None:
         raise InputError(
             f"{problem(limit, cells, what)} Or ask chain.implicit_graph(), which counts states and "
             f"walks from one to the next without listing them, pass start= to list what can be "
-            f"reached from one state, or ask chain.program(to=...) for one way."
+            f"reached from one state, or ask chain.program(target=...) for one way."
         )
 
 

@@ -61,11 +61,11 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
 
     Args:
         what: one of `WORKS`; "atlas" takes blocks of designs.
-        given: what it takes besides the design, by name: of a program `start` and `to`; of a walk
-            `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the `first`
-            of them, and the largest `place` [m] and `angle` [rad] by which their walls differ; of
-            both `engine` ("cpu", or "warp" to screen them) and what is `wanted` of those that are
-            kept; of a call what `function_of` gives.
+        given: what it takes besides the design, by name: of a program `start` and `target`; of a
+            walk `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the
+            `first` of them, and the largest `place` [m] and `angle` [rad] by which their walls
+            differ; of both `engine` ("cpu", or "warp" to screen them) and what is `wanted` of those
+            that are kept; of a call what `function_of` gives.
         subject: the design that is varied.
 
     Raises:
@@ -147,16 +147,16 @@ def _graph() -> Work:
     return Work({"states": "1", "transitions": "1"}, row)
 
 
-def _program(subject: Chain, start: str | None = None, to: str | None = None) -> Work:
+def _program(subject: Chain, start: str | None = None, target: str | None = None) -> Work:
     from stepwell.sequences import Unreachable
 
-    if to is None:
-        raise InputError("program: to: must be a state, such as 01.")
+    if target is None:
+        raise InputError("program: target: must be a state, such as 01.")
     unit = subject.drive_unit
 
     def row(chain: Chain, _seed: int) -> Row:
         try:
-            found = chain.program(to, start=start)
+            found = chain.program(target, start=start)
         except Unreachable as why:
             nothing = dict.fromkeys(("strokes", "slack", "end"), math.nan)
             return {"found": 0, "proved": why.proved, **nothing}

@@ -212,9 +212,9 @@ def program_told(found: Program) -> dict[str, Any]:
     drive = told_in(found.chain.drive_unit)[1]
     return {
         "start": found.start,
-        "to": found.to,
+        "target": found.target,
         "arrives": found.arrives,
-        "does_it": found.arrives == found.to and found.hangs is None,
+        "does_it": found.arrives == found.target and found.hangs is None,
         "proved": found.shortest,
         "reason": found.reason,
         "turning_points_mm": [point * drive for point in found.turning_points],

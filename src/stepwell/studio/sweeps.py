@@ -53,7 +53,7 @@ def _given(what: str, ask: Ask) -> dict[str, Any]:
     """The inputs of a study other than the design."""
     if what == "program":
         start = ask.text("start", 64) if ask.has("start") else None
-        return {"start": start, "to": ask.text("to", 64)}
+        return {"start": start, "target": ask.text("target", 64)}
     if what == "walk":
         return {"cycles": ask.whole("cycles", 1, _CYCLES, 4)}
     if what == "maze":
@@ -108,7 +108,7 @@ def command_of(study: Study) -> str:
     words = ["stepwell", "sweep", study.what, f"{stem}.toml"]
     if study.what == "program":
         words += ["--from", str(given["start"])] if given.get("start") else []
-        words += ["--target", str(given["to"])]
+        words += ["--target", str(given["target"])]
     elif study.what == "walk":
         words += ["--cycles", str(given.get("cycles", 4))]
     elif study.what == "maze":

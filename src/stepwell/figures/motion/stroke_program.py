@@ -266,7 +266,7 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
     way, drive = plan.way, plan.drive
     rests = vertices(result.path)
     at = [rest.sample for rest in rests]
-    crowded = len(rests) * len(result.to) > _MOST_LETTERS
+    crowded = len(rests) * len(result.target) > _MOST_LETTERS
     size = 1.8 if crowded else 3.4
     ax.plot(way[at], drive[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
     # Where the way turns is what a reader looks for first.

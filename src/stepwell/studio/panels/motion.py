@@ -188,9 +188,9 @@ def program_of(chain: Chain, ask: Ask) -> Program:
     if ask.has("turning_points_mm"):
         drive = told_in(chain.drive_unit)[1]
         points = ask.numbers("turning_points_mm", _MOST_TURNS, -_FARTHEST, _FARTHEST)
-        to = _state(chain, ask, "to") if ask.has("to") else None
-        return Program.given(chain, [point / drive for point in points], start=start, to=to)
-    return chain.program(_state(chain, ask, "to"), start=start)
+        target = _state(chain, ask, "target") if ask.has("target") else None
+        return Program.given(chain, [point / drive for point in points], start=start, target=target)
+    return chain.program(_state(chain, ask, "target"), start=start)
 
 
 def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
@@ -203,7 +203,7 @@ def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
 def _written(found: Program) -> dict[str, Any]:
     """The table [program] of a design file; of one that was planned with tidy numbers."""
     if found.method is ProgramMethod.GIVEN:
-        kept = WrittenProgram(found.start, found.turning_points, found.to)
+        kept = WrittenProgram(found.start, found.turning_points, found.target)
     else:
         kept = WrittenProgram.of(found)
     return tomllib.loads(kept.text(found.chain))["program"]
