@@ -5,6 +5,7 @@ import inspect
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,8 @@ import stepwell
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "stepwell"
+# All that is asked of the sources parses them once, which takes seconds.
+pytestmark = pytest.mark.slow
 HEAVY = {"matplotlib", "numba", "pandas", "pydantic", "scipy", "xarray"}
 
 # Written as patterns, so that this file does not name what it forbids.
@@ -23,8 +26,9 @@ INDEX_HOST = re.compile(r"pypi\.(?:org|python)|python(?:hosted)\.org|npm(?:js)\.
 MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:home|root|work|Users)/\w|[A-Z]:\\Users\b|\.\./shared\b")
 
 
-def repository_files() -> list[Path]:
-    """Files that are, or would be, committed."""
+@cache
+def repository_texts() -> dict[Path, str]:
+    """Text files that are, or would be, committed."""
     if not (ROOT / ".git").exists():
         pytest.skip("not a git checkout, so there is no list of the repository's files")
     listing = subprocess.run(
@@ -34,29 +38,34 @@ def repository_files() -> list[Path]:
         capture_output=True,
         text=True,
     ).stdout
-    return [ROOT / name for name in listing.split("\0") if name and (ROOT / name).is_file()]
+    texts = {}
+    for file in (ROOT / name for name in listing.split("\0") if name):
+        with suppress(UnicodeDecodeError, FileNotFoundError):  # a picture; a file that is gone
+            texts[file] = file.read_text("utf-8")
+    return texts
 
 
-def mentions(pattern: re.Pattern[str], files: list[Path]) -> list[str]:
+def mentions(pattern: re.Pattern[str]) -> list[str]:
     """Places where a text file says what the pattern forbids, as "file:line: text"."""
-    found = []
-    for file in files:
-        try:
-            lines = file.read_text("utf-8").splitlines()
-        except UnicodeDecodeError:
-            continue  # a picture
-        found += [
-            f"{file.relative_to(ROOT)}:{number}: {line.strip()[:100]}"
-            for number, line in enumerate(lines, 1)
-            if pattern.search(line)
-        ]
-    return found
+    return [
+        f"{file.relative_to(ROOT)}:{number}: {line.strip()[:100]}"
+        for file, text in repository_texts().items()
+        if pattern.search(text)
+        for number, line in enumerate(text.splitlines(), 1)
+        if pattern.search(line)
+    ]
 
 
 @cache
 def tree_of(file: Path) -> ast.Module:
     """What Python reads in a file."""
     return ast.parse(file.read_text("utf-8"))
+
+
+@cache
+def nodes_of(file: Path) -> list[ast.AST]:
+    """All parts of what Python reads in a file."""
+    return [*ast.walk(tree_of(file))]
 
 
 def loaded_by(code: str) -> set[str]:
@@ -141,13 +150,14 @@ def room_of(module: str) -> str:
     return module.split(".")[1] if "." in module else ""
 
 
+@cache
 def own_imports(file: Path) -> list[tuple[str, tuple[str, ...], bool]]:
     """What a file takes from Stepwell: the module, the names, and whether at once."""
     tree = tree_of(file)
     at_once = set(map(id, tree.body))
     return [
         (node.module, tuple(alias.name for alias in node.names), id(node) in at_once)
-        for node in ast.walk(tree)
+        for node in nodes_of(file)
         if isinstance(node, ast.ImportFrom)
         and not node.level
         and node.module
@@ -155,6 +165,7 @@ def own_imports(file: Path) -> list[tuple[str, tuple[str, ...], bool]]:
     ]
 
 
+@cache
 def offers(room: str, *, own: bool = False) -> set[str]:
     """The names that the door of a room binds, or only those from files of its own.
 
@@ -162,15 +173,15 @@ def offers(room: str, *, own: bool = False) -> set[str]:
     """
     if not room:
         return {one.parent.name for one in SOURCE.glob("*/__init__.py")} | set(stepwell.__all__)
-    tree = tree_of(SOURCE / room / "__init__.py")
+    nodes = nodes_of(SOURCE / room / "__init__.py")
     names = {
         alias.asname or alias.name
-        for node in ast.walk(tree)
+        for node in nodes
         if isinstance(node, ast.ImportFrom)
         and f"{node.module}.".startswith(f"stepwell.{room}." if own else "stepwell.")
         for alias in node.names
     }
-    for node in () if own else ast.walk(tree):
+    for node in () if own else nodes:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -216,7 +227,7 @@ def test_rooms_offer_to_other_rooms_only_what_these_take():
         room = door.parent.name
         listed = {
             value
-            for node in ast.walk(tree_of(door))
+            for node in nodes_of(door)
             if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
             for value in ast.literal_eval(node.value)
         }
@@ -286,7 +297,7 @@ def test_what_is_refused_is_refused_by_an_error_of_ours():
     bare = [
         f"{file.relative_to(SOURCE)}:{node.lineno}"
         for file in SOURCE.rglob("*.py")
-        for node in ast.walk(tree_of(file))
+        for node in nodes_of(file)
         if isinstance(node, ast.Raise)
         and isinstance(node.exc, ast.Call)
         and ast.unparse(node.exc.func) in ("ValueError", "RuntimeError", "Exception")
@@ -304,7 +315,7 @@ def test_every_module_says_what_a_reader_finds_there():
 
 
 def test_no_file_names_a_package_index():
-    assert mentions(INDEX_HOST, repository_files()) == []
+    assert mentions(INDEX_HOST) == []
 
 
 def test_the_package_holds_sources_and_data_that_it_reads_and_nothing_else():
@@ -320,7 +331,7 @@ def test_the_package_holds_sources_and_data_that_it_reads_and_nothing_else():
 
 
 def test_no_file_names_a_path_of_somebodys_machine():
-    assert mentions(MACHINE_PATH, repository_files()) == []
+    assert mentions(MACHINE_PATH) == []
 
 
 @pytest.mark.parametrize("lock", ["requirements.lock", "requirements-lowest.lock"])
