@@ -1,6 +1,7 @@
 """A first build: what is found out of it from what it did, and whether the advice is good."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from lab.machine import pair
 from sizes import examples
 from stepwell.base import StepwellError
 from stepwell.design import Draws, Parameter, Tolerances, parameter
-from stepwell.lab import LabError, Observed, Pull, as_built, pulls_of
+from stepwell.lab import AsBuilt, LabError, Observed, Pull, as_built, pulls_of
 from stepwell.lab.builds import Holes, outer_anchors, population
 from stepwell.lab.first_build import best_moves
 
@@ -41,12 +42,30 @@ def seen(
     return Observed(str(cycle.sequence), snaps(1), snaps(-1), pulls, scale=scale)
 
 
+@cache
+def good() -> tuple[Observed, AsBuilt]:
+    """What was seen of a build without errors, and what is found out of it."""
+    observed = seen(LEG, np.random.default_rng(4))
+    return observed, as_built(LEG, observed, samples=100)
+
+
+@cache
+def reversed_() -> list[tuple[sw.Chain, Observed, AsBuilt]]:
+    """Builds that go the other way round, what was seen of them, and what is found out of it."""
+    rng = np.random.default_rng(3)
+    drawn = Draws(parameter(LEG, "outer.q").displaced(LEG, (-0.013, 0.0)), OFF, 7)
+    builds = [drawn.sample(k) for k in range(examples(1, 40))]
+    observed = [seen(build, rng) for build in builds]
+    found = [as_built(LEG, one, samples=100) for one in observed]
+    return list(zip(builds, observed, found, strict=True))
+
+
 @pytest.mark.slow
 def test_numbers_of_a_build_lie_within_their_doubt():
     """The truth is drawn as the builds are, so errors in doubts are about normal."""
     rng = np.random.default_rng(1)
     errors: list[float] = []
-    for k in range(examples(4, 200)):
+    for k in range(examples(2, 200)):
         truth = Draws(LEG, OFF, 101).sample(k)
         found = as_built(LEG, seen(truth, rng), OFF, samples=100)
         for one in found.known:
@@ -83,13 +102,9 @@ def test_forces_tell_a_stiffness_better_than_strokes_alone():
 @pytest.mark.slow
 def test_the_move_that_is_advised_mends_builds_that_were_reversed():
     """By the engine, on the true builds, which the advice never saw."""
-    rng = np.random.default_rng(3)
-    reversed_ = parameter(LEG, "outer.q").displaced(LEG, (-0.013, 0.0))
     mended, promised = [], []
-    for k in range(examples(2)):
-        truth = Draws(reversed_, OFF, 7).sample(k)
+    for truth, _, found in reversed_():
         assert str(truth.cycle().sequence) != WANTED
-        found = as_built(LEG, seen(truth, rng), samples=100)
         assert found.share == 0.0 and (found.wrong or found.wider > 1)
         move = found.moves[0]
         mended.append(str(move.of(truth).cycle().sequence) == WANTED)
@@ -161,6 +176,7 @@ def test_an_anchor_in_the_wrong_hole_is_found_and_hooked_back():
     says(found.advice, "q of inner", "inwards", "(-5, 0) mm", "0 %")
 
 
+@pytest.mark.slow
 def test_two_anchors_are_moved_where_one_mends_half_of_the_builds():
     def with_d(inner: float, outer: float) -> sw.Chain:
         return sw.Chain([CLOSE.levers[0].with_anchors(q=(x - 0.010, 0.0)) for x in (inner, outer)])
@@ -173,8 +189,9 @@ def test_two_anchors_are_moved_where_one_mends_half_of_the_builds():
     assert all(len(move.steps) == 1 and move.share == 0.5 for move in others[1:])
 
 
+@pytest.mark.slow
 def test_a_build_that_does_what_it_should_is_left_alone():
-    found = as_built(LEG, seen(LEG, np.random.default_rng(4)), samples=100)
+    _, found = good()
     assert found.share > 0.99 and not found.moves
     assert found.advice.startswith("leave its anchors")
     assert found.wider == 1.0
@@ -182,19 +199,19 @@ def test_a_build_that_does_what_it_should_is_left_alone():
 
 @pytest.mark.slow
 def test_the_chain_that_is_told_does_what_was_seen():
-    truth = parameter(LEG, "outer.q").displaced(LEG, (-0.003, 0.001))
-    observed = seen(truth, np.random.default_rng(5))
-    assert math.isfinite(observed.misfit(as_built(LEG, observed, samples=100).chain.cycle()))
+    for _, observed, found in reversed_():
+        assert math.isfinite(observed.misfit(found.chain.cycle()))
 
 
 @pytest.mark.slow
 def test_one_seed_gives_one_answer_and_another_seed_another():
-    observed = seen(LEG, np.random.default_rng(6))
-    first, again, other = (as_built(LEG, observed, samples=100, seed=k) for k in (1, 1, 2))
+    observed, first = good()
+    again, other = (as_built(LEG, observed, samples=100, seed=k) for k in (0, 1))
     assert first == again
     assert first.known != other.known
 
 
+@pytest.mark.slow
 def test_elements_of_other_measures_have_scales_and_no_anchors():
     balloons = sw.preset("balloon")
     cycle = balloons.cycle()

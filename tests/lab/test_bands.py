@@ -7,7 +7,7 @@ import pytest
 
 from facts import refuses, says
 from lab.machine import recording, tension, there
-from sizes import examples
+from sizes import SIZE, examples
 from stepwell import files, lab
 from stepwell.lab.bands.laws import LAWS
 
@@ -48,9 +48,9 @@ def softened(scatter=0.03):
 
 
 @cache
-def chosen(scatter=0.03, gauge=None):
+def chosen(gauge=None):
     """The choice of a law for it, which takes half a second."""
-    return lab.choose_law(softened(scatter), gauge=gauge)
+    return lab.choose_law(softened(), gauge=gauge)
 
 
 def test_stiffness_is_the_slope_inside_the_window():
@@ -78,7 +78,10 @@ def test_the_stated_interval_of_the_stiffness_holds_the_truth():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [law.name for law in lab.LAWS])
+# A polynomial, one with a rest length and one with an exponent; the others are of these kinds.
+@pytest.mark.parametrize(
+    "name", ["cubic", "Yeoh", "Ogden"] if SIZE == "ci" else [law.name for law in lab.LAWS]
+)
 def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
     # With the length at stroke 0 known, so that every number can be told.
     gauge, truth = (
@@ -126,7 +129,7 @@ def lab_estimate(values):
 @pytest.mark.parametrize("draw", range(examples(1, full=20)))
 def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
     assert lab.choose_law(curves(lambda f: line(f * 28.5), seed=draw)).chosen.law.name == "linear"
-    cubic = lab.choose_law(curves(softening, seed=draw))
+    cubic = lab.choose_law(curves(softening, seed=draw)) if draw else chosen()
     assert cubic.chosen.law.name == "cubic"
     assert cubic.named("linear").score > 5 * cubic.chosen.score
     assert cubic.folds == "sample"
@@ -168,9 +171,10 @@ def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
         lab.choose_law(test, gauge=-1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [law.name for law in lab.LAWS])
 def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension(law):
-    test, choice = softened(0.0), chosen(0.0, 0.0213)
+    test, choice = softened(), chosen(gauge=0.0213)
     text = lab.band_table(lab.fit_bands(test, choice, law), "my bands")
     says(text, "# From", "my bands", "stepwell ")
     says(text, "1, 2, 3", "5 to 9", "loading", "5 to 35 mm")

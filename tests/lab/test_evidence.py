@@ -41,7 +41,7 @@ def curve(law: str, n: int, noise: float, drift: float, seed: int) -> lab.BandTe
     ],
 )
 def test_the_law_that_made_one_curve_is_chosen_with_noise_and_with_drift(law, n, noise, drift):
-    draws = examples(2, full=40)
+    draws = examples(1, full=40)
     right = 0
     for seed in range(draws):
         choice = lab.choose_law(curve(law, n, noise, drift, seed))
@@ -50,6 +50,7 @@ def test_the_law_that_made_one_curve_is_chosen_with_noise_and_with_drift(law, n,
     assert right >= 0.9 * draws
 
 
+@pytest.mark.slow
 def test_a_clean_curve_that_bends_is_no_line_and_its_rest_length_is_not_that_of_one():
     # A line leaves 6 mN and a cubic the noise; the rest length is 10 mm.
     rng = np.random.default_rng(0)
@@ -73,7 +74,7 @@ def test_a_clean_curve_that_bends_is_no_line_and_its_rest_length_is_not_that_of_
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0005, 0.020])
 def test_the_intervals_of_one_curve_hold_the_truth(noise):
-    draws, inside = examples(12, full=200), np.zeros(2)
+    draws, inside = examples(6, full=200), np.zeros(2)
     for seed in range(draws):
         test = curve("linear", 400, noise, 0.0, seed)
         told = this_band(test, lab.choose_law(test, GAUGE))
