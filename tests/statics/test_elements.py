@@ -7,6 +7,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
+from sizes import examples
 from stepwell.statics import EventKind, drive_range
 
 STIFFNESSES = (math.inf, 300.0, 0.0)
@@ -58,7 +59,7 @@ class Brute:
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 def test_random_chains_of_elements_go_where_small_steps_of_the_flow_lead(stiffness):
     rng = np.random.default_rng(7)
-    many, cells, steps = 16, 2, 40
+    many, cells, steps = examples(6, full=16), 2, 40
     peak = rng.uniform(0.5, 1.5, (many, cells))
     valley = -rng.uniform(-0.2, 1.0, (many, cells))
     at = rng.uniform(0.5e-3, 1.5e-3, (many, cells))

@@ -89,14 +89,14 @@ def paths(seeds):
 @pytest.mark.slow
 def test_a_snap_done_again_lands_where_the_path_did():
     again = apart = 0
-    for path in paths(range(examples(40))):
+    for path in paths(range(examples(20, full=800))):
         full = path._problem.laws.full
         for snap in starts(path):
             landed = land_all(path._problem, snap.start, np.ones((1, len(full))))
             again += 1
             same = landed.settled[0] and np.array_equal(landed.sheet[0], snap.sheet)
             apart += not same or np.max(np.abs(landed.travel[0] - snap.travel) / full) > 1e-9
-    assert again > 100
+    assert again > 50
     assert apart <= 1e-3 * again
 
 
@@ -305,9 +305,9 @@ def test_a_pair_that_a_third_cell_may_join_is_not_proved_by_its_freedom():
 @pytest.mark.slow
 def test_what_is_proved_no_sample_contradicts():
     proved = 0
-    for path in paths(range(examples(40))):
+    for path in paths(range(examples(20, full=800))):
         full, n = path._problem.laws.full, len(path.chain)
-        factors = factors_of(n, 10.0, examples(60, 500), 0)
+        factors = factors_of(n, 10.0, examples(60, full=500), 0)
         for landing, snap in zip(path.landings(bound=0.5), starts(path), strict=True):
             if landing.proof is None:
                 continue
@@ -316,7 +316,7 @@ def test_what_is_proved_no_sample_contradicts():
             assert np.all(landed.settled)
             assert np.all(landed.sheet == snap.sheet)
             assert np.max(np.abs(landed.travel - snap.travel) / full) < 1e-6
-    assert proved > 50
+    assert proved > 25
 
 
 def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
