@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stepwell.accounts.account import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.head import About
 from stepwell.accounts.study import VARIED
-from stepwell.base import Quantity, Schema, amount, counted, number, record, told_in
+from stepwell.base import Quantity, Schema, amount, counted, number, quantities, record, told_in
 
 if TYPE_CHECKING:
     from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
@@ -82,14 +82,9 @@ def _of(name: str, holds: Any = None, read: str = "") -> Quantity:
     return Quantity(name, read=f"of.{read or name}", holds=holds)
 
 
-_TOLERANCES: Schema = (
-    Quantity("anchor", "mm"),
-    Quantity("stiffness", "percent"),
-    Quantity("rest_length", "percent"),
-)
+_TOLERANCES: Schema = quantities(anchor="mm", stiffness="percent", rest_length="percent")
 _SAMPLED: Schema = (
-    Quantity("asked", holds=int),
-    Quantity("failed", holds=int),
+    *quantities(asked=int, failed=int),
     Quantity(
         "graphs",
         read=lambda found: list(found.machines.items()),
@@ -172,14 +167,9 @@ ATLAS: Schema = (
     *(Quantity(name, holds=int) for name in ("designs", "told", "not_proved", "ties", "wakes")),
     Quantity("tolerances", holds=_TOLERANCES),
     Quantity("graphs", read=lambda found: len(found.machines), holds=int),
-    Quantity("possible", holds=int, missing=True),
-    Quantity("space_proved", holds=bool),
-    Quantity("whole", holds=bool),
+    *quantities(possible=int | None, space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=_unseen_at_most),
-    Quantity("checked", holds=int),
-    Quantity("agreed", holds=int),
-    Quantity("sampled", holds=_SAMPLED),
-    Quantity("machines", holds=[_MACHINE]),
+    *quantities(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
     Quantity("cycles", read=lambda found: _drawn(found, found.cycles), holds=[_CYCLE]),
     Quantity("borders", holds=[_BORDER]),
 )

@@ -16,6 +16,7 @@ from stepwell.base import (
     Schema,
     amount,
     number,
+    quantities,
     record,
     signed,
     to_unit,
@@ -103,12 +104,7 @@ def _sides(x: float, y: float) -> str:
 
 def margin_schema(shape: Shape) -> Schema:
     """What is reported of a robustness margin."""
-    return (
-        Quantity("method"),
-        Quantity("reach", "mm"),
-        Quantity("gap", "over_kr"),
-        Quantity("changes", holds=[change_schema(shape)]),
-    )
+    return quantities(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
 
 
 def margin_words(margin: Margin) -> str:

@@ -30,6 +30,7 @@ from stepwell.base import (
     in_measure,
     number,
     percent,
+    quantities,
     read_off,
 )
 
@@ -54,10 +55,7 @@ def check_schema(shape: Shape) -> Schema:
         Quantity("title", read="chain.title"),
         Quantity("cells", read="chain.names", holds=[str]),
         Quantity("verdict", read=lambda found: str(found.verdict)),
-        Quantity("reason"),
-        Quantity("target"),
-        Quantity("does"),
-        Quantity("does_it", holds=bool),
+        *quantities(reason=str, target=str, does=str, does_it=bool),
         *read_off(counted_schema(shape), "yield_"),
         Quantity("killer", holds=change_schema(shape), missing=True),
         *in_measure(_ACTUATOR, shape.measure),
@@ -70,7 +68,7 @@ def check_schema(shape: Shape) -> Schema:
     )
 
 
-_ACTUATOR: Schema = (Quantity("peak_force", "N"), Quantity("dissipated", "mJ"))
+_ACTUATOR: Schema = quantities(peak_force="N", dissipated="mJ")
 
 
 def _mass(found: Check) -> float | None:
@@ -87,8 +85,7 @@ def _measurement(shape: Shape) -> Schema:
     """A measurement whose tolerance is in one of these units; the others have null."""
     units = ("mm", "percent", "N") if shape.levers else ("percent", "N")
     return (
-        Quantity("cell", holds=int),
-        Quantity("what"),
+        *quantities(cell=int, what=str),
         *(_tolerance(when, unit) for when in ("now", "then") for unit in units),
         Quantity("share_before", read="before", holds=float),
         Quantity("share_after", read="after", holds=float),

@@ -37,6 +37,7 @@ from stepwell.base import (
     amount,
     in_measure,
     number,
+    quantities,
     read_off,
     record,
     signed,
@@ -65,9 +66,7 @@ def design_schema(shape: Shape) -> Schema:
         Quantity("states_how", read="reached.how"),
         Quantity("actuator", read="chain", holds=actuator_schema(shape)),
         Quantity("cells", read=lambda one: named(one.chain), holds=[built_schema(shape)]),
-        Quantity("holes", "mm"),
-        Quantity("candidates", holds=int),
-        Quantity("robustness", holds=_ROBUSTNESS),
+        *quantities(holes="mm", candidates=int, robustness=_ROBUSTNESS),
         Quantity("yield", read="yield_", holds=inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
@@ -81,11 +80,9 @@ def design_schema(shape: Shape) -> Schema:
     )
 
 
-_GAPS: Schema = (Quantity("largest_gap", "N"), Quantity("gap_needed", "N"))
+_GAPS: Schema = quantities(largest_gap="N", gap_needed="N")
 _ROBUSTNESS: Schema = (
-    Quantity("radius", "mm"),
-    Quantity("share", holds=float),
-    Quantity("limit"),
+    *quantities(radius="mm", share=float, limit=str),
     Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
     Quantity("while", read=lambda one: one.meeting and one.meeting.way, missing=True),
 )
@@ -208,8 +205,7 @@ def reprogram_schema(shape: Shape) -> Schema:
     force = shape.measure.force_unit
     return (
         Quantity("title", read="chain.title"),
-        Quantity("by"),
-        Quantity("target", missing=True),
+        *quantities(by=str, target=str | None),
         Quantity("possible", read=_possible, holds=bool),
         Quantity("before"),
         Quantity("after", read=lambda found: found.after or None, missing=True),
@@ -219,9 +215,7 @@ def reprogram_schema(shape: Shape) -> Schema:
             if shape.elements
             else ()
         ),
-        Quantity("reach", "mm"),
-        Quantity("method"),
-        Quantity("resolution"),
+        *quantities(reach="mm", method=str, resolution=str),
         Quantity("largest_force", "N", read="resistance.largest"),
         Quantity("work_at_0", "mJ", read="resistance.work_0"),
         Quantity("work_at_1", "mJ", read="resistance.work_1"),

@@ -15,6 +15,7 @@ from stepwell.base import (
     in_measure,
     number,
     percent_at_most,
+    quantities,
     record,
 )
 from stepwell.mechanism import Chain
@@ -28,7 +29,7 @@ NOT_CHECKED = "not checked for other mobilities"
 
 def event_schema(shape: Shape) -> Schema:
     """What is reported of a switch or a snap."""
-    sheets = Quantity("sheets_before", holds=[int]), Quantity("sheets_after", holds=[int])
+    sheets = quantities(sheets_before=[int], sheets_after=[int])
     schema = (
         Quantity("kind", head="event"),
         Quantity("cause"),
@@ -42,14 +43,14 @@ def event_schema(shape: Shape) -> Schema:
         Quantity("force_before", "N", "force before"),
         Quantity("force_after", "N", "force after"),
         Quantity("released", "mJ", "released"),
-        Quantity(
-            "arrivals", holds=[(Quantity("cell", holds=int, read=lambda one: one[0]), _STATE)]
+        *quantities(
+            arrivals=[(Quantity("cell", holds=int, read=lambda one: one[0]), _STATE)],
+            tie=bool,
+            distance_force="N",
+            distance_travel="mm",
+            error="mm",
+            decided=str | None,
         ),
-        Quantity("tie", holds=bool),
-        Quantity("distance_force", "N"),
-        Quantity("distance_travel", "mm"),
-        Quantity("error", "mm"),
-        Quantity("decided", missing=True),
     )
     return in_measure(schema, shape.measure)
 
@@ -99,8 +100,7 @@ def _elsewhere(shape: Shape) -> Schema:
     schema = (
         Quantity("state", head="in state"),
         Quantity("travel", "mm", holds=[float]),
-        Quantity("mobility", holds=[float]),
-        Quantity("share", holds=float),
+        *quantities(mobility=[float], share=float),
         *((Quantity("sheet", holds=[int]),) if shape.folds else ()),
     )
     return in_measure(schema, shape.measure)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell.accounts.account import Account, Fact, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, listed, tie_notes
-from stepwell.base import Column, Columns, Quantity, Schema
+from stepwell.base import Column, Columns, Quantity, Schema, quantities
 
 if TYPE_CHECKING:
     from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
@@ -23,8 +23,7 @@ def graph_schema(shape: Shape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
     loop = (
-        Quantity("up", holds=[str]),
-        Quantity("down", holds=[str]),
+        *quantities(up=[str], down=[str]),
         Quantity("low", unit),
         Quantity("high", unit),
     )
@@ -77,9 +76,7 @@ def _memory(unit: str) -> Schema:
 def _accumulator(unit: str) -> Schema:
     """Cycles that take two or more until they repeat."""
     return (
-        Quantity("states", holds=[str]),
-        Quantity("transient", holds=int),
-        Quantity("period", holds=int),
+        *quantities(states=[str], transient=int, period=int),
         _DIRECTION,
         Quantity("low", unit),
         Quantity("high", unit),

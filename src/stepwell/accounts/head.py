@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import Measure, Quantity, Schema, __version__, told_in, versions
+from stepwell.base import Measure, Quantity, Schema, __version__, quantities, told_in, versions
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 BARE: Schema = (Quantity("stepwell"),)
 HEAD: Schema = (
     *BARE,
-    Quantity("versions", holds={str: str}),
-    Quantity("design_sha256", missing=True),
-    Quantity("seed", holds=int, missing=True),
+    *quantities(versions={str: str}, design_sha256=str | None, seed=int | None),
 )
 
 
@@ -43,12 +41,8 @@ class Calibrated:
     scatter: float
 
 
-CALIBRATED: Schema = (
-    Quantity("data"),
-    Quantity("data_sha256", holds={str: str}),
-    Quantity("law"),
-    Quantity("summary", holds=[str]),
-    Quantity("scatter", "percent"),
+CALIBRATED: Schema = quantities(
+    data=str, data_sha256={str: str}, law=str, summary=[str], scatter="percent"
 )
 
 

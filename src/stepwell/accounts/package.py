@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import Account, Fact, Level, RecordTable, Section, Verbatim
 from stepwell.accounts.head import About
-from stepwell.base import Column, Columns, Quantity, Schema, __version__, counted, record
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    __version__,
+    counted,
+    quantities,
+    record,
+)
 
 if TYPE_CHECKING:
     from stepwell.base import Installation
@@ -23,15 +32,12 @@ _NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="us
 _EXTRA: Schema = (
     _NAME,
     _USED_FOR,
-    Quantity("present", holds=bool),
-    Quantity("versions", holds={str: str}),
-    Quantity("install"),
+    *quantities(present=bool, versions={str: str}, install=str),
 )
 _HERE = Column("installed", lambda row: _versions(row))
 _KERNELS: Schema = (
     Quantity("folder", read=lambda kept: str(kept.folder)),
-    Quantity("writable", holds=bool),
-    Quantity("compiled", holds=int),
+    *quantities(writable=bool, compiled=int),
     Quantity("size_MB", read=lambda kept: kept.size / 1e6, holds=float),
 )
 _TOOL: Schema = (
@@ -44,15 +50,11 @@ _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reaso
 
 # What is reported of an installation.
 DOCTOR: Schema = (
-    Quantity("ok", holds=bool),
-    Quantity("python"),
-    Quantity("system"),
-    Quantity("cores", holds=int, missing=True),
-    Quantity("packages", holds=[_PACKAGE]),
-    Quantity("extras", holds=[_EXTRA]),
+    *quantities(
+        ok=bool, python=str, system=str, cores=int | None, packages=[_PACKAGE], extras=[_EXTRA]
+    ),
     Quantity("kernels", holds=_KERNELS, missing=True),
-    Quantity("tools", holds=[_TOOL]),
-    Quantity("broken", holds=[_BROKEN]),
+    *quantities(tools=[_TOOL], broken=[_BROKEN]),
 )
 
 

@@ -32,15 +32,14 @@ from stepwell.accounts.words import (
     degenerate,
     turning_points,
 )
-from stepwell.base import Quantity, Schema, amount, counted, record
+from stepwell.base import Quantity, Schema, amount, counted, quantities, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
 
 def program_schema(shape: Shape) -> Schema:
     """What is reported of a program; where there is none, what is known of it has null."""
     found = (
-        Quantity("arrives"),
-        Quantity("strokes", holds=int),
+        *quantities(arrives=str, strokes=int),
         Quantity("turning_points", shape.drive, holds=[float]),
         Quantity("sequence", read=_spelled),
         Quantity("events", read="path.events", holds=[event_schema(shape)]),

@@ -26,6 +26,7 @@ from stepwell.base import (
     amount,
     counted,
     number,
+    quantities,
     read_off,
     record,
     to_unit,
@@ -47,22 +48,13 @@ PARAMETER: Schema = (
 )
 PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=provenance)
 _ROBOT: Schema = (
-    Quantity("title"),
-    Quantity("mass", "g"),
-    Quantity("weight", "N"),
-    Quantity("u_max", "mm"),
+    *quantities(title=str, mass="g", weight="N", u_max="mm"),
     PARAMETERS,
 )
-_NEEDS: Schema = (
-    Quantity("push", "N"),
-    Quantity("pull", "N"),
-    Quantity("stiffness", "N_per_m"),
-)
+_NEEDS: Schema = quantities(push="N", pull="N", stiffness="N_per_m")
 _PUSH: Schema = (
     Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
-    Quantity("step", "mm"),
-    Quantity("gain", "mm"),
-    Quantity("load", "N"),
+    *quantities(step="mm", gain="mm", load="N"),
     Quantity("drag", "N", "drag", form=3),
     Quantity("largest_drag", "N", "largest drag", form=3, none="any"),
     Quantity("limit", head="then", read="limit.value"),
@@ -70,8 +62,7 @@ _PUSH: Schema = (
 _FLIP: Schema = (
     Quantity("antenna", head="antenna"),
     Quantity("displacement", "mm", "anchor moved", form=3),
-    Quantity("earliest", "mm"),
-    Quantity("latest", "mm"),
+    *quantities(earliest="mm", latest="mm"),
     Quantity("swing", "deg", "swing", form=3),
     Quantity("gait", head="then"),
 )
@@ -84,22 +75,21 @@ _LEG: Schema = (
     Quantity("margin", "mN", "margin", form=3, none="over 2000"),
     Quantity("uncertainty", "mN", "uncertainty", form=3),
     Quantity("nearest", head="past the margin"),
-    Quantity("alternatives", holds=[str]),
-    Quantity("near_boundary", holds=bool),
-    Quantity("pushes", holds=[_PUSH]),
-    Quantity("flips", holds=[_FLIP]),
+    *quantities(alternatives=[str], near_boundary=bool, pushes=[_PUSH], flips=[_FLIP]),
 )
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
 _PREDICTION: Schema = (
-    Quantity("motion", holds=Motion),
-    Quantity("advance", "over_u_max"),
-    Quantity("sideways", "over_u_max"),
-    Quantity("turn", "deg"),
-    Quantity("first_advance", "over_u_max"),
-    Quantity("too_soft"),
-    Quantity("near_boundary", holds=bool),
-    Quantity("drive_needs", holds=_NEEDS),
+    *quantities(
+        motion=Motion,
+        advance="over_u_max",
+        sideways="over_u_max",
+        turn="deg",
+        first_advance="over_u_max",
+        too_soft=str,
+        near_boundary=bool,
+        drive_needs=_NEEDS,
+    ),
     Quantity("legs", holds=[(*read_off(_LEG, "leg"), FEET)], read=lambda found: _legs(found)),
     Quantity("assumptions", holds=[str]),
 )

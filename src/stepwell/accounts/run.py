@@ -28,7 +28,7 @@ from stepwell.accounts.words import (
     tie_notes,
 )
 from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, in_measure, number, read_off, record
+from stepwell.base import Quantity, Schema, in_measure, number, quantities, read_off, record
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway
 from stepwell.statics import EventKind
@@ -72,8 +72,7 @@ def _spelled(cycle: Cycle) -> str | None:
 def cycle_schema(shape: Shape) -> Schema:
     """The numbers of a cycle."""
     schema = (
-        Quantity("dissipated", "mJ"),
-        Quantity("peak_force", "N"),
+        *quantities(dissipated="mJ", peak_force="N"),
         Quantity("full_stroke", "mm", read="chain.full_stroke"),
         # Ends of curves say little of how far a chain of elements is driven.
         *([_points(shape)] if shape.elements else ()),

@@ -25,6 +25,7 @@ from stepwell.base import (
     counted,
     number,
     percent,
+    quantities,
     read_off,
     record,
     to_unit,
@@ -65,18 +66,8 @@ VARIED: Schema = (
     _end("from", "low"),
     _end("to", "high"),
 )
-_GAP: Schema = (
-    Quantity("first", holds=int),
-    Quantity("last", holds=int),
-    Quantity("damaged", holds=bool),
-)
-_SHARE: Schema = (
-    Quantity("times", holds=int),
-    Quantity("of", holds=int),
-    Quantity("low", holds=float),
-    Quantity("high", holds=float),
-    Quantity("share", holds=float),
-)
+_GAP: Schema = quantities(first=int, last=int, damaged=bool)
+_SHARE: Schema = quantities(times=int, of=int, low=float, high=float, share=float)
 _SCREEN: Schema = (
     Quantity("engine", read=lambda found: found.study.given["engine"]),
     Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
@@ -106,15 +97,13 @@ _NUMBER: Schema = (
 _DECIDED: Schema = (
     Quantity("column"),
     Quantity("value", read=lambda one: one.value or None, missing=True),
-    Quantity("designs", holds=int),
-    Quantity("floor", holds=float),
-    Quantity(
-        "influences",
-        holds=[
+    *quantities(
+        designs=int,
+        floor=float,
+        influences=[
             (
                 Quantity("parameter", read="name"),
-                Quantity("share", holds=float),
-                Quantity("trend", holds=float),
+                *quantities(share=float, trend=float),
             )
         ],
     ),
@@ -147,14 +136,11 @@ STUDY: Schema = (
     Quantity("varied", holds=[VARIED]),
     Quantity("chunk", read="study.chunk", holds=int),
     Quantity("chunks", read="study.chunks", holds=int),
-    Quantity("done", holds=int),
-    Quantity("finished", holds=bool),
+    *quantities(done=int, finished=bool),
     Quantity("missing", read="gaps", holds=[_GAP]),
     Quantity("problems", holds={str: int}),
     Quantity("screen", read=_screen, holds=_SCREEN, missing=True),
-    Quantity("outcomes", holds=[_OUTCOME]),
-    Quantity("numbers", holds=[_NUMBER]),
-    Quantity("decided", holds=[_DECIDED]),
+    *quantities(outcomes=[_OUTCOME], numbers=[_NUMBER], decided=[_DECIDED]),
 )
 
 

@@ -37,6 +37,7 @@ from stepwell.base import (
     amount,
     counted,
     number,
+    quantities,
     read_off,
     record,
     rows_of,
@@ -50,8 +51,7 @@ if TYPE_CHECKING:
 
 
 _SETTINGS: Schema = (
-    Quantity("time_step", "ms"),
-    Quantity("contact_time", "ms"),
+    *quantities(time_step="ms", contact_time="ms"),
     Quantity("integrator", read=lambda settings: str(settings.integrator)),
     Quantity("linkage", read=lambda settings: str(settings.linkage)),
 )
@@ -60,12 +60,9 @@ WALKED: Schema = (
     Quantity("title", read="robot.title"),
     Quantity("cycles", holds=int),
     Quantity("period", "s", read="robot.drive.period"),
-    Quantity("duration", "s"),
-    Quantity("distance", "mm"),
-    Quantity("work", "mJ"),
+    *quantities(duration="s", distance="mm", work="mJ"),
     Quantity("weight", "N", read="robot.weight"),
-    Quantity("cost_of_transport", holds=float),
-    Quantity("stopped"),
+    *quantities(cost_of_transport=float, stopped=str),
     Quantity("simulation", holds=_SETTINGS, read="settings"),
     *read_off((PARAMETERS,), "robot"),
 )
@@ -76,9 +73,7 @@ _CYCLES: Schema = (
 )
 _LEG: Schema = (
     Quantity("name", head="leg"),
-    Quantity("gaits", holds=[str]),
-    Quantity("predicted_gait", missing=True),
-    Quantity("slip", "mm"),
+    *quantities(gaits=[str], predicted_gait=str | None, slip="mm"),
     FEET,
 )
 
@@ -226,11 +221,7 @@ def _gaits(legs: Sequence[Row]) -> list[Row]:
     return found
 
 
-_ANTENNA: Schema = (
-    Quantity("name"),
-    Quantity("leg"),
-    Quantity("connected", holds=bool),
-)
+_ANTENNA: Schema = quantities(name=str, leg=str, connected=bool)
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
     Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
@@ -260,19 +251,16 @@ def _hash(arena: Arena) -> str | None:
 # What is reported of a way through an arena.
 MAZE: Schema = (
     Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
-    Quantity("start_seed", holds=int, missing=True),
-    Quantity("layout_seed", holds=int, missing=True),
+    *quantities(start_seed=int | None, layout_seed=int | None),
     *read_off(WALKED, "walk"),
     Quantity("arena", read="arena.title"),
     Quantity("start", "mm", read="arena.start", holds=[float]),
     Quantity("heading", "deg", read="arena.heading"),
     Quantity("end", "mm", holds=[float], missing=True),
-    Quantity("outcome"),
-    Quantity("limit", "s"),
+    *quantities(outcome=str, limit="s"),
     Quantity("antennas", read="walk.robot.antennas", holds=[_ANTENNA]),
     Quantity("touched", read=lambda maze: maze.touched.items(), holds=[_TOUCHED]),
-    Quantity("contacts", holds=[_CONTACT]),
-    Quantity("changes", holds=[_CHANGE]),
+    *quantities(contacts=[_CONTACT], changes=[_CHANGE]),
 )
 
 

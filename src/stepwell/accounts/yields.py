@@ -19,7 +19,7 @@ from stepwell.accounts.account import (
 )
 from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
-from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
+from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, quantities, record
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -37,9 +37,7 @@ def counted_schema(shape: Shape) -> Schema:
         Quantity("share", holds=float),
         Quantity("share_low", holds=float, read=lambda found: found.interval[0]),
         Quantity("share_high", holds=float, read=lambda found: found.interval[1]),
-        Quantity("samples", holds=int),
-        Quantity("successes", holds=int),
-        Quantity("tolerances", holds=tolerance_schema(shape)),
+        *quantities(samples=int, successes=int, tolerances=tolerance_schema(shape)),
     )
 
 
@@ -114,10 +112,7 @@ def inner_yield_schema(shape: Shape) -> Schema:
         Quantity("seed", holds=int),
         Quantity("outcomes", read=lambda found: [*found.outcomes.items()], holds=[_OUTCOME]),
         Quantity("critical", holds=_CRITICAL, missing=True),
-        Quantity("by_engine", holds=int),
-        Quantity("robust", holds=float),
-        Quantity("proved", holds=int, missing=True),
-        Quantity("assumptions"),
+        *quantities(by_engine=int, robust=float, proved=int | None, assumptions=str),
         *in_measure([_DEVIATION], shape.measure),
         Quantity("advice"),
         Quantity("gap_agreement", holds=float, read=lambda found: _of_gap(found, "agreed")),
@@ -130,12 +125,9 @@ _OUTCOME: Schema = (
     Quantity("count", read=itemgetter(1), holds=int),
 )
 _CRITICAL: Schema = (
-    Quantity("first", holds=int),
-    Quantity("second", holds=int),
-    Quantity("names", holds=[str]),
+    *quantities(first=int, second=int, names=[str]),
     Quantity("while", read="way"),
-    Quantity("share", holds=float),
-    Quantity("narrowest", holds=float),
+    *quantities(share=float, narrowest=float),
 )
 
 
@@ -254,8 +246,7 @@ def survival_schema(shape: Shape) -> Schema:
         Quantity("target"),
         Quantity("turning_points", shape.drive, holds=[float]),
         *counted_schema(shape),
-        Quantity("seed", holds=int),
-        Quantity("assumptions"),
+        *quantities(seed=int, assumptions=str),
         Quantity("calibrated", holds=CALIBRATED, missing=True),
     )
 

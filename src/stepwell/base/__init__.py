@@ -42,6 +42,7 @@ from stepwell.base.quantities import (
     percent,
     percent_at_most,
     plain,
+    quantities,
     read_off,
     record,
     rows_of,

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from operator import attrgetter
+from types import UnionType
 from typing import Any
 
 from stepwell.base.units import UNITS, in_names, told_in
@@ -174,6 +175,24 @@ class Column:
 
 Schema = Sequence[Quantity]
 Columns = Sequence[Quantity | Column]
+
+
+def quantities(**holds: Any) -> tuple[Quantity, ...]:
+    """Quantities that are read off the attributes of their names and that are in no table.
+
+    Args:
+        holds: by name the unit, such as "mm", or what JSON has of it, such as `int`, `[str]` or a
+            schema, see `Quantity`; `int | None` where JSON has null if there is none.
+    """
+    return tuple(_quantity(*one) for one in holds.items())
+
+
+def _quantity(name: str, holds: Any) -> Quantity:
+    if isinstance(holds, str):
+        return Quantity(name, holds)
+    if isinstance(holds, UnionType):
+        return Quantity(name, holds=holds.__args__[0], missing=True)
+    return Quantity(name, holds=holds)
 
 
 def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:

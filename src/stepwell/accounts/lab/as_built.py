@@ -8,7 +8,17 @@ from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, 
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
-from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, percent, told_in
+from stepwell.base import (
+    Quantity,
+    Schema,
+    amount,
+    counted,
+    in_measure,
+    number,
+    percent,
+    quantities,
+    told_in,
+)
 from stepwell.lab import AsBuilt, Known
 
 
@@ -46,11 +56,7 @@ _WRONG: Schema = (
     *_PLACED,
     Quantity("share", holds=float),
 )
-_PULL: Schema = (
-    Quantity("direction", holds=int),
-    Quantity("stroke", "mm"),
-    Quantity("force", "N"),
-)
+_PULL: Schema = quantities(direction=int, stroke="mm", force="N")
 
 
 def _seen(shape: Shape) -> Schema:
@@ -69,18 +75,12 @@ def as_built_schema(shape: Shape) -> Schema:
     """What is reported of a build."""
     return (
         Quantity("title", read="drawing.title"),
-        Quantity("advice"),
-        Quantity("target"),
-        Quantity("share", holds=float),
-        Quantity("moves", holds=[_MOVE]),
-        Quantity("hole", "mm"),
+        *quantities(advice=str, target=str, share=float, moves=[_MOVE], hole="mm"),
         Quantity("wrong_hole", holds=float, read="chance"),
         Quantity("wrong_holes", holds=[_WRONG], read="wrong"),
-        Quantity("seen", holds=_seen(shape)),
-        Quantity("known", holds=[_KNOWN]),
+        *quantities(seen=_seen(shape), known=[_KNOWN]),
         Quantity("drawn", holds=int, read="samples"),
-        Quantity("agreeing", holds=float),
-        Quantity("wider", holds=float),
+        *quantities(agreeing=float, wider=float),
         Quantity("anchor", "mm", read="tolerances.anchor"),
         Quantity("stiffness", "percent", read="tolerances.stiffness"),
     )

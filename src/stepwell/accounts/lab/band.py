@@ -19,7 +19,7 @@ from stepwell.accounts.account import (
     Warned,
 )
 from stepwell.accounts.head import About
-from stepwell.base import Column, Quantity, Schema, number, percent
+from stepwell.base import Column, Quantity, Schema, number, percent, quantities
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
 _MM, _MN = Quantity("stroke", "mm").factor, Quantity("force", "mN").factor
@@ -40,11 +40,7 @@ _WINDOW: Schema = (
     Quantity("to", "mm", read="end"),
     Quantity("k", "N/m", read="stiffness"),
 )
-_LOSS: Schema = (
-    Quantity("sample", holds=int),
-    Quantity("cycle", holds=int),
-    Quantity("loss", holds=float),
-)
+_LOSS: Schema = quantities(sample=int, cycle=int, loss=float)
 _LAW: Schema = (
     Quantity("law", read="law.name"),
     Quantity("numbers", head="numbers", read="parameters", holds=int, left=False),

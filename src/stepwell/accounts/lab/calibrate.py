@@ -17,7 +17,7 @@ from stepwell.accounts.account import (
     Verbatim,
 )
 from stepwell.accounts.head import About
-from stepwell.base import Quantity, Schema, counted, number
+from stepwell.base import Quantity, Schema, counted, number, quantities
 from stepwell.lab import Calibration, Sample, calibrated_table
 
 _MM = Quantity("stroke", "mm").factor
@@ -38,14 +38,12 @@ _WEIGHING: Schema = (
 _SNAP: Schema = (
     Quantity("series", head="series"),
     Quantity("measured", "mm", "seen", form=".2f", none="none"),
-    Quantity("spread", "mm"),
-    Quantity("reached", "mm"),
+    *quantities(spread="mm", reached="mm"),
     Quantity("plain", "mm", "no fit", form=".2f", none="none"),
     Quantity("fitted", "mm", "own curves", form=".2f", none="none"),
     Quantity("left_out", "mm", "left out", form=".2f", none="none"),
     Quantity("doubt", "mm", "±", form=".2f", none="none"),
-    Quantity("covered", holds=bool, missing=True),
-    Quantity("order_seen", holds=[str]),
+    *quantities(covered=bool | None, order_seen=[str]),
     Quantity("order_predicted", holds=[str], read="order"),
     Quantity("order_error_ratio", holds=float, read="ratio"),
 )
@@ -73,17 +71,8 @@ _ERROR: Schema = (
     Quantity("fit", "over_kr", "fit", form=".3f"),
     Quantity("left_out", "over_kr", "left out", form=".3f"),
 )
-_MEAN: Schema = (
-    Quantity("bands", holds=int),
-    Quantity("in_pair", holds=bool),
-    Quantity("fit", "over_kr"),
-    Quantity("left_out", "over_kr"),
-)
-_CORRELATED: Schema = (
-    Quantity("parameter"),
-    Quantity("other"),
-    Quantity("correlation", holds=float),
-)
+_MEAN: Schema = quantities(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
+_CORRELATED: Schema = quantities(parameter=str, other=str, correlation=float)
 
 
 class _Error(NamedTuple):
@@ -158,9 +147,7 @@ CALIBRATE: Schema = (
     Quantity("k", "N/m", read="reference"),
     Quantity("parameters", holds=[_PARAMETER]),
     Quantity("weighing", holds=_WEIGHING, missing=True),
-    Quantity("compliance", "mm/N"),
-    Quantity("scatter", "percent"),
-    Quantity("snaps", holds=[_SNAP]),
+    *quantities(compliance="mm/N", scatter="percent", snaps=[_SNAP]),
     Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda found: found),
     Quantity("intervals_that_hold", holds=_INTERVALS, read="coverage"),
     Quantity("orders_right", holds=[int], read="orders"),

@@ -18,19 +18,25 @@ from stepwell.accounts.account import (
     Text,
 )
 from stepwell.accounts.head import About, of_class
-from stepwell.base import Column, Columns, Quantity, Schema, amount, counted, number, record
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    amount,
+    counted,
+    number,
+    quantities,
+    record,
+)
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
 _MM = Quantity("stroke", "mm").factor
 
-_RIG: Schema = (
-    Quantity("stretch", holds=float),
-    Quantity("start_loading", "mm"),
-    Quantity("start_unloading", "mm"),
-    Quantity("compliance", "mm/N"),
-    Quantity("friction", "N"),
+_RIG: Schema = quantities(
+    stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
 )
-_MEANS: Schema = (Quantity("bands", holds=int), Quantity("rmse", "over_kr"))
+_MEANS: Schema = quantities(bands=int, rmse="over_kr")
 _RISE: Schema = (
     Quantity("from", "mm", read="start"),
     Quantity("to", "mm", read="end"),
@@ -50,7 +56,7 @@ def _both(name: str) -> Any:
 
 
 def _of_both(kind: type) -> Schema:
-    return Quantity("measured", holds=kind), Quantity("model", holds=kind)
+    return quantities(measured=kind, model=kind)
 
 
 def _beside(both: Mapping[str, float]) -> str:
@@ -139,8 +145,7 @@ def series_account(found: CellTest | PairTest, about: About | None = None) -> Ac
 
 # What is reported of a comparison.
 COMPARE: Schema = (
-    Quantity("data_sha256", holds={str: str}),
-    Quantity("designs_sha256", holds={str: str}),
+    *quantities(data_sha256={str: str}, designs_sha256={str: str}),
     Quantity("bar", "mm", read="rig.bar"),
     Quantity("rig", holds=_RIG),
     Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),

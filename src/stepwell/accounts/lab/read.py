@@ -17,6 +17,7 @@ from stepwell.base import (
     counted,
     headed,
     number,
+    quantities,
     read_off,
     record,
 )
@@ -63,8 +64,7 @@ def _rows(batch: Batch) -> list[_Read]:
 READ: Schema = (
     Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
     Quantity("recordings", holds=[_READ], read=_rows),
-    Quantity("refused", holds=[(Quantity("source", read="name"), Quantity("problem"))]),
-    Quantity("ignored", holds=[str]),
+    *quantities(refused=[(Quantity("source", read="name"), Quantity("problem"))], ignored=[str]),
 )
 
 
