@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from stepwell.robot import Robot
 from stepwell.simulation import Maze
 from stepwell.studio.standalone import replay
 from studio.browser import Opened, middle, number, output, served, settled, shown_as
+from studio.test_page_photo import png
 
 from playwright.sync_api import Page, expect  # isort: skip
 
@@ -33,6 +35,22 @@ const send = WebSocket.prototype.send;
 WebSocket.prototype.send = function (message) {
   if (JSON.parse(message).type !== "predict") send.call(this, message);
 };
+"""
+
+
+# No file is read before the test lets it be.
+UNREAD = """
+const allowed = new Promise((allow) => { window.allow = allow; });
+const { text } = Blob.prototype, { readAsDataURL } = FileReader.prototype;
+Blob.prototype.text = async function () { await allowed; return text.call(this); };
+FileReader.prototype.readAsDataURL = async function (blob) {
+  await allowed;
+  readAsDataURL.call(this, blob);
+};
+const { set } = Object.getOwnPropertyDescriptor(HTMLImageElement.prototype, "src");
+Object.defineProperty(HTMLImageElement.prototype, "src", {
+  async set(url) { await allowed; set.call(this, url); },
+});
 """
 
 
@@ -168,6 +186,33 @@ def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
     assert arena_kept(page)["wall"][0]["to_mm"][0] == arena["wall"][0]["to_mm"][0] - 10
     page.get_by_role("button", name="wall 1", exact=True).press("Delete")
     assert arena_kept(page)["wall"] == []
+
+
+def test_files_are_read_although_their_fields_are_gone(robot_page: Page, tmp_path: Path):
+    page = robot_page
+    page.add_init_script(UNREAD)
+    page.reload()
+    page.get_by_role("tab", name="Measured").click()
+    arena, recording = tmp_path / "arena.toml", tmp_path / "mine.txt"
+    arena.write_text(files.arena_text("three-walls"))
+    recording.write_text("no recording")
+    chosen = {
+        "Open an arena file": arena,
+        "Recordings of a test machine": recording,
+        "Choose a photo to trace": png(tmp_path / "leg.png", 60, 40),
+    }
+    for label, file in chosen.items():
+        page.get_by_label(label).set_input_files(file)
+    button(page, "Gallery").click()
+    for label in chosen:
+        expect(page.get_by_label(label)).to_have_count(0)
+    page.evaluate("allow()")
+    button(page, "Gallery").click()
+    expect(page.locator("image")).to_have_attribute("href", re.compile("^blob:"))
+    expect(button(page, "Leave mine.txt out")).to_be_visible()
+    expect(page.get_by_role("button", name="wall 1", exact=True)).to_be_visible()
+    assert arena_kept(page)["title"] == "Three walls in the open"
+    # What a page throws is looked at by the fixture.
 
 
 def test_a_run_can_be_ended_and_what_is_known_of_it_stays(robot_page: Page):

@@ -101,7 +101,7 @@ def test_a_prediction_is_pythons_and_keeps_nobody_waiting():
 
 
 def test_arenas_are_listed_opened_and_written():
-    listed = ask("arena").header["arenas"]
+    listed = ask("arenas").header["arenas"]
     assert {one["name"]: one["title"] for one in listed} == files.arenas()
     for name in files.arenas():
         opened = ask("arena", name=name).header["arena"]

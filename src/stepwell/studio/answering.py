@@ -18,7 +18,7 @@ FILES = {
     "maps": ("border", "jump", "map", "map_followed", "parameters"),
     "motion": ("cells", "evaluate", "graph", "margin", "program"),
     "recordings": ("measured",),
-    "robots": ("arena", "maze", "predict", "robot", "robot_numbers", "walk"),
+    "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),
     "studies": (
         "studies",
         "study",

@@ -24,8 +24,9 @@ class Recordings {
   async add(chosen: Iterable<File>): Promise<void> {
     this.refused = [];
     for (const file of chosen) {
-      const others = this.files.filter((one) => one.name !== file.name);
       const packed = file.size > LONGEST ? "" : await pack(file);
+      // After the wait: others may have been added or left out meanwhile.
+      const others = this.files.filter((one) => one.name !== file.name);
       const length = others.reduce((sum, one) => sum + one.gzip_base64.length, packed.length);
       if (file.size > LONGEST) {
         const size = (file.size / 2 ** 20).toFixed(0);

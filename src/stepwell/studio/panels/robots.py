@@ -46,8 +46,14 @@ def maze_asked(ask: Ask) -> tuple[Arena, float]:
     return arena, limit
 
 
+def answer_arenas(_design: PageDesign, ask: Ask) -> View:
+    """The arenas of the package, each with its name and title."""
+    ask.close()
+    return View({"arenas": [{"name": n, "title": t} for n, t in files.arenas().items()]})
+
+
 def answer_arena(_design: PageDesign, ask: Ask) -> View:
-    """The list; or the tables of the arena of a `name` or a `text`; or the file of an `arena`.
+    """The tables of the arena of a `name` or a `text`; or the file of an `arena`.
 
     The text is all there is of a file: no name in it is ever opened.
     """
@@ -58,11 +64,8 @@ def answer_arena(_design: PageDesign, ask: Ask) -> View:
         return View({"toml": files.dumps(arena)})
     if ask.has("name"):
         text = files.arena_text(ask.text("name", 200))
-    elif ask.has("text"):
-        text = ask.text("text", LONGEST_MESSAGE)
     else:
-        ask.close()
-        return View({"arenas": [{"name": n, "title": t} for n, t in files.arenas().items()]})
+        text = ask.text("text", LONGEST_MESSAGE)
     ask.close()
     if not text.strip():
         raise InputError("ask.text: is empty; it must be an arena's file or a map of letters.")
