@@ -206,7 +206,8 @@ class Account:
             if self.computed
             else bare(self.kind)
         )
-        return first | record(self.schema, self.value, **self.given)
+        given = {"calibrated": self.about.calibrated, **self.given}
+        return first | record(self.schema, self.value, **given)
 
     def known(self, level: Level) -> dict[str, str]:
         """The facts that a form shows, by label; those without a text are left out."""

@@ -177,7 +177,7 @@ ATLAS: Schema = (
 
 def atlas_account(
     found: Atlas,
-    about: About | None = None,
+    about: About,
     machines: Sequence[Machine] | None = None,
     borders: Sequence[Border] = (),
     query: str = "",
@@ -203,7 +203,6 @@ def atlas_account(
         "atlas/1",
         ATLAS,
         answer=answer,
-        about=about or About(found.chain),
         seed=found.seed,
         packages=("zarr",),
         given={

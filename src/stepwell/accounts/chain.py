@@ -207,14 +207,14 @@ def with_sign(quantity: Quantity, value: Any) -> str:
     return f"{text} {quantity.sign}".strip() if text else ""
 
 
-def chain_account(value: Chain, about: About | None = None) -> Account:
+def chain_account(value: Chain, about: About) -> Account:
     """What a notebook shows of a chain."""
     title = value.title or f"Chain of {counted(len(value), 'cell')}"
     origin = f"{cells_of(value)}. {actuator_words(value)}"
     return Account(value, title=title, origin=origin, sections=[cell_section(value)])
 
 
-def cell_account(value: Cell | Element, about: About | None = None) -> Account:
+def cell_account(value: Cell | Element, about: About) -> Account:
     """What a notebook shows of a cell."""
     chain = Chain([value])
     (one,) = named(chain)

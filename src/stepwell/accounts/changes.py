@@ -237,7 +237,7 @@ def _changed(change: Change) -> str:
     return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
 
 
-def margin_account(margin: Margin, about: About | None = None) -> Account:
+def margin_account(margin: Margin, about: About) -> Account:
     """What a notebook shows of a margin."""
     method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
     return Account(

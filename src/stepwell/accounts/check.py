@@ -99,9 +99,9 @@ def _tolerance(when: str, unit: str) -> Quantity:
     return Quantity(when, unit, read=read)
 
 
-def check_account(found: Check, about: About | None = None) -> Account:
+def check_account(found: Check, about: About) -> Account:
     """What is reported of a verdict."""
-    chain, about = found.chain, about or About(found.chain)
+    chain = found.chain
     return Account(
         found,
         chain.title or "A design",
@@ -109,9 +109,7 @@ def check_account(found: Check, about: About | None = None) -> Account:
         check_schema(Shape.of(chain)),
         origin=f"{cells_of(chain)}.",
         answer=f"{found.verdict}: {found.reason}",
-        about=about,
         seed=found.yield_.seed,
-        given={"calibrated": about.calibrated},
         facts=(
             Fact("Target", found.target),
             Fact("Reproduces", "" if found.does_it else found.does),

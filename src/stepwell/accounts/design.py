@@ -117,7 +117,7 @@ def _of_band(quantity: Quantity) -> Quantity:
     return replace(quantity, read=lambda one: quantity.of(one.cell.bands[0]))
 
 
-def impossible_account(value: Impossible, about: About | None = None) -> Account:
+def impossible_account(value: Impossible, about: About) -> Account:
     """What is reported where there is no such design."""
     return Account(
         value=value,
@@ -126,19 +126,17 @@ def impossible_account(value: Impossible, about: About | None = None) -> Account
         schema=design_schema(Shape(value.measure)),
         answer=str(value),
         origin="This is proved." if value.proved else "A search found none; that is no proof.",
-        about=about or About(),
     )
 
 
-def robustness_account(value: Robustness, about: About | None = None) -> Account:
+def robustness_account(value: Robustness, about: About) -> Account:
     """What a notebook shows of a robustness."""
     return Account(value=value, title="Robustness", answer=str(value))
 
 
-def design_account(found: Design, about: About | None = None) -> Account:
+def design_account(found: Design, about: About) -> Account:
     """What is reported of a design."""
     chain = found.chain
-    about = about or About(chain)
     spelled = len(chain) <= LONGEST_IN_A_LINE
     return Account(
         value=found,
@@ -147,7 +145,6 @@ def design_account(found: Design, about: About | None = None) -> Account:
         schema=design_schema(Shape.of(chain)),
         origin=f"Found by search. {cells_of(chain)}.",
         answer=found.sequence if spelled else f"{len(chain)} cells in the target order",
-        about=about,
         seed=found.yield_.seed,
         facts=(
             *counted_facts(found.yield_),
@@ -261,7 +258,7 @@ def _already(found: Reprogramming) -> bool:
     return found.distance == 0 and found.after == found.before
 
 
-def reprogramming_account(found: Reprogramming, about: About | None = None) -> Account:
+def reprogramming_account(found: Reprogramming, about: About) -> Account:
     """What is reported of a reprogramming."""
     chain, method = found.chain, str(found.method)
     changes = _possible(found) and not _already(found)
@@ -272,7 +269,6 @@ def reprogramming_account(found: Reprogramming, about: About | None = None) -> A
         title=chain.title or "Reprogramming",
         origin=f"{cells_of(chain)}.",
         answer=_reprogramming_answer(found),
-        about=about or About(chain),
         facts=(
             Fact("Target", found.target or "any other sequence"),
             Fact("Sequence now", found.before),

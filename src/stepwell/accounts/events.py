@@ -239,13 +239,13 @@ def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
     return f"as fast as {', '.join(factors)}"
 
 
-def event_account(value: Event, about: About | None = None) -> Account:
+def event_account(value: Event, about: About) -> Account:
     """What a notebook shows of an event."""
     kind, _, rest = repr(value).partition(" ")
     return Account(value, kind.capitalize(), origin=rest)
 
 
-def landing_account(value: Landing, about: About | None = None) -> Account:
+def landing_account(value: Landing, about: About) -> Account:
     """What a notebook shows of a landing."""
     title = f"Landing of a {value.event.kind.name.lower()}"
     return Account(value, title, origin=" ".join(str(value).splitlines()))

@@ -103,20 +103,20 @@ def shape_of(graph: TransitionGraph | ImplicitGraph) -> Shape:
     return shape._replace(force_driven=graph.unit == shape.measure.force_unit)
 
 
-def sequence_account(value: Sequence, about: About | None = None) -> Account:
+def sequence_account(value: Sequence, about: About) -> Account:
     """What a notebook shows of a sequence."""
     spelled = len(value.first) * len(value) <= _MOST_LETTERS
     text = str(value) if spelled else repr(value)
     return Account(value, f"Sequence of {len(value)} states", answer=text)
 
 
-def implicit_graph_account(value: ImplicitGraph, about: About | None = None) -> Account:
+def implicit_graph_account(value: ImplicitGraph, about: About) -> Account:
     """What a notebook shows of a graph whose states are not listed."""
     facts = [Fact(name, text) for name, text in value.facts.items()]
     return Account(value, _title(value), answer=value.summary, facts=facts)
 
 
-def reading_account(value: MemoryReading, about: About | None = None) -> Account:
+def reading_account(value: MemoryReading, about: About) -> Account:
     """What is reported of a graph, given what is read off it."""
     return graph_account(value.graph, about)
 
@@ -126,7 +126,7 @@ def _title(graph: TransitionGraph | ImplicitGraph) -> str:
     return f"Transition graph of {chain.title}" if chain and chain.title else "Transition graph"
 
 
-def graph_account(value: TransitionGraph, about: About | None = None) -> Account:
+def graph_account(value: TransitionGraph, about: About) -> Account:
     """What is reported of a graph."""
     chain, reading = value.chain, value.reading
     counts = f"{len(value)} nodes, {value.transition_count} transitions."
@@ -136,7 +136,6 @@ def graph_account(value: TransitionGraph, about: About | None = None) -> Account
         "graph/2",
         graph_schema(shape_of(value)),
         answer=reading.summary,
-        about=about or About(chain),
         facts=[Fact(name, text) for name, text in reading.facts.items()],
         warnings=[degenerate(value.ties, chain)],
         sections=[Section("Nodes", Text(counts))],
@@ -193,7 +192,7 @@ def _count(attribute: str, walked: Walked) -> int | None:
     return None if count is None or count.bit_length() > 14_000 else count
 
 
-def walked_account(walked: Walked, about: About | None = None) -> Account:
+def walked_account(walked: Walked, about: About) -> Account:
     """What is reported of a walk."""
     graph, count = walked.graph, "all" if walked.whole else "the first"
     readable = len(graph.names) <= LONGEST_IN_A_LINE
@@ -207,7 +206,6 @@ def walked_account(walked: Walked, about: About | None = None) -> Account:
         "implicit_graph/2",
         implicit_graph_schema(shape_of(graph)),
         answer=graph.summary,
-        about=about or About(graph.chain),
         facts=[Fact(name, text) for name, text in graph.facts.items()],
         warnings=[degenerate(graph.ties, graph.chain)],
         sections=[Section(heading, RecordTable(_walked_columns(walked), "walk", more="nodes"))],

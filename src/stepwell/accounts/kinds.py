@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
+from operator import attrgetter
 from typing import Any
 
 from stepwell.accounts.account import Account
@@ -109,7 +111,18 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     place = of_kind(ACCOUNTS, value)
     if place is None:
         raise InputError(f"{type(value).__name__}: must be one of {', '.join(ACCOUNTS)}.")
-    return taken_from(place)(value, about, **options)
+    about = about or About(_design(value))
+    return replace(taken_from(place)(value, about, **options), about=about)
+
+
+def _design(value: Any) -> Any:
+    """The chain, the robot or the text of which a result was computed, if it has one."""
+    for place in ("drawing", "chain", "robot", "walk.robot", "graph.chain", "study.text"):
+        try:
+            return attrgetter(place)(value)
+        except AttributeError:
+            continue
+    return None
 
 
 def card_of(value: Any) -> str:

@@ -92,7 +92,7 @@ MAP: Schema = (
 )
 
 
-def map_account(view: MapView, about: About | None = None) -> Account:
+def map_account(view: MapView, about: About) -> Account:
     """What is reported of a map."""
     data = view.dataset
     rows = [
@@ -122,7 +122,6 @@ def map_account(view: MapView, about: About | None = None) -> Account:
         "map/3",
         MAP,
         answer=answer,
-        about=about or About(),
         facts=[
             Fact("Across", _axis_words(_axis(view, "x"))),
             Fact("Up", _axis_words(_axis(view, "y"))),

@@ -58,7 +58,7 @@ DOCTOR: Schema = (
 )
 
 
-def installation_account(found: Installation, about: About | None = None) -> Account:
+def installation_account(found: Installation, about: About) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
     lacking = [one.install for one in found.extras if not one.present]
@@ -123,7 +123,7 @@ _PRESET: Schema = (
 PRESETS: Schema = (Quantity("presets", read=lambda found: found.items(), holds=[_PRESET]),)
 
 
-def presets_account(found: Presets, about: About | None = None) -> Account:
+def presets_account(found: Presets, about: About) -> Account:
     """What is reported of the designs that come with Stepwell."""
     rows = [record(_PRESET, one) for one in found.items()]
     table = RecordTable(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
@@ -154,7 +154,7 @@ _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REA
 PAPER: Schema = (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
 
 
-def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
+def verdicts_account(found: Verdicts, about: About) -> Account:
     """What is reported of verdicts."""
     rows = [record(_CLAIM, one) for one in found]
     reasons = [row for row in rows if row["reason"]]
@@ -165,7 +165,6 @@ def verdicts_account(found: Verdicts, about: About | None = None) -> Account:
         "paper/1",
         PAPER,
         answer=f"{found.agreed} of {len(found)} claims agree",
-        about=about or About(),
         sections=(
             Section("Claims", RecordTable(compared, lambda: rows, "", wide, None, "claims")),
             Section(

@@ -83,7 +83,7 @@ def does_it(value: Program | Unreachable) -> bool:
     return value.arrives == value.target and value.hangs is None
 
 
-def unreachable_account(value: Unreachable, about: About | None = None) -> Account:
+def unreachable_account(value: Unreachable, about: About) -> Account:
     """What is reported where there is no program."""
     proved = "This is proved." if value.proved else "A search found no way; that is no proof."
     if value.chain is None:
@@ -95,11 +95,10 @@ def unreachable_account(value: Unreachable, about: About | None = None) -> Accou
         program_schema(Shape.of(value.chain)),
         answer=str(value),
         origin=proved,
-        about=about or About(value.chain),
     )
 
 
-def program_account(program: Program, about: About | None = None) -> Account:
+def program_account(program: Program, about: About) -> Account:
     """What is reported of a program."""
     chain, path = program.chain, program.path
     shape, works = Shape.of(chain), does_it(program)
@@ -114,7 +113,6 @@ def program_account(program: Program, about: About | None = None) -> Account:
         program_schema(shape),
         origin=f"A program from {program.start} to {program.target} for {cells_of(chain)}.",
         answer=f"{program.start} to {program.target}: {ends}",
-        about=about or About(chain),
         facts=(
             Fact("Turning points", turning_points(program.turning_points, chain)),
             Fact("Slack", _slack(program) if works else ""),

@@ -104,7 +104,7 @@ def _legs(found: Prediction) -> list[_Leg]:
     return [_Leg(*one) for one in zip(found.legs, found.known_depths, strict=True)]
 
 
-def arena_account(arena: Arena, about: About | None = None) -> Account:
+def arena_account(arena: Arena, about: About) -> Account:
     """What a notebook shows of an arena."""
     answer = (
         f"{counted(len(arena.walls), 'wall')} and {counted(len(arena.cylinders), 'cylinder')}"
@@ -113,7 +113,7 @@ def arena_account(arena: Arena, about: About | None = None) -> Account:
     return Account(arena, arena.title or "Arena", answer=answer)
 
 
-def robot_account(robot: Robot, about: About | None = None) -> Account:
+def robot_account(robot: Robot, about: About) -> Account:
     """What a notebook shows of a robot."""
     drive = robot.drive
     return Account(
@@ -144,7 +144,7 @@ ROBOT: Schema = (
 )
 
 
-def prediction_account(found: Prediction, about: About | None = None) -> Account:
+def prediction_account(found: Prediction, about: About) -> Account:
     """What is reported of a prediction."""
     robot = found.robot
     doubts = [
@@ -161,7 +161,6 @@ def prediction_account(found: Prediction, about: About | None = None) -> Account
         origin="Predicted by statics, without simulation.",
         answer=f"{found.motion.value}: d/u_max {found.advance:z.2f} and "
         f"{turn_words(found.turn)} per cycle",
-        about=about or About(robot),
         facts=(
             *_robot_facts(robot, Level.TERMINAL),
             Fact("Drive requirements", lambda: _needs(found.drive_needs), Level.TERMINAL),

@@ -90,7 +90,7 @@ def _points(shape: Shape) -> Quantity:
     )
 
 
-def cycle_account(cycle: Cycle, about: About | None = None) -> Account:
+def cycle_account(cycle: Cycle, about: About) -> Account:
     """What a notebook shows of a cycle."""
     chain = cycle.chain
     return Account(
@@ -103,10 +103,9 @@ def cycle_account(cycle: Cycle, about: About | None = None) -> Account:
     )
 
 
-def run_account(run: Run, about: About | None = None) -> Account:
+def run_account(run: Run, about: About) -> Account:
     """What is reported of a run."""
     cycle, margin, chain = run.cycle, run.margin, run.chain
-    about = about or About(chain)
     origin = f"Design file {about.source}" if about.source else "A design made in Python"
     landings = landing_words(run.landings)
     tied = bool(cycle.degenerate)
@@ -117,7 +116,6 @@ def run_account(run: Run, about: About | None = None) -> Account:
         run_schema(Shape.of(chain)),
         origin=f"{origin}. {cells_of(chain)}.",
         answer=_answer(cycle),
-        about=about,
         facts=(
             *cycle_facts(cycle),
             Fact("Margin", margin_words(margin)),
@@ -210,7 +208,7 @@ def _pictures(chain: Chain) -> list[Part]:
     return [Picture(name, caption) for name, caption in captions.items()]
 
 
-def path_account(path: Path, about: About | None = None) -> Account:
+def path_account(path: Path, about: About) -> Account:
     """What a notebook shows of a path."""
     chain = path.chain
     points = _points(Shape.of(chain))

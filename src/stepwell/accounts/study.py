@@ -144,7 +144,7 @@ STUDY: Schema = (
 )
 
 
-def study_account(found: Status, about: About | None = None) -> Account:
+def study_account(found: Status, about: About) -> Account:
     """What is reported of a study."""
     from stepwell.studies import gaps_text
 
@@ -157,7 +157,6 @@ def study_account(found: Status, about: About | None = None) -> Account:
         "study/1",
         STUDY,
         answer=_answer(found, deciding),
-        about=about or About(study.text),
         seed=study.designs.seed,
         packages=("zarr",),
         facts=(
@@ -309,9 +308,8 @@ SWEEP: Schema = (
 )
 
 
-def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
+def sweep_account(sweep: Sweep, about: About) -> Account:
     """What is reported of a sweep over robots."""
-    about = about or About()
     failed = [one for one in _trials(sweep) if one.trial.stopped]
     count = counted(len(sweep.trials), "robot")
     varied = [
@@ -327,7 +325,6 @@ def sweep_account(sweep: Sweep, about: About | None = None) -> Account:
         title=count,
         origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
         answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",
-        about=about,
         seed=about.seeds.get("values"),
         packages=("mujoco",),
         warnings=(
@@ -371,7 +368,7 @@ CONVERGENCE: Schema = (
 )
 
 
-def convergence_account(found: Convergence, about: About | None = None) -> Account:
+def convergence_account(found: Convergence, about: About) -> Account:
     """What is reported of a walk at several time steps."""
     rows = found.rows
     steps = ", ".join(number(to_unit(row.time_step, "ms")) for row in rows)
@@ -384,7 +381,6 @@ def convergence_account(found: Convergence, about: About | None = None) -> Accou
         answer=f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; "
         f"ground reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of "
         "the weight",
-        about=about or About(found.robot),
         packages=("mujoco",),
         sections=(
             Section(

@@ -114,7 +114,7 @@ WALK: Schema = (
 )
 
 
-def walk_account(walk: Walk, about: About | None = None) -> Account:
+def walk_account(walk: Walk, about: About) -> Account:
     """What is reported of a walk."""
     robot, mean = walk.robot, _mean(walk)
     title = robot.title or "A walk"
@@ -127,7 +127,6 @@ def walk_account(walk: Walk, about: About | None = None) -> Account:
         title=title,
         origin="Simulated on a flat floor." if walk.arena is None else simulated_in(walk.arena),
         answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",
-        about=about or About(robot),
         packages=("mujoco",),
         facts=(
             Fact("Duration", amount(walk.duration, "s")),
@@ -264,10 +263,9 @@ MAZE: Schema = (
 )
 
 
-def maze_account(maze: Maze, about: About | None = None) -> Account:
+def maze_account(maze: Maze, about: About) -> Account:
     """What is reported of a way through an arena."""
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
-    about = about or About(robot)
     title = robot.title or "A robot in an arena"
     touched = sum(time is not None for time in maze.touched.values())
     # With its lever off, an antenna moves no anchor.
@@ -281,7 +279,6 @@ def maze_account(maze: Maze, about: About | None = None) -> Account:
         title=title,
         origin=simulated_in(arena),
         answer=f"{maze.outcome} after {amount(maze.duration, 's')}",
-        about=about,
         packages=("mujoco",),
         given={name: about.seeds.get(name) for name in ("start_seed", "layout_seed")},
         facts=(

@@ -157,9 +157,9 @@ def _parts(found: Yield) -> list[tuple[str, float, float]] | None:
     return [*zip(table.parameters, table.first_order, table.total, strict=True)]
 
 
-def yield_account(found: Yield, about: About | None = None) -> Account:
+def yield_account(found: Yield, about: About) -> Account:
     """What is reported of a yield."""
-    chain, about = found.chain, about or About(found.chain)
+    chain = found.chain
     target = "target sequence" if found.states is None else "target states and no others"
     return Account(
         value=found,
@@ -168,9 +168,7 @@ def yield_account(found: Yield, about: About | None = None) -> Account:
         title=chain.title or "A yield",
         origin=f"{cells_of(chain)}.",
         answer=f"{percent(found.share)} of the samples reproduce the {target}",
-        about=about,
         seed=found.seed,
-        given={"calibrated": about.calibrated},
         facts=(
             Fact("Target", found.target),
             *counted_facts(found),
@@ -251,9 +249,9 @@ def survival_schema(shape: Shape) -> Schema:
     )
 
 
-def survival_account(found: Survival, about: About | None = None) -> Account:
+def survival_account(found: Survival, about: About) -> Account:
     """What is reported of a survival."""
-    chain, about = found.chain, about or About(found.chain)
+    chain = found.chain
     return Account(
         value=found,
         kind="survival/2",
@@ -261,9 +259,7 @@ def survival_account(found: Survival, about: About | None = None) -> Account:
         title=chain.title or "A program with tolerances",
         origin=f"{cells_of(chain)}.",
         answer=f"The program ends in {found.target} in {percent(found.share)} of the samples",
-        about=about,
         seed=found.seed,
-        given={"calibrated": about.calibrated},
         facts=(
             Fact("Target", f"{found.start} to {found.target} by the program"),
             Fact("Turning points", turning_points(found.turning_points, chain)),

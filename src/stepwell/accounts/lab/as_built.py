@@ -86,9 +86,9 @@ def as_built_schema(shape: Shape) -> Schema:
     )
 
 
-def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
+def as_built_account(found: AsBuilt, about: About) -> Account:
     """What is reported of a build."""
-    drawing, about = found.drawing, about or About(found.drawing)
+    drawing = found.drawing
     return Account(
         found,
         title=drawing.title or "A first build",
@@ -96,7 +96,6 @@ def as_built_account(found: AsBuilt, about: About | None = None) -> Account:
         schema=as_built_schema(Shape.of(drawing)),
         origin=f"{cells_of(drawing)}.",
         answer=f"{found.advice}.",
-        about=about,
         seed=found.seed,
         facts=(
             Fact("Target", found.target),

@@ -82,9 +82,8 @@ BAND: Schema = (
 )
 
 
-def band_account(found: BandFit, about: About | None = None) -> Account:
+def band_account(found: BandFit, about: About) -> Account:
     """What is reported of bands."""
-    about = about or About()
     choice, alone = found.choice, found.alone
     table = band_table(found, about.source or "")
     return Account(
@@ -93,7 +92,6 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
         kind="lab.band/1",
         schema=BAND,
         answer=f"Stiffness {number(found.stiffness.value)} N/m",
-        about=about,
         given={"data_sha256": about.data_sha256, "table": table},
         facts=(
             Fact("This band, 95 %", "" if alone is None else _between(alone.stiffness, "N/m")),
@@ -131,7 +129,7 @@ def band_account(found: BandFit, about: About | None = None) -> Account:
     )
 
 
-def band_test_account(found: BandTest, about: About | None = None) -> Account:
+def band_test_account(found: BandTest, about: About) -> Account:
     """What a notebook shows of tension tests, without a force law."""
     estimate = stiffness(found)
     return Account(

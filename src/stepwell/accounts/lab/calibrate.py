@@ -161,9 +161,8 @@ CALIBRATE: Schema = (
 )
 
 
-def calibration_account(found: Calibration, about: About | None = None) -> Account:
+def calibration_account(found: Calibration, about: About) -> Account:
     """What is reported of a calibration."""
-    about = about or About()
     answer, *rest = summary(found)
     table = calibrated_table(found, about.source or "")
     return Account(
@@ -172,7 +171,6 @@ def calibration_account(found: Calibration, about: About | None = None) -> Accou
         kind="lab.calibrate/2",
         schema=CALIBRATE,
         answer=answer,
-        about=about,
         given={"data_sha256": about.data_sha256, "table": table},
         facts=(
             Fact("Force law", found.law),

@@ -138,7 +138,7 @@ def _means(found: Comparison) -> list[_Mean]:
     return [_Mean(count, found.mean_rmse(count)) for count in counts]
 
 
-def series_account(found: CellTest | PairTest, about: About | None = None) -> Account:
+def series_account(found: CellTest | PairTest, about: About) -> Account:
     """What a notebook shows of a single series."""
     return Account(found, found.series.name, answer=f"{found.verdict}.")
 
@@ -156,9 +156,8 @@ COMPARE: Schema = (
 )
 
 
-def comparison_account(found: Comparison, about: About | None = None) -> Account:
+def comparison_account(found: Comparison, about: About) -> Account:
     """What is reported of a comparison."""
-    about = about or About()
     cells, pairs, tests = found.cells, found.pairs, found.tests
 
     return Account(
@@ -167,7 +166,6 @@ def comparison_account(found: Comparison, about: About | None = None) -> Account
         kind="lab.compare/2",
         schema=COMPARE,
         answer=_answer(found),
-        about=about,
         given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},
         facts=(
             Fact("Unit cells", f"{len(cells)}" if cells else ""),

@@ -68,7 +68,7 @@ READ: Schema = (
 )
 
 
-def batch_account(found: Batch, about: About | None = None) -> Account:
+def batch_account(found: Batch, about: About) -> Account:
     """What is reported of recordings."""
     odd = [f"{one.recording.source}: {line}" for one in _rows(found) for line in one.odd]
     read, refused = len(found.recordings), len(found.refused)
@@ -80,7 +80,6 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
         schema=READ,
         origin=f"{counted(read + refused, 'file')} tried.",
         answer=f"{counted(read, 'recording')} read{not_read}",
-        about=about or About(),
         facts=(
             Fact("Samples", f"{sum(map(len, found.recordings))}"),
             Fact("Oddities", f"{len(odd)}"),
@@ -98,7 +97,7 @@ def batch_account(found: Batch, about: About | None = None) -> Account:
     )
 
 
-def recording_account(found: Recording, about: About | None = None) -> Account:
+def recording_account(found: Recording, about: About) -> Account:
     """What a notebook shows of a recording."""
     known = record(_RECORDING, found)
     texts = {
