@@ -47,7 +47,7 @@ def test_the_record_of_every_shape_keeps_to_the_schema(name):
 
 def test_the_record_has_what_the_program_has_in_the_units_of_its_names(found):
     record = account(found).record
-    assert (record["from"], record["to"], record["arrives"]) == ("10", "01", "01")
+    assert (record["from"], record["target"], record["arrives"]) == ("10", "01", "01")
     assert record["does_it"] and record["proved"] and record["robust"] is None
     assert record["turning_points_mm"] == [point * 1e3 for point in found.turning_points]
     assert record["slack_mm"] == pytest.approx(found.slack * 1e3)
@@ -97,7 +97,7 @@ def test_where_there_is_none_the_record_has_the_proof_and_null():
     one = account(why.value)
     record = one.record
     assert violations(record) == []
-    assert (record["from"], record["to"], record["cells"]) == ("00", "01", ["seal", "lid"])
+    assert (record["from"], record["target"], record["cells"]) == ("00", "01", ["seal", "lid"])
     assert (record["does_it"], record["proved"]) == (False, True)
     for key in ("arrives", "turning_points_mm", "turns", "events", "landings", "slack_mm"):
         assert record[key] is None

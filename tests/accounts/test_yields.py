@@ -95,9 +95,9 @@ def test_a_survival_has_its_program_and_its_share():
     found = account(chain.survival(program.turning_points, "01", samples=20))
     assert violations(found.record) == []
     record = found.record
-    assert record["schema"] == "stepwell.survival/1"
+    assert record["schema"] == "stepwell.survival/2"
     assert record["turning_points_N"] == [*program.turning_points]
-    assert (record["from"], record["to"]) == (program.start, "01")
+    assert (record["from"], record["target"]) == (program.start, "01")
     screen, shown, made = _forms(found)
     assert all(f"{record['to']} by the program" in form for form in (screen, shown, made))
     assert f"{record['successes']} of 20" in made

@@ -28,7 +28,7 @@ def test_it_prints_the_account_and_as_json_its_record(stepwell):
 
 def test_the_start_is_all_cells_at_0_by_default(stepwell):
     record = json.loads(stepwell("program", "forward.toml", "--target", "01", "--json").stdout)
-    assert (record["from"], record["to"]) == ("00", "01")
+    assert (record["from"], record["target"]) == ("00", "01")
 
 
 def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
@@ -65,7 +65,7 @@ def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
     result = stepwell("program", "out/design.toml", "--json", "--out", "again")
     record = json.loads(result.stdout)
     assert result.exit_code == 0
-    assert (record["from"], record["to"], record["arrives"]) == ("000", "001", "001")
+    assert (record["from"], record["target"], record["arrives"]) == ("000", "001", "001")
     assert record["reason"] == "as it was given"
     assert not record["proved"]
     assert written(tmp_path / "again") == OUT
@@ -77,7 +77,7 @@ def test_a_program_that_does_not_arrive_ends_in_code_3(stepwell, tmp_path):
     result = stepwell("program", "wrong.toml", "--json")
     assert result.exit_code == 3
     record = json.loads(result.stdout)
-    assert (record["does_it"], record["to"], record["arrives"]) == (False, "01", "10")
+    assert (record["does_it"], record["target"], record["arrives"]) == (False, "01", "10")
 
 
 def test_a_program_without_a_target_arrives_where_it_ends(stepwell, tmp_path):

@@ -118,12 +118,12 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         Tolerances(anchor=0.003, stiffness=0.05),
         samples=30,
     )
-    assert record["schema"] == "stepwell.survival/1"
+    assert record["schema"] == "stepwell.survival/2"
     assert record["successes"] == found.successes
     assert 0 < found.successes < 30
     assert record["turning_points_mm"] == [0, 60, 20]
     assert written(tmp_path / "out") == {"design.toml", "report.html", "survival.json"}
-    assert (record["from"], record["to"]) == ("00000", "00100")
+    assert (record["from"], record["target"]) == ("00000", "00100")
     text = stepwell("yield", "preset:finger-selector", *options[:-3]).stdout
     assert "00000 to 00100 by the program" in text
 

@@ -445,7 +445,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     ("what", "given", "told"),
     [
         ("cycle", {"cycles": 2}, "takes nothing else, not cycles"),
-        ("program", {}, "to: must be a state"),
+        ("program", {}, "target: must be a state"),
         ("walk", {}, "takes a robot"),
         ("cicle", {}, "Did you mean cycle"),
         ("call", {"file": "gone.py", "name": "f"}, "must be FILE.py:NAME"),
