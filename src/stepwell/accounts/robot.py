@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import (
     Account,
@@ -29,13 +29,14 @@ from stepwell.base import (
     quantities,
     read_off,
     record,
+    rows_of,
     to_unit,
 )
 from stepwell.files import provenance
 from stepwell.robot import Motion
 
 if TYPE_CHECKING:
-    from stepwell.robot import Arena, DriveNeeds, LegPrediction, Prediction, Robot
+    from stepwell.robot import Arena, DriveNeeds, Prediction, Robot
 
 # Where the sources of a robot's numbers are, for results of its simulation.
 SOURCES = "`stepwell robot show` lists every number of a robot with its source."
@@ -95,13 +96,8 @@ _PREDICTION: Schema = (
 )
 
 
-class _Leg(NamedTuple):
-    leg: LegPrediction
-    feet: tuple[float, float] | None
-
-
-def _legs(found: Prediction) -> list[_Leg]:
-    return [_Leg(*one) for one in zip(found.legs, found.known_depths, strict=True)]
+def _legs(found: Prediction) -> Sequence[Row]:
+    return rows_of({"leg": found.legs, "feet": found.known_depths})
 
 
 def arena_account(arena: Arena, about: About) -> Account:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.account import (
     Account,
@@ -12,6 +12,7 @@ from stepwell.accounts.account import (
     Notes,
     Picture,
     RecordTable,
+    Row,
     Section,
     Text,
     Warned,
@@ -28,13 +29,14 @@ from stepwell.base import (
     quantities,
     read_off,
     record,
+    rows_of,
     to_unit,
 )
 from stepwell.robot import TRIAL
 
 if TYPE_CHECKING:
     from stepwell.design import Share
-    from stepwell.simulation import Convergence, Sweep, Trial
+    from stepwell.simulation import Convergence, Sweep
     from stepwell.studies import Extent, Status, Varied
 
 
@@ -289,15 +291,9 @@ def _assumed(found: Status) -> list[str]:
     return assumed
 
 
-class _Trial(NamedTuple):
-    values: tuple[float, ...]
-    trial: Trial
-
-
-def _trials(sweep: Sweep) -> list[_Trial]:
-    count = len(sweep.trials)
-    values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * count
-    return [_Trial(tuple(row), one) for row, one in zip(values, sweep.trials, strict=True)]
+def _trials(sweep: Sweep) -> Sequence[Row]:
+    values = zip(*sweep.values.values(), strict=True) if sweep.values else [()] * len(sweep.trials)
+    return rows_of({"values": values, "trial": sweep.trials})
 
 
 _TRIAL: Schema = (Quantity("values", holds=[float]), *read_off(TRIAL, "trial"))
@@ -310,7 +306,7 @@ SWEEP: Schema = (
 
 def sweep_account(sweep: Sweep, about: About) -> Account:
     """What is reported of a sweep over robots."""
-    failed = [one for one in _trials(sweep) if one.trial.stopped]
+    failed = [one for one in sweep.trials if one.stopped]
     count = counted(len(sweep.trials), "robot")
     varied = [
         Column(key, lambda row, k=k: number(row["values"][k], 6), True)
@@ -331,7 +327,7 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
             Warned(
                 "Stopped early",
                 "The simulation of some robots ended before its time.",
-                [f"{first}{failed[0].trial.stopped}"] if failed else [],
+                [f"{first}{failed[0].stopped}"] if failed else [],
             ),
         ),
         sections=(

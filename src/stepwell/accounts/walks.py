@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import (
     Account,
@@ -78,19 +78,16 @@ _LEG: Schema = (
 )
 
 
-class _Leg(NamedTuple):
-    name: str
-    gaits: tuple[str, ...]
-    predicted_gait: str | None
-    slip: float
-    feet: tuple[float, float] | None
-
-
-def _legs(walk: Walk) -> list[_Leg]:
-    names, gaits = zip(*walk.gaits.items(), strict=True)
-    predicted = walk.comparison.predicted or (None,) * len(names)
-    found = zip(names, gaits, predicted, walk.slip, walk.comparison.depths, strict=True)
-    return [_Leg(*one) for one in found]
+def _legs(walk: Walk) -> Sequence[Row]:
+    return rows_of(
+        {
+            "name": walk.gaits,
+            "gaits": walk.gaits.values(),
+            "predicted_gait": walk.comparison.predicted or [None] * len(walk.gaits),
+            "slip": walk.slip,
+            "feet": walk.comparison.depths,
+        }
+    )
 
 
 def _mean(walk: Walk) -> Trial:

@@ -145,7 +145,7 @@ class Quantity:
 
     def of(self, value: Any) -> Any:
         """What a value has of it, in SI."""
-        return self.read(value) if callable(self.read) else attrgetter(self.attribute)(value)
+        return self.read(value) if callable(self.read) else _part(value, self.attribute)
 
     def cell(self, row: Mapping[str, Any]) -> str:
         """What a table tells of it, read off a record."""
@@ -171,6 +171,14 @@ class Column:
     heading: str
     cell: Callable[[Mapping[str, Any]], str]
     numeric: bool = False
+
+
+def _part(value: Any, path: str) -> Any:
+    """What a value has at the path of an attribute; a row of a table has it under a key."""
+    if isinstance(value, dict):
+        key, _, path = path.partition(".")
+        value = value[key]
+    return attrgetter(path)(value) if path else value
 
 
 Schema = Sequence[Quantity]
@@ -200,7 +208,7 @@ def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
 
     Args:
         schema: what is told.
-        value: what has it.
+        value: what has it: attributes, or the keys of a row.
         given: quantities by name that `value` does not have itself.
     """
     found = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
@@ -262,7 +270,7 @@ def _measured(holds: Any, measure: Measure) -> Any:
 
 def read_off(schema: Schema, part: str) -> Schema:
     """The same quantities, read off an attribute of a value."""
-    return tuple(replace(q, read=lambda value, q=q: q.of(attrgetter(part)(value))) for q in schema)
+    return tuple(replace(q, read=lambda value, q=q: q.of(_part(value, part))) for q in schema)
 
 
 def plain(value: Any, factor: float = 1.0) -> Any:

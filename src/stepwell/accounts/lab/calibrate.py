@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 from stepwell.accounts.account import (
     Account,
@@ -12,13 +13,14 @@ from stepwell.accounts.account import (
     Notes,
     Picture,
     RecordTable,
+    Row,
     Section,
     Text,
     Verbatim,
 )
 from stepwell.accounts.head import About
-from stepwell.base import Quantity, Schema, counted, number, quantities
-from stepwell.lab import Calibration, Sample, calibrated_table
+from stepwell.base import Quantity, Schema, counted, number, quantities, rows_of
+from stepwell.lab import Calibration, calibrated_table
 
 _MM = Quantity("stroke", "mm").factor
 
@@ -75,36 +77,21 @@ _MEAN: Schema = quantities(bands=int, in_pair=bool, fit="over_kr", left_out="ove
 _CORRELATED: Schema = quantities(parameter=str, other=str, correlation=float)
 
 
-class _Error(NamedTuple):
-    """The errors of a cell in a series, fitted and left out [k r]."""
-
-    sample: Sample
-    fit: float
-    left_out: float
+def _errors(found: Calibration) -> Sequence[Row]:
+    """The errors of each cell in a series, fitted and left out [k r]."""
+    fit, left_out = found.fit_error, found.left_out_error
+    return rows_of({"sample": found.samples, "fit": fit, "left_out": left_out})
 
 
-class _Mean(NamedTuple):
+def _means(found: Calibration) -> Sequence[Row]:
     """The mean errors of the cells with so many bands [k r]."""
-
-    bands: int
-    in_pair: bool
-    fit: float
-    left_out: float
-
-
-def _errors(found: Calibration) -> list[_Error]:
-    errors = zip(found.samples, found.fit_error, found.left_out_error, strict=True)
-    return [_Error(sample, float(fit), float(left_out)) for sample, fit, left_out in errors]
-
-
-def _means(found: Calibration) -> list[_Mean]:
     return [
-        _Mean(
-            bands,
-            pair,
-            found.mean_error(bands, pair, left_out=False),
-            found.mean_error(bands, pair),
-        )
+        {
+            "bands": bands,
+            "in_pair": pair,
+            "fit": found.mean_error(bands, pair, left_out=False),
+            "left_out": found.mean_error(bands, pair),
+        }
         for bands, pair in found.kinds
     ]
 
@@ -118,8 +105,9 @@ def _correlations(found: Calibration) -> dict[str, dict[str, float]]:
 def summary(found: Calibration) -> list[str]:
     """How well a calibration predicts, a sentence each."""
     lines = [
-        f"{'Pairs' if one.in_pair else 'Cells'} with {counted(one.bands, 'band')}: force within "
-        f"{one.fit:.3f} k r fitted, {one.left_out:.3f} predicted from the other geometries."
+        f"{'Pairs' if one['in_pair'] else 'Cells'} with {counted(one['bands'], 'band')}: force "
+        f"within {one['fit']:.3f} k r fitted, {one['left_out']:.3f} predicted from the "
+        "other geometries."
         for one in _means(found)
     ]
     if found.snaps:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from stepwell.accounts.account import (
     Account,
@@ -28,6 +28,7 @@ from stepwell.base import (
     number,
     quantities,
     record,
+    rows_of,
 )
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
@@ -44,15 +45,9 @@ _RISE: Schema = (
 )
 
 
-class _Both(NamedTuple):
-    """A number of the measured force and of the model."""
-
-    measured: float
-    model: float
-
-
 def _both(name: str) -> Any:
-    return lambda test: _Both(getattr(test.plain, name), getattr(test.cell, name))
+    """A number of the measured force and of the model."""
+    return lambda test: {"measured": getattr(test.plain, name), "model": getattr(test.cell, name)}
 
 
 def _of_both(kind: type) -> Schema:
@@ -126,16 +121,10 @@ _PAIR_COLUMNS: Columns = tuple(
 )
 
 
-class _Mean(NamedTuple):
+def _means(found: Comparison) -> Sequence[Row]:
     """The mean error of the unit cells with so many bands [k r]."""
-
-    bands: int
-    rmse: float
-
-
-def _means(found: Comparison) -> list[_Mean]:
     counts = sorted({test.series.bands for test in found.cells})
-    return [_Mean(count, found.mean_rmse(count)) for count in counts]
+    return rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
 
 
 def series_account(found: CellTest | PairTest, about: About) -> Account:
@@ -232,9 +221,8 @@ def _answer(found: Comparison) -> str:
 
 
 def _mean_words(found: Comparison) -> str:
-    return "; ".join(
-        f"{one.rmse:.3f} k r with {counted(one.bands, 'band')}" for one in _means(found)
-    )
+    means = _means(found)
+    return "; ".join(f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in means)
 
 
 def _rises(cells: Sequence[CellTest]) -> str:

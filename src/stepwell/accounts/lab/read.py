@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
-from typing import Any, NamedTuple
+from typing import Any
 
-from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Section
+from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Row, Section
 from stepwell.accounts.head import About
 from stepwell.base import (
     Column,
@@ -20,6 +20,7 @@ from stepwell.base import (
     quantities,
     read_off,
     record,
+    rows_of,
 )
 from stepwell.lab import Batch, Recording, hashes
 
@@ -43,21 +44,14 @@ _RECORDING: Schema = (
 )
 
 
-class _Read(NamedTuple):
-    """A recording, and what is odd about it."""
-
-    recording: Recording
-    odd: tuple[str, ...]
-
-
 _READ: Schema = (
     *read_off(_RECORDING, "recording"),
     Quantity("odd", holds=[str]),
 )
 
 
-def _rows(batch: Batch) -> list[_Read]:
-    return [_Read(*one) for one in zip(batch.recordings, batch.odd, strict=True)]
+def _rows(batch: Batch) -> Sequence[Row]:
+    return rows_of({"recording": batch.recordings, "odd": batch.odd})
 
 
 # What is reported of recordings.
@@ -70,7 +64,7 @@ READ: Schema = (
 
 def batch_account(found: Batch, about: About) -> Account:
     """What is reported of recordings."""
-    odd = [f"{one.recording.source}: {line}" for one in _rows(found) for line in one.odd]
+    odd = [f"{one['recording'].source}: {line}" for one in _rows(found) for line in one["odd"]]
     read, refused = len(found.recordings), len(found.refused)
     not_read = f"; {counted(refused, 'file')} could not be read" * (refused > 0)
     return Account(
