@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,12 +11,13 @@ import typer
 
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
-from stepwell.cli.options import OUTPUT, Json, Output, grouped, local, read_design
+from stepwell.cli.options import Group, Json, Output, grouped, local, read_design
 from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, subcommands, usable, warn
-from stepwell.cli.sweep import Scheduler, Seed, Workers, going_on, read_axes
+from stepwell.cli.sweep import Effort, going_on, read_axes
 
 if TYPE_CHECKING:
-    from stepwell.studies import Atlas, Study
+    from stepwell.mechanism import Chain
+    from stepwell.studies import Atlas, Axis, Study
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
 
@@ -31,24 +33,20 @@ _There = Annotated[
 _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)}
 
 
-@commands.command(epilog=EXIT_CODES)
-def build(
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="STORE", help="The store, a folder of Zarr.", callback=local
-        ),
-    ],
+@dataclass(frozen=True)
+class Space(Group):
+    """The space of designs, and which of them are drawn."""
+
     design: Annotated[
         str | None,
         typer.Argument(
             metavar="DESIGN", help="What is varied; the paper's cells, all alike, by default."
         ),
-    ] = None,
+    ] = None
     cells: Annotated[
         int,
         typer.Option(help="How many of the paper's cells, where no design is named.", min=1, max=6),
-    ] = 2,
+    ] = 2
     vary: Annotated[
         list[str] | None,
         typer.Option(
@@ -57,7 +55,7 @@ def build(
             help="What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
             "given again. By default anchors and stiffness of the paper's cells.",
         ),
-    ] = None,
+    ] = None
     designs: Annotated[
         float,
         typer.Option(
@@ -66,11 +64,49 @@ def build(
             min=1,
             show_default="1e6",
         ),
-    ] = 1e6,
+    ] = 1e6
+    seed: parts.Seed = 0
+
+    def read(self) -> tuple[Chain, tuple[Axis, ...]]:
+        """The chain that is varied, and what varies."""
+        from stepwell.mechanism import Band, Cell, Chain
+        from stepwell.studies import Axis
+
+        if not math.isfinite(self.designs) or self.designs > 1e12:
+            message = f"{self.designs}: must be at most 1e12."
+            raise typer.BadParameter(message, param_hint="--designs")
+        if self.design is None:
+            band = Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
+            subject = Chain([Cell(band)] * self.cells)
+        else:
+            _, subject = read_design(self.design)
+            if not isinstance(subject, Chain):
+                raise typer.BadParameter("is a robot: must be a chain.", param_hint="DESIGN")
+            if not self.vary:
+                raise typer.BadParameter("is needed with a design.", param_hint="--vary")
+        if self.vary:
+            with usable("--vary"):
+                return subject, read_axes(self.vary, subject, drawn=True)
+        return subject, tuple(
+            Axis(f"{cell}.{part}", *ends)
+            for cell in range(1, self.cells + 1)
+            for part, ends in _SPACE.items()
+        )
+
+
+@commands.command(epilog=EXIT_CODES)
+@grouped
+def build(
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="STORE", help="The store, a folder of Zarr.", callback=local
+        ),
+    ],
+    space: Space,
     drive: Annotated[str, typer.Option(help="stroke or force.")] = "stroke",
-    seed: Seed = 0,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
+    *,
+    effort: Effort,
     as_json: Json = False,
 ) -> None:
     """Compute the transition graphs of designs drawn evenly over a space, in closed form.
@@ -81,46 +117,27 @@ def build(
 
     Example: stepwell atlas build --out two --designs 1e5
     """
-    from stepwell.mechanism import Band, Cell, Chain
-    from stepwell.studies import DRIVES, Axis, atlas
+    from stepwell.studies import DRIVES, atlas
 
     if drive not in DRIVES:
         raise typer.BadParameter(f"{drive!r}: must be stroke or force.", param_hint="--drive")
-    if not math.isfinite(designs) or designs > 1e12:
-        raise typer.BadParameter(f"{designs}: must be at most 1e12.", param_hint="--designs")
-    axes = tuple(
-        Axis(f"{cell}.{part}", *ends)
-        for cell in range(1, cells + 1)
-        for part, ends in _SPACE.items()
-    )
-    if design is None:
-        band = Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
-        subject = Chain([Cell(band)] * cells)
-    else:
-        _, subject = read_design(design)
-        if not isinstance(subject, Chain):
-            raise typer.BadParameter("is a robot: must be a chain.", param_hint="DESIGN")
-        if not vary:
-            raise typer.BadParameter("is needed with a design.", param_hint="--vary")
-    if vary:
-        with usable("--vary"):
-            axes = read_axes(vary, subject, drawn=True)
-    with usable("--vary"), going_on(out, scheduler) as tell:
+    subject, axes = space.read()
+    with usable("--vary"), going_on(out, effort.scheduler) as tell:
         found = atlas(
-            subject, axes, int(designs), out,
-            drive=drive, seed=seed, workers=workers, scheduler=scheduler, progress=tell,
+            subject, axes, int(space.designs), out,
+            drive=drive, seed=space.seed, workers=effort.workers, scheduler=effort.scheduler,
+            progress=tell,
         )  # fmt: skip
-    _show(found.study, _charted(found.study), Output(as_json=as_json))
+    _show(found.study, _charted(found.study, parts.BandTolerances()), Output(as_json=as_json))
 
 
 @commands.command(epilog=EXIT_CODES)
 @grouped
 def show(
     store: _There = None,
-    anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
-    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
-    output: Output = OUTPUT,
+    *,
+    within: parts.BandTolerances,
+    output: Output,
 ) -> None:
     """List the machines of a store: their fractions and yields, what is proved.
 
@@ -128,10 +145,11 @@ def show(
     """
     output.free("atlas show")
     study = _opened(store)
-    _show(study, _charted(study, anchor, stiffness_tolerance, rest_length_tolerance), output)
+    _show(study, _charted(study, within), output)
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def find(
     query: Annotated[
         str,
@@ -157,9 +175,8 @@ def find(
             callback=local,
         ),
     ] = None,
-    anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
-    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
+    *,
+    within: parts.BandTolerances,
     as_json: Json = False,
 ) -> None:
     """Search the machines of a store by what they do, highest yield first.
@@ -174,7 +191,7 @@ def find(
     study = _opened(store)
     with usable("QUERY"):
         studies.understood(query)
-    chart = _charted(study, anchor, stiffness_tolerance, rest_length_tolerance, checks=0)
+    chart = _charted(study, within, checks=0)
     machines = studies.find(chart, query, yields)
     if out is not None and machines:
         files.save(machines[0].chain, out)
@@ -202,18 +219,11 @@ def _percent(text: str) -> float:
     return share
 
 
-def _charted(
-    study: Study,
-    anchor: float = parts.ANCHOR_MM,
-    stiffness: float = parts.STIFFNESS_PERCENT,
-    rest_length: float = 0.0,
-    checks: int = 100,
-) -> Atlas:
+def _charted(study: Study, within: parts.BandTolerances, checks: int = 100) -> Atlas:
     from stepwell.studies import charted
 
-    within = parts.ToleranceOptions(anchor, stiffness, rest_length).tolerances()
     with usable("STORE"), progress("machines") as tell:
-        return charted(study, tolerances=within, checks=checks, progress=tell)
+        return charted(study, tolerances=within.tolerances(), checks=checks, progress=tell)
 
 
 def _show(study: Study, found: Atlas, output: Output) -> None:

@@ -1,12 +1,13 @@
 """`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import typer
 
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
-from stepwell.cli.options import OUTPUT, Design, Output, Robust, grouped, read_chain
+from stepwell.cli.options import OUTPUT, Design, Group, Output, Robust, grouped, read_chain
 from stepwell.cli.screen import answered, progress, usable
 from stepwell.cli.tolerances import Data, calibrated_on
 
@@ -56,10 +57,10 @@ def check(
     answered(found.verdict != "won't")
 
 
-@grouped
-def yield_(
-    design: Design,
-    within: given.ToleranceOptions = given.USUAL,
+@dataclass(frozen=True)
+class Counted(Group):
+    """Which mechanisms count as working."""
+
     target: Annotated[
         str | None,
         typer.Option(
@@ -67,17 +68,38 @@ def yield_(
             help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
             "no others, as 00,10,11; the cycle of the drawing by default.",
         ),
-    ] = None,
+    ] = None
     sensitivity: Annotated[
         bool, typer.Option("--sensitivity", help="Compute how much each part's tolerance counts.")
-    ] = False,
+    ] = False
     program: Annotated[
         bool,
         typer.Option(
             "--program", help="Count those that the design's own program brings where it should."
         ),
-    ] = False,
-    robust: Robust = None,
+    ] = False
+    robust: Robust = None
+
+    def refuse_two(self) -> None:
+        """Refuse other options beside --program."""
+        others = {
+            "--target": self.target,
+            "--sensitivity": self.sensitivity,
+            "--robust": self.robust,
+        }
+        option = next((option for option, value in others.items() if value), None)
+        if self.program and option:
+            raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+
+
+COUNTED = Counted()
+
+
+@grouped
+def yield_(
+    design: Design,
+    within: given.ToleranceOptions = given.USUAL,
+    counted: Counted = COUNTED,
     data: Data = None,
     sampling: given.Sampling = given.SAMPLING,
     output: Output = OUTPUT,
@@ -96,15 +118,13 @@ def yield_(
     text, chain = read_chain(design)
     spread = within.tolerances(chain.measure)
     output.free("yield", design=text)
-    asked = {"--target": target, "--sensitivity": sensitivity, "--robust": robust}
-    option = next((option for option, value in asked.items() if value), None)
-    if program and option:
-        raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+    counted.refuse_two()
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    played = own(text, design) if program else None
-    states = target.split(",") if target and "," in target else None
+    played = own(text, design) if counted.program else None
+    target = counted.target
+    states = target.split(",") if target and "," in target else target
     with usable(design), progress("yield") as tell:
         if played is not None:
             found = survival(
@@ -123,9 +143,9 @@ def yield_(
                 spread,
                 samples=sampling.samples,
                 seed=sampling.seed,
-                target=states or target,
-                sensitivity=sensitivity,
-                robust=robust,
+                target=states,
+                sensitivity=counted.sensitivity,
+                robust=counted.robust,
                 progress=tell,
             )
     output.report(account(found, About(text, design, calibrated)))

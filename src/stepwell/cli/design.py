@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -11,7 +11,7 @@ import typer
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import OUTPUT, Design, Output, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, grouped, read_chain
 from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable
 
@@ -71,6 +71,109 @@ class Objective(StrEnum):
     WORST = "worst"
 
 
+@dataclass(frozen=True)
+class Parts(Group):
+    """The parts that a design may have, and where their anchors may be."""
+
+    x: _Side = None
+    y: _Side = None
+    place: Annotated[
+        Free,
+        typer.Option(
+            "--free",
+            help="Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
+            "or both, each p the mirror image of q.",
+        ),
+    ] = Free.Q
+    holes: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="Anchors only in holes this far apart, from the lower left corner on [mm].",
+            min=0.01,
+        ),
+    ] = None
+    bands: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--band",
+            metavar="NAME|K:LENGTH[:SPREAD]",
+            help="A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
+            "its bands, measured ones too; may be given again.",
+        ),
+    ] = None
+    levers: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--lever",
+            metavar="MM",
+            help="A lever there is [mm]; may be given again. The paper's by default.",
+        ),
+    ] = None
+    mixed_levers: Annotated[
+        bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
+    ] = False
+    elements: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--element",
+            metavar="NAME|DESIGN",
+            help="An element there is instead of bands: one of the library, or those of a design "
+            "file; may be given again.",
+        ),
+    ] = None
+    force_scale: _Scale = FORCE_SCALE
+    travel_scale: _Scale = TRAVEL_SCALE
+    unusual: Annotated[
+        bool,
+        typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit."),
+    ] = False
+
+    def allowed(self) -> dict[str, Any]:
+        """The same as `design.design` takes it."""
+        from stepwell.design import PAPER_LEVER, usual_box
+
+        kinds = [one for text in self.elements or () for one in elements_of(text)]
+        if kinds and (self.x or self.y or self.holes or self.bands or self.levers):
+            raise typer.BadParameter(
+                "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
+                param_hint="--element",
+            )
+        levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
+        box = None if kinds else usual_box(max(levers), self.place)
+        if box is not None:
+            left_right, low_high = _sides("left", "right", self.x), _sides("bottom", "top", self.y)
+            box = replace(box, **left_right, **low_high)
+        return {
+            "within": box,
+            "free": self.place.value,
+            "elements": kinds,
+            "force_scale": (self.force_scale.start, self.force_scale.stop),
+            "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
+            "holes": None if self.holes is None else from_unit(self.holes, "mm"),
+            "bands": [one for text in self.bands or ["paper"] for one in stocks(text)],
+            "lever": levers,
+            "equal_levers": not self.mixed_levers,
+            "unusual": self.unusual,
+        }
+
+
+@dataclass(frozen=True)
+class AimOptions(Group):
+    """What is made as large as possible, with which actuator."""
+
+    objective: Annotated[
+        Objective,
+        typer.Option(
+            help="Make the yield largest, or the distance by which all anchors may be off at once.",
+        ),
+    ] = Objective.YIELD
+    force_limit: Annotated[
+        float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
+    ] = None
+    drive: NewDrive = None
+
+
 @grouped
 def design(
     target: Annotated[
@@ -81,77 +184,11 @@ def design(
             "all:N for N cells with all their states.",
         ),
     ],
-    x: _Side = None,
-    y: _Side = None,
-    place: Annotated[
-        Free,
-        typer.Option(
-            "--free",
-            help="Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
-            "or both, each p the mirror image of q.",
-        ),
-    ] = Free.Q,
-    holes: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            help="Anchors only in holes this far apart, from the lower left corner on [mm].",
-            min=0.01,
-        ),
-    ] = None,
-    bands: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--band",
-            metavar="NAME|K:LENGTH[:SPREAD]",
-            help="A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
-            "its bands, measured ones too; may be given again.",
-        ),
-    ] = None,
-    levers: Annotated[
-        list[float] | None,
-        typer.Option(
-            "--lever",
-            metavar="MM",
-            help="A lever there is [mm]; may be given again. The paper's by default.",
-        ),
-    ] = None,
-    mixed_levers: Annotated[
-        bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
-    ] = False,
-    objective: Annotated[
-        Objective,
-        typer.Option(
-            help="Make the yield largest, or the distance by which all anchors may be off at once.",
-        ),
-    ] = Objective.YIELD,
-    force_limit: Annotated[
-        float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
-    ] = None,
-    drive: NewDrive = None,
-    elements: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--element",
-            metavar="NAME|DESIGN",
-            help="An element there is instead of bands: one of the library, or those of a design "
-            "file; may be given again.",
-        ),
-    ] = None,
-    force_scale: _Scale = FORCE_SCALE,
-    travel_scale: _Scale = TRAVEL_SCALE,
-    anchor: given.Anchor = given.ANCHOR_MM,
-    stiffness_tolerance: given.StiffnessTolerance = given.STIFFNESS_PERCENT,
-    rest_length_tolerance: given.RestLengthTolerance = 0.0,
-    lever_tolerance: given.LeverTolerance = 0.0,
-    friction: given.Friction = 0.0,
-    unusual: Annotated[
-        bool,
-        typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit."),
-    ] = False,
-    samples: given.Samples = None,
-    seed: given.Seed = 0,
-    output: Output = OUTPUT,
+    parts: Parts,
+    aim: AimOptions,
+    within: given.DesignTolerances,
+    sampling: given.Sampling,
+    output: Output,
 ) -> None:
     """Search anchors for a target sequence or a target set of states.
 
@@ -164,46 +201,21 @@ def design(
     Example: stepwell design '00>10>11>01>00' --out leg
     """
     from stepwell.accounts import account
-    from stepwell.design import PAPER_LEVER, Impossible, design, usual_box
+    from stepwell.design import Impossible, design
 
-    wanted = wish(target)
-    lengths = [from_unit(lever, "mm") for lever in levers or ()] or [PAPER_LEVER]
-    spread = given.ToleranceOptions(
-        anchor, stiffness_tolerance, rest_length_tolerance, lever_tolerance, friction
-    ).tolerances()
-    kinds = [one for text in elements or () for one in elements_of(text)]
-    if kinds and (x or y or holes or bands or levers):
-        raise typer.BadParameter(
-            "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
-            param_hint="--element",
-        )
+    wanted, spread, allowed = wish(target), within.tolerances(), parts.allowed()
     output.free("design")
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
                 **wanted,
-                within=None
-                if kinds
-                else replace(
-                    usual_box(max(lengths), place),
-                    **_sides("left", "right", x),
-                    **_sides("bottom", "top", y),
-                ),
-                free=place.value,
-                elements=kinds,
-                force_scale=(force_scale.start, force_scale.stop),
-                travel_scale=(travel_scale.start, travel_scale.stop),
-                holes=None if holes is None else from_unit(holes, "mm"),
-                bands=[one for text in bands or ["paper"] for one in stocks(text)],
-                lever=lengths,
-                equal_levers=not mixed_levers,
+                **allowed,
                 tolerances=spread,
-                objective=objective.value,
-                most_force=math.inf if force_limit is None else force_limit,
-                actuator_stiffness=stiffness_of(drive),
-                unusual=unusual,
-                samples=samples,
-                seed=seed,
+                objective=aim.objective.value,
+                most_force=math.inf if aim.force_limit is None else aim.force_limit,
+                actuator_stiffness=stiffness_of(aim.drive),
+                samples=sampling.samples,
+                seed=sampling.seed,
                 progress=tell,
             )
     except Impossible as why:
@@ -233,6 +245,28 @@ def along(text: str) -> Direction:
     return Direction(x, y)
 
 
+@dataclass(frozen=True)
+class Way(Group):
+    """The way that the anchor is moved."""
+
+    line: Annotated[
+        Direction | None,
+        typer.Option(
+            "--along",
+            parser=along,
+            metavar="X:Y|DEGREES",
+            help="The line that the anchor keeps to; anywhere in the plane by default.",
+        ),
+    ] = None
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+    ] = False
+    reach: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
+    ] = to_unit(REACH, "mm")
+
+
 @grouped
 def reprogram(
     design: Design,
@@ -253,23 +287,9 @@ def reprogram(
             help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
         ),
     ] = None,
-    line: Annotated[
-        Direction | None,
-        typer.Option(
-            "--along",
-            parser=along,
-            metavar="X:Y|DEGREES",
-            help="The line that the anchor keeps to; anywhere in the plane by default.",
-        ),
-    ] = None,
-    one_way: Annotated[
-        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
-    ] = False,
-    reach: Annotated[
-        float,
-        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
-    ] = to_unit(REACH, "mm"),
-    output: Output = OUTPUT,
+    *,
+    way: Way,
+    output: Output,
 ) -> None:
     """Search the smallest displacement of an anchor for another sequence.
 
@@ -284,13 +304,20 @@ def reprogram(
     from stepwell.accounts import About, account
     from stepwell.design import reprogram
 
-    if one_way and line is None:
+    if way.one_way and way.line is None:
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
     text, chain = read_chain(design)
     output.free("reprogram")
-    ways = {"along": line, "one_way": one_way, "reach": from_unit(reach, "mm")}
     with usable(design), progress("search") as tell:
-        found = reprogram(chain, target, by, **ways, progress=tell)
+        found = reprogram(
+            chain,
+            target,
+            by,
+            along=way.line,
+            one_way=way.one_way,
+            reach=from_unit(way.reach, "mm"),
+            progress=tell,
+        )
     output.report(account(found, About(text, design)))
     answered(math.isfinite(found.distance))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +10,7 @@ import typer
 
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import OUTPUT, Design, Output, grouped, read_chain
+from stepwell.cli.options import OUTPUT, Design, Group, Output, grouped, read_chain
 from stepwell.cli.ranges import window as read_window
 from stepwell.cli.screen import EXIT_CODES, progress, usable
 from stepwell.cli.tolerances import recordings_in
@@ -29,32 +29,44 @@ _Strokes = Annotated[
 ]
 
 
-@grouped
-def as_built(
-    design: Design,
+@dataclass(frozen=True)
+class BuiltTolerances(given.BandTolerances):
+    """The tolerances of a first build."""
+
+    friction: given.Friction = 0.0
+    travel_tolerance: given.TravelTolerance = 5.0
+
+
+BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
+
+
+@dataclass(frozen=True)
+class Seen(Group):
+    """What was seen of a first build, and how surely."""
+
     seen: Annotated[
         str | None,
         typer.Option(metavar="STATES", help="The states it went through, as 00>10>11>01>00."),
-    ] = None,
-    snaps_out: _Strokes = None,
-    snaps_back: _Strokes = None,
+    ] = None
+    snaps_out: _Strokes = None
+    snaps_back: _Strokes = None
     pulls: Annotated[
         str | None,
         typer.Option(
             metavar="LIST",
             help="Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].",
         ),
-    ] = None,
+    ] = None
     data: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="A recording of stroke and force [mm, N].", exists=True),
-    ] = None,
+    ] = None
     ruler: Annotated[
         float,
         typer.Option(
             metavar="DOUBT", help="Standard deviation of a stroke [mm, mL or deg].", min=0.01
         ),
-    ] = 1.0,
+    ] = 1.0
     scale: Annotated[
         float | None,
         typer.Option(
@@ -62,7 +74,16 @@ def as_built(
             help="Standard deviation of a force [N, kPa or N mm]; 5 % of the drawing's peak force.",
             min=1e-6,
         ),
-    ] = None,
+    ] = None
+
+
+SEEN = Seen()
+
+
+@grouped
+def as_built(
+    design: Design,
+    observed: Seen = SEEN,
     target: Annotated[
         str | None,
         typer.Option(metavar="STATES", help="What it should do; by default what the drawing does."),
@@ -79,11 +100,7 @@ def as_built(
             max=40,
         ),
     ] = 5.0,
-    anchor: given.Anchor = 1.0,
-    stiffness_tolerance: given.StiffnessTolerance = 10.0,
-    rest_length_tolerance: given.RestLengthTolerance = 0.0,
-    friction: given.Friction = 0.0,
-    travel_tolerance: given.TravelTolerance = 5.0,
+    within: BuiltTolerances = BUILT,
     samples: Annotated[
         int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
     ] = 200,
@@ -108,20 +125,17 @@ def as_built(
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
         told = lab.Observed(
-            seen,
-            _strokes(snaps_out, "--snaps-out", driven),
-            _strokes(snaps_back, "--snaps-back", driven),
-            (*_read(pulls, chain), *(_recorded(data, chain) if data is not None else ())),
-            ruler / driven,
-            0.05 * peak if scale is None else scale / forced,
+            observed.seen,
+            _strokes(observed.snaps_out, "--snaps-out", driven),
+            _strokes(observed.snaps_back, "--snaps-back", driven),
+            (
+                *_read(observed.pulls, chain),
+                *(_recorded(observed.data, chain) if observed.data is not None else ()),
+            ),
+            observed.ruler / driven,
+            0.05 * peak if observed.scale is None else observed.scale / forced,
         )
-    spread = given.ToleranceOptions(
-        anchor,
-        stiffness_tolerance,
-        rest_length_tolerance,
-        friction=friction,
-        travel_tolerance=travel_tolerance,
-    ).tolerances(chain.measure)
+    spread = within.tolerances(chain.measure)
     with usable("what was seen"), progress("builds") as tell:
         found = lab.as_built(
             chain,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from stepwell.base import need, refuse_address
-from stepwell.cli.screen import report
+from stepwell.cli.screen import report, warn
 
 if TYPE_CHECKING:
     import stepwell.robot as values
@@ -134,23 +134,32 @@ Json = Annotated[
 ]
 
 
+@dataclass(frozen=True)
 class Group:
-    """Options that several commands share, as one value: a dataclass of options."""
+    """Options that belong together, as one value: a dataclass of options."""
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """The same command with every option of a group as an option of its own, which Typer reads."""
+    """The same command with every option of a group as an option of its own, which Typer reads.
+
+    A parameter is a group if its type is one; its default, or else the fields' own, are theirs.
+    """
     groups: dict[str, type[Group]] = {}
     options: dict[str, inspect.Parameter] = {}
     for name, one in inspect.signature(command, eval_str=True).parameters.items():
-        if not isinstance(one.default, Group):
+        kind = one.annotation
+        if not (isinstance(kind, type) and issubclass(kind, Group)):
             options[name] = one.replace(kind=inspect.Parameter.KEYWORD_ONLY)
             continue
-        kind = groups[name] = type(one.default)
-        for option, hint in get_type_hints(kind, include_extras=True).items():
-            default = getattr(one.default, option)
-            options[option] = inspect.Parameter(
-                option, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint
+        groups[name] = kind
+        hints = get_type_hints(kind, include_extras=True)
+        for part in fields(kind):  # type: ignore[arg-type]
+            default = getattr(one.default, part.name, part.default)
+            options[part.name] = inspect.Parameter(
+                part.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=inspect.Parameter.empty if default is MISSING else default,
+                annotation=hints[part.name],
             )
 
     @wraps(command)
@@ -182,6 +191,36 @@ class Output(Group):
 
 
 OUTPUT = Output()
+
+
+@dataclass(frozen=True)
+class Folder(Output):
+    """The same where a result is always written into a folder."""
+
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write the results into this folder.",
+            file_okay=False,
+            callback=local,
+        ),
+    ] = field(kw_only=True)
+
+
+@dataclass(frozen=True)
+class FilmedOutput(Output):
+    """The same of a simulation, whose folder holds a video too."""
+
+    no_video: Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")] = False
+
+    def report(self, account: Account, **options: Any) -> None:
+        """Write, print or show what is reported of a simulation."""
+        super().report(account, video=not self.no_video, warn=warn, **options)
+
+
 Robust = Annotated[
     float | None,
     typer.Option(
@@ -201,8 +240,6 @@ MobilityRatio = Annotated[
         "default 10, for up to 8 cells.",
     ),
 ]
-NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
-
 
 WITHOUT = "Without --out the result is shown, and --json prints all of it."
 

@@ -14,10 +14,10 @@ from stepwell.cli import options as completing
 from stepwell.cli.options import (
     OUTPUT,
     Arena,
+    FilmedOutput,
     Force,
     ForceFile,
     Json,
-    NoVideo,
     Output,
     Robot,
     free,
@@ -38,7 +38,6 @@ from stepwell.cli.screen import (
     stopped,
     subcommands,
     usable,
-    warn,
 )
 
 if TYPE_CHECKING:
@@ -239,8 +238,8 @@ def walk(
     cycles: Annotated[
         float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
     ] = 8,
-    no_video: NoVideo = False,
-    output: Output = OUTPUT,
+    *,
+    output: FilmedOutput,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
@@ -258,7 +257,7 @@ def walk(
     with usable(robot), progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
     found = account(result, About(text, robot))
-    output.report(found, video=not no_video, warn=warn)
+    output.report(found)
     stopped(result.stopped)
 
 
@@ -296,8 +295,8 @@ def maze(
     no_antennas: Annotated[
         bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
     ] = False,
-    no_video: NoVideo = False,
-    output: Output = OUTPUT,
+    *,
+    output: FilmedOutput,
     _: Annotated[
         bool,
         typer.Option(
@@ -325,7 +324,7 @@ def maze(
     with usable(robot), progress("walking") as tell:
         result = simulation.maze(design, place, limit=limit, progress=tell)
     found = account(result, About(text if design is given else design, robot, seeds=seeds))
-    output.report(found, video=not no_video, warn=warn)
+    output.report(found)
     stopped(result.walk.stopped)
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stepwell.accounts import account
+from stepwell.base import Measure
 from stepwell.cli import tolerances as parts
-from stepwell.cli.options import Design, Force, Json, free, local, read_design
+from stepwell.cli.options import Design, Folder, Group, Json, grouped, local, read_design
 from stepwell.cli.ranges import read_range
 from stepwell.cli.screen import (
     EXIT_CODES,
@@ -66,32 +67,9 @@ _Latin = Annotated[
 _Random = Annotated[
     int | None, typer.Option(metavar="N", min=1, help="N designs drawn independently.")
 ]
-_Built = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        min=1,
-        help="N random samples of the design within these tolerances:",
-    ),
-]
-Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 _Chunk = Annotated[
     int | None,
     typer.Option(metavar="N", min=1, help="Designs that are computed and written together."),
-]
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        min=0,
-        help="Processes at once; one for every core by default, 0 to do without any.",
-    ),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS", help="A running Dask scheduler, such as tcp://10.0.0.1:8786, instead."
-    ),
 ]
 _Estimate = Annotated[
     bool, typer.Option("--estimate", help="Print the estimated run time and disk space, then exit.")
@@ -114,185 +92,186 @@ _Engine = Annotated[
     ),
 ]
 
-# What some of them take besides the design and what varies.
-_OWN: dict[str, dict[str, tuple[Any, Any]]] = {
-    "program": {
-        "start": (
-            Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")],
-            None,
+
+@dataclass(frozen=True)
+class _Program(Group):
+    """What a program is searched for."""
+
+    start: Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")] = None
+    target: Annotated[str, typer.Option(metavar="STATE", help="As in 01.")] = field(kw_only=True)
+
+
+@dataclass(frozen=True)
+class _Walk(Group):
+    """How every robot walks."""
+
+    cycles: Annotated[int, typer.Option(help="How many cycles each walks.", min=1)] = 4
+    engine: _Engine = "cpu"
+
+
+@dataclass(frozen=True)
+class _Maze(Group):
+    """Where every robot walks."""
+
+    arena: Annotated[str, typer.Option(metavar="ARENA", help="A name, or a file of your own.")]
+    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0
+    layouts: Annotated[
+        int,
+        typer.Option(
+            help="So many layouts with walls and start a little elsewhere, the same for "
+            "every design; 0 takes the arena as it is.",
+            min=0,
         ),
-        "target": (Annotated[str, typer.Option(metavar="STATE", help="As in 01.")], ...),
-    },
-    "walk": {
-        "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4),
-        "engine": (_Engine, "cpu"),
-    },
-    "maze": {
-        "arena": (
-            Annotated[str, typer.Option(metavar="ARENA", help="A name, or a file of your own.")],
-            ...,
+    ] = 0
+    first: Annotated[
+        int,
+        typer.Option(
+            help="Number of the first of these layouts: others than those that a design "
+            "was chosen by are told apart so.",
+            min=0,
         ),
-        "limit": (Annotated[float, typer.Option(help="Time it is given [s].", min=1)], 600.0),
-        "layouts": (
-            Annotated[
-                int,
-                typer.Option(
-                    help="So many layouts with walls and start a little elsewhere, the same for "
-                    "every design; 0 takes the arena as it is.",
-                    min=0,
-                ),
-            ],
-            0,
+    ] = 0
+    place: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="How far a layout shifts each wall at most [mm]; 40 by default.",
+            min=0,
         ),
-        "first": (
-            Annotated[
-                int,
-                typer.Option(
-                    help="Number of the first of these layouts: others than those that a design "
-                    "was chosen by are told apart so.",
-                    min=0,
-                ),
-            ],
-            0,
+    ] = None
+    angle: Annotated[
+        float | None,
+        typer.Option(
+            metavar="DEG",
+            help="How far a layout turns each wall at most [deg]; 8 by default.",
+            min=0,
         ),
-        "place": (
-            Annotated[
-                float | None,
-                typer.Option(
-                    metavar="MM",
-                    help="How far a layout shifts each wall at most [mm]; 40 by default.",
-                    min=0,
-                ),
-            ],
-            None,
+    ] = None
+    engine: _Engine = "cpu"
+
+
+@dataclass(frozen=True)
+class _Call(Group):
+    """What is computed of every design."""
+
+    function: Annotated[
+        str,
+        typer.Option(
+            metavar="FILE.py:NAME",
+            help="A function of a design and a seed that gives numbers and texts by name.",
         ),
-        "angle": (
-            Annotated[
-                float | None,
-                typer.Option(
-                    metavar="DEG",
-                    help="How far a layout turns each wall at most [deg]; 8 by default.",
-                    min=0,
-                ),
-            ],
-            None,
-        ),
-        "engine": (_Engine, "cpu"),
-    },
-    "call": {
-        "function": (
-            Annotated[
-                str,
-                typer.Option(
-                    metavar="FILE.py:NAME",
-                    help="A function of a design and a seed that gives numbers and texts by name.",
-                ),
-            ],
-            ...,
-        )
-    },
-}
-
-# Robots have no tolerances.
-_OF_ROBOTS = {"walk", "maze"}
-_OF_CHAINS = {
-    "built",
-    "anchor",
-    "stiffness_tolerance",
-    "rest_length_tolerance",
-    "lever_tolerance",
-    "friction",
-    "travel_tolerance",
-}
-
-
-def _run(
-    what: str,
-    *,
-    design: Design,
-    out: _Store,
-    vary: _Vary = None,
-    table: _Table = None,
-    sobol: _Sobol = None,
-    latin: _Latin = None,
-    random: _Random = None,
-    built: _Built = None,
-    anchor: parts.Anchor = parts.ANCHOR_MM,
-    stiffness_tolerance: parts.StiffnessTolerance = parts.STIFFNESS_PERCENT,
-    rest_length_tolerance: parts.RestLengthTolerance = 0.0,
-    lever_tolerance: parts.LeverTolerance = 0.0,
-    friction: parts.Friction = 0.0,
-    travel_tolerance: parts.TravelTolerance = 0.0,
-    seed: Seed = 0,
-    chunk: _Chunk = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    estimate: _Estimate = False,
-    as_json: Json = False,
-    **own: Any,
-) -> None:
-    from stepwell import studies
-    from stepwell.kernels import cores
-    from stepwell.mechanism import Chain
-
-    _, subject = read_design(design)
-    ways = {"table": table, "sobol": sobol, "latin": latin, "random": random, "built": built}
-    chosen = [name for name, value in ways.items() if value is not None]
-    _refuse_two(chosen, bool(vary))
-    way = chosen[0] if chosen else "grid"
-    designs: Designs
-    if table is not None:
-        with usable("--table"):
-            designs = studies.read_table(table, subject)
-    elif built is not None:
-        within = (
-            anchor,
-            stiffness_tolerance,
-            rest_length_tolerance,
-            lever_tolerance,
-            friction,
-            travel_tolerance,
-        )
-        measure = {"measure": subject.measure} if isinstance(subject, Chain) else {}
-        with usable("--built"):
-            made = parts.ToleranceOptions(*within).tolerances(**measure)
-            designs = studies.Workshop(made, built, seed)
-    else:
-        count = sobol or latin or random or 0
-        with usable("--vary"):
-            axes = read_axes(vary or [], subject, drawn=bool(count))
-            designs = studies.Space(axes, studies.How(way), count, seed)
-    with usable(what):
-        study = studies.asked(subject, what, designs, out, given=_given(own, subject), chunk=chunk)
-    if estimate:
-        _tell(studies.estimate(study, cores() if workers is None else max(workers, 1)))
-        return
-    with usable(design):
-        begun = studies.begun(study)
-    _resumed(begun, workers, scheduler, as_json)
-
-
-def _command(what: str, doc: str) -> None:
-    """A command for something that is computed."""
-
-    def run(**options: Any) -> None:
-        _run(what, **options)
-
-    common = list(inspect.signature(_run, eval_str=True).parameters.values())
-    own = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
-        if default is not ...
-        else inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind)
-        for name, (kind, default) in _OWN.get(what, {}).items()
     ]
-    _, design, out, *others, _ = common
-    if what in _OF_ROBOTS:
-        others = [one for one in others if one.name not in _OF_CHAINS]
-    signature = inspect.Signature([design, *own, out, *others])
-    run.__signature__ = signature  # type: ignore[attr-defined]  what Typer reads
-    run.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+
+
+@dataclass(frozen=True)
+class Effort(Group):
+    """On which processes the work is done."""
+
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="Processes at once; one for every core by default, 0 to do without any.",
+        ),
+    ] = None
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class _Study(Effort):
+    """How the designs of a study are computed."""
+
+    seed: parts.Seed = 0
+    chunk: _Chunk = None
+    estimate: _Estimate = False
+    as_json: Json = False
+
+
+@dataclass(frozen=True)
+class _Drawn(Group):
+    """Which designs are computed."""
+
+    vary: _Vary = None
+    table: _Table = None
+    sobol: _Sobol = None
+    latin: _Latin = None
+    random: _Random = None
+
+    built = None  # an option of chains
+
+    def of(self, subject: Any, seed: int) -> Designs:
+        """The designs, as a study takes them."""
+        from stepwell import studies
+
+        ways = ("table", "sobol", "latin", "random", "built")
+        chosen = [name for name in ways if getattr(self, name) is not None]
+        _refuse_two(chosen, bool(self.vary))
+        if self.table is not None:
+            with usable("--table"):
+                return studies.read_table(self.table, subject)
+        if isinstance(self, _Chosen) and self.built is not None:
+            measure = getattr(subject, "measure", Measure.TRAVEL)
+            with usable("--built"):
+                return studies.Workshop(self.tolerances(measure), self.built, seed)
+        count = self.sobol or self.latin or self.random or 0
+        with usable("--vary"):
+            axes = read_axes(self.vary or [], subject, drawn=bool(count))
+            return studies.Space(axes, studies.How(chosen[0] if chosen else "grid"), count, seed)
+
+
+@dataclass(frozen=True)
+class _Sampled(_Drawn):
+    """The same of chains, which can be sampled too."""
+
+    built: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="N random samples of the design within these tolerances:"
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class _Chosen(parts.ToleranceOptions, _Sampled):
+    """The same with the tolerances of the samples."""
+
+
+def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
+    """A command for something that is computed of chains, or of robots."""
+
+    def run(
+        design: Design,
+        own: Group,
+        out: _Store,
+        designs: _Drawn,
+        how: _Study,
+    ) -> None:
+        from stepwell import studies
+        from stepwell.kernels import cores
+
+        _, subject = read_design(design)
+        chosen = designs.of(subject, how.seed)
+        with usable(what):
+            given = _given(own, subject)
+            study = studies.asked(subject, what, chosen, out, given=given, chunk=how.chunk)
+        if how.estimate:
+            workers = cores() if how.workers is None else max(how.workers, 1)
+            _show_estimate(studies.estimate(study, workers))
+            return
+        with usable(design):
+            begun = studies.begun(study)
+        _resumed(begun, how, how.as_json)
+
+    run.__annotations__ |= {"own": own, "designs": _Chosen if chains else _Drawn}
     run.__doc__ = doc
-    commands.command(what, epilog=EXIT_CODES)(run)
+    commands.command(what, epilog=EXIT_CODES)(grouped(run))
 
 
 _GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
@@ -307,6 +286,8 @@ _EXAMPLES = {
     "maze": f"{_FEET} --arena three-walls",
     "call": f"{_GRID} --function mine.py:count",
 }
+_OF_ROBOTS = {"walk": _Walk, "maze": _Maze}
+_OF_CHAINS = {"program": _Program, "call": _Call}
 for _what, _doc in {
     "cycle": "Compute the full cycle of every design: sequence, snaps, peak force, energy lost.",
     "margin": "Compute how far every design is from another sequence, by an anchor or a stiffness.",
@@ -323,14 +304,16 @@ for _what, _doc in {
         f"written to a store in chunks. To resume after an interruption, run the same command "
         f"again; the finished store is the same. If a design fails, its row contains the problem."
         f"\n\nExample: stepwell sweep {_what} {_EXAMPLES[_what]} --out store",
+        (_OF_ROBOTS | _OF_CHAINS).get(_what, Group),
+        _what not in _OF_ROBOTS,
     )
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def resume(
     store: _There,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
+    effort: Effort,
     as_json: Json = False,
 ) -> None:
     """Compute what is missing in a store.
@@ -339,15 +322,15 @@ def resume(
     """
     from stepwell.studies import opened
 
-    _resumed(opened(store), workers, scheduler, as_json)
+    _resumed(opened(store), effort, as_json)
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def extend(
     store: _There,
     count: Annotated[int, typer.Option(metavar="N", help="Designs in all.", min=1)],
-    workers: Workers = None,
-    scheduler: Scheduler = None,
+    effort: Effort,
     as_json: Json = False,
 ) -> None:
     """Add designs to a store whose designs were drawn; those that there are stay.
@@ -358,7 +341,7 @@ def extend(
 
     with usable("--count"):
         study = extended(opened(store), count)
-    _resumed(study, workers, scheduler, as_json)
+    _resumed(study, effort, as_json)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -445,22 +428,12 @@ def export(
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def report(
     store: _There,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="DIR",
-            help="Write the results here.",
-            file_okay=False,
-            callback=local,
-        ),
-    ],
     partial: _Partial = False,
-    force: Force = False,
-    as_json: Json = False,
+    *,
+    output: Folder,
 ) -> None:
     """Plot the results of a study on one page, and compute which number decides them.
 
@@ -468,22 +441,26 @@ def report(
     """
     from stepwell.studies import status
 
-    free(out, "sweep report", force)
+    output.free("sweep report")
     found = status(store)
     if not partial:
         found.study.require_whole()
-    show(account(found), as_json, out, force, partial=partial)
+    output.report(account(found), partial=partial)
 
 
-def _resumed(study: Study, workers: int | None, scheduler: str | None, as_json: bool) -> None:
+def _resumed(study: Study, effort: Effort, as_json: bool) -> None:
     from stepwell.studies import begun, resumed
 
-    if study.work.screen and scheduler is None:
+    if study.work.screen and effort.scheduler is None:
         _warn_without_gpu()
     kinds = Counter[str]()
-    with going_on(study.folder, scheduler, lambda: _so_far(kinds)) as tell:
+    with going_on(study.folder, effort.scheduler, lambda: _so_far(kinds)) as tell:
         found = resumed(
-            begun(study), workers, scheduler=scheduler, progress=tell, problems=kinds.update
+            begun(study),
+            effort.workers,
+            scheduler=effort.scheduler,
+            progress=tell,
+            problems=kinds.update,
         )
     show(account(found), as_json)
 
@@ -511,25 +488,26 @@ def _refuse_two(chosen: Sequence[str], varied: bool) -> None:
         raise typer.BadParameter("cannot stand with --vary.", param_hint=f"--{chosen[0]}")
 
 
-def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
+def _given(options: Group, subject: Any) -> dict[str, Any]:
     """What a study is given of these options."""
     from stepwell import files
     from stepwell.studies import function_of
 
+    if isinstance(options, _Call):
+        with usable("--function"):
+            return function_of(options.function, subject)
+    own = dict(vars(options))
     if own.get("engine") == "cpu":
         del own["engine"]  # as in stores that were begun when there was no other
-    if "arena" in own:
-        own |= {"arena": files.dumps(files.load_arena(own["arena"]))}
+    if isinstance(options, _Maze):
+        own["arena"] = files.dumps(files.load_arena(options.arena))
         for name, unit in (("place", 1e-3), ("angle", math.pi / 180)):
-            told = own.pop(name)
-            own |= {} if told is None else {name: told * unit}
-    if "function" in own:
-        with usable("--function"):
-            return function_of(own["function"], subject)
+            value = own.pop(name)
+            own |= {} if value is None else {name: value * unit}
     return own
 
 
-def _tell(found: StudyEstimate) -> None:
+def _show_estimate(found: StudyEstimate) -> None:
     from stepwell.base import counted, to_unit
 
     minutes = found.seconds / 60

@@ -29,36 +29,6 @@ if TYPE_CHECKING:
     from stepwell.mechanism import Chain
 
 
-ANCHOR_MM, STIFFNESS_PERCENT = to_unit(USUAL_ANCHOR, "mm"), to_unit(USUAL_STIFFNESS, "percent")
-
-Anchor = Annotated[
-    float,
-    typer.Option(
-        "--anchor",
-        metavar="MM",
-        help="Anchor tolerance: radius of a uniform distribution [mm].",
-        min=0,
-    ),
-]
-StiffnessTolerance = Annotated[
-    float,
-    typer.Option(
-        metavar="PERCENT",
-        help="Standard deviation of a band's stiffness, or of all forces of an element alike [%].",
-        min=0,
-        max=24.9,
-    ),
-]
-RestLengthTolerance = Annotated[
-    float,
-    typer.Option(
-        metavar="PERCENT", help="Standard deviation of a band's rest length [%].", min=0, max=24.9
-    ),
-]
-LeverTolerance = Annotated[
-    float,
-    typer.Option(metavar="MM", help="Every cell's lever is off by up to this [mm].", min=0),
-]
 Friction = Annotated[
     float,
     typer.Option(
@@ -76,15 +46,6 @@ TravelTolerance = Annotated[
         max=24.9,
     ),
 ]
-Samples = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        help=f"How many mechanisms are made at random; {QUICKLY}, or {ONE_BY_ONE} "
-        "where each is followed by the engine.",
-        min=1,
-    ),
-]
 Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 
 
@@ -92,20 +53,53 @@ Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 class Sampling(Group):
     """How many mechanisms are made at random, and which."""
 
-    samples: Samples = None
+    samples: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help=f"How many mechanisms are made at random; {QUICKLY}, or {ONE_BY_ONE} "
+            "where each is followed by the engine.",
+            min=1,
+        ),
+    ] = None
     seed: Seed = 0
 
 
 @dataclass(frozen=True)
-class ToleranceOptions(Group):
-    """The tolerances within which mechanisms are made."""
+class BandTolerances(Group):
+    """The tolerances of bands and elements that all commands with tolerances take."""
 
-    anchor: Anchor = ANCHOR_MM
-    stiffness_tolerance: StiffnessTolerance = STIFFNESS_PERCENT
-    rest_length_tolerance: RestLengthTolerance = 0.0
-    lever_tolerance: LeverTolerance = 0.0
-    friction: Friction = 0.0
-    travel_tolerance: TravelTolerance = 0.0
+    anchor: Annotated[
+        float,
+        typer.Option(
+            "--anchor",
+            metavar="MM",
+            help="Anchor tolerance: radius of a uniform distribution [mm].",
+            min=0,
+        ),
+    ] = to_unit(USUAL_ANCHOR, "mm")
+    stiffness_tolerance: Annotated[
+        float,
+        typer.Option(
+            metavar="PERCENT",
+            help="Standard deviation of a band's stiffness, or of all forces of an element alike "
+            "[%].",
+            min=0,
+            max=24.9,
+        ),
+    ] = to_unit(USUAL_STIFFNESS, "percent")
+    rest_length_tolerance: Annotated[
+        float,
+        typer.Option(
+            metavar="PERCENT",
+            help="Standard deviation of a band's rest length [%].",
+            min=0,
+            max=24.9,
+        ),
+    ] = 0.0
+
+    # Options of the groups below.
+    lever_tolerance = friction = travel_tolerance = 0.0
 
     def tolerances(self, measure: Measure = Measure.TRAVEL) -> Tolerances:
         """The same in SI; friction is in the unit in which forces of the measure are shown."""
@@ -121,6 +115,24 @@ class ToleranceOptions(Group):
                 self.friction / factor,
                 from_unit(self.travel_tolerance, "percent"),
             )
+
+
+@dataclass(frozen=True)
+class DesignTolerances(BandTolerances):
+    """The tolerances of a mechanism that is being designed."""
+
+    lever_tolerance: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Every cell's lever is off by up to this [mm].", min=0),
+    ] = 0.0
+    friction: Friction = 0.0
+
+
+@dataclass(frozen=True)
+class ToleranceOptions(DesignTolerances):
+    """The tolerances within which mechanisms are made."""
+
+    travel_tolerance: TravelTolerance = 0.0
 
 
 SAMPLING, USUAL = Sampling(), ToleranceOptions()
