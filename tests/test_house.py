@@ -323,7 +323,7 @@ def test_the_package_holds_sources_and_data_that_it_reads_and_nothing_else():
     data = ("files/presets/", "files/arenas/", "studio/page/", "py.typed")
     strays = [
         name
-        for file in repository_files()
+        for file in repository_texts()
         if file.is_relative_to(package) and file.suffix not in (".py", ".html")
         if not (name := file.relative_to(package).as_posix()).startswith(data)
     ]
