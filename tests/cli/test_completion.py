@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from sizes import SIZE
 from stepwell.cli import options
 
 START = [sys.executable, "-c", "import stepwell.cli as c; c.main()"]
@@ -33,6 +34,9 @@ def asked(shell: str, line: str, folder) -> str:
 def test_a_shell_is_offered_commands_options_and_names(shell, tmp_path):
     (tmp_path / "mine.toml").write_text("", "utf-8")
     assert "yield" in asked(shell, "stepwell yi", tmp_path)
+    # What is offered is the same for all; how a shell asks and is answered is not.
+    if shell != "bash" and SIZE == "ci":
+        return
     assert "--mobility-ratio" in asked(shell, "stepwell run x --mob", tmp_path)
     presets = asked(shell, "stepwell run preset:paper-f", tmp_path).replace("\\", "")
     assert "preset:paper-forward" in presets and "three-wave" not in presets

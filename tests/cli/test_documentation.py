@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import sys
 from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock
@@ -12,7 +13,7 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
-from stepwell import files, lab
+from stepwell import files, lab, studies
 from stepwell.accounts import account
 from stepwell.cli import app
 from stepwell.design import (
@@ -223,6 +224,18 @@ PICTURES = {
 }
 
 
+def _charted_once(charted):
+    found = {}
+
+    def once(study, *, tolerances, checks, progress):
+        key = study.identity, tolerances
+        if key not in found:
+            found[key] = charted(study, tolerances=tolerances, checks=checks, progress=progress)
+        return found[key]
+
+    return once
+
+
 @pytest.mark.slow
 @pytest.mark.shown
 @pytest.mark.parametrize(
@@ -234,6 +247,10 @@ PICTURES = {
 )
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypatch):
     monkeypatch.delenv("COLUMNS")
+    # In this process: starting others takes longer than the studies of the pages.
+    monkeypatch.setattr(sys.modules["stepwell.studies.run"], "cores", lambda: 0)
+    # One atlas asked twice for the same tolerances is charted once, with the checks of the first.
+    monkeypatch.setattr(studies, "charted", _charted_once(studies.charted))
     (tmp_path / "forward.toml").unlink()  # the pages make it themselves
     blocks = FENCE.findall(page(name))
     assert "console" in {language for language, _, _ in blocks}
