@@ -99,7 +99,7 @@ def test_a_survival_has_its_program_and_its_share():
     assert record["turning_points_N"] == [*program.turning_points]
     assert (record["from"], record["target"]) == (program.start, "01")
     screen, shown, made = _forms(found)
-    assert all(f"{record['to']} by the program" in form for form in (screen, shown, made))
+    assert all(f"{record['target']} by the program" in form for form in (screen, shown, made))
     assert f"{record['successes']} of 20" in made
 
 

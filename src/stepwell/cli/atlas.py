@@ -34,7 +34,7 @@ _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)
 
 
 @dataclass(frozen=True)
-class Space(Group):
+class SpaceOptions(Group):
     """The space of designs, and which of them are drawn."""
 
     design: Annotated[
@@ -103,7 +103,7 @@ def build(
             "--out", "-o", metavar="STORE", help="The store, a folder of Zarr.", callback=local
         ),
     ],
-    space: Space,
+    space: SpaceOptions,
     drive: Annotated[str, typer.Option(help="stroke or force.")] = "stroke",
     *,
     effort: Effort,

@@ -58,7 +58,7 @@ def check(
 
 
 @dataclass(frozen=True)
-class Counted(Group):
+class CountedOptions(Group):
     """Which mechanisms count as working."""
 
     target: Annotated[
@@ -92,14 +92,14 @@ class Counted(Group):
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
 
 
-COUNTED = Counted()
+COUNTED = CountedOptions()
 
 
 @grouped
 def yield_(
     design: Design,
     within: given.ToleranceOptions = given.USUAL,
-    counted: Counted = COUNTED,
+    counted: CountedOptions = COUNTED,
     data: Data = None,
     sampling: given.Sampling = given.SAMPLING,
     output: Output = OUTPUT,

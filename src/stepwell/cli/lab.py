@@ -41,7 +41,7 @@ BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 
 
 @dataclass(frozen=True)
-class Seen(Group):
+class SeenOptions(Group):
     """What was seen of a first build, and how surely."""
 
     seen: Annotated[
@@ -77,13 +77,13 @@ class Seen(Group):
     ] = None
 
 
-SEEN = Seen()
+SEEN = SeenOptions()
 
 
 @grouped
 def as_built(
     design: Design,
-    observed: Seen = SEEN,
+    observed: SeenOptions = SEEN,
     target: Annotated[
         str | None,
         typer.Option(metavar="STATES", help="What it should do; by default what the drawing does."),
