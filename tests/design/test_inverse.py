@@ -80,7 +80,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
 @pytest.mark.parametrize("cells", [1, 2, 4, 5, 6, 8])
 def test_random_cycles_of_more_cells_are_found(cells):
     rng = np.random.default_rng(cells)
-    for _ in range(examples(3)):
+    for _ in range(examples(2, full=60)):
         loading, unloading = (rng.permutation(cells).tolist() for _ in range(2))
         wanted = cycle(loading, unloading)
         made = design(wanted, samples=FEW)
@@ -176,7 +176,7 @@ def test_a_search_from_anywhere_finds_nothing_more_robust():
         assert made.best is not None
         table = made.tables[0]
         search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
-        for _ in range(examples(2, full=60)):
+        for _ in range(examples(1, full=60)):
             start = placement.measured(rule, orders, table.take(rng.integers(len(table.q), size=3)))
             start, _ = search.settle(start, lambda i, now, table=table: table, 50)
             other = search.refine(start, 0.001)
@@ -220,7 +220,8 @@ def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
     rule = candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
     found = rule.everything(PAPER_BOX, q)
     chain = sw.Chain([paper_cell(*place) for place in q.tolist()])
-    made = yields(chain, tolerances, samples=4000).end_forces(4000)
+    n = examples(1500, full=4000)
+    made = yields(chain, tolerances, samples=n).end_forces(n)
     np.testing.assert_allclose(found.down, np.std(made, axis=0), rtol=0.06)
     np.testing.assert_array_equal(found.up, found.down)
     # Friction raises all F0 alike, and lowers all F1.
@@ -312,7 +313,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
     rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
-    for loading, unloading in PAIRS[: examples(3, full=6)]:
+    for loading, unloading in PAIRS[: examples(2, full=6)]:
         orders = Orders(loading, unloading)
         made = attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete

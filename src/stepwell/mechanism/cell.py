@@ -234,9 +234,10 @@ class Cell(ByValue, Drawn):
     def phases(self) -> tuple[Phase, ...]:
         """Its two states, at the stops."""
         full = self.full_travel
+        force_0, force_1 = self.force((-self.limit, self.limit)).tolist()
         return (
-            Phase(0, 0.0, 0.0, -math.inf, self.force_0),
-            Phase(0, full, full, self.force_1, math.inf),
+            Phase(0, 0.0, 0.0, -math.inf, force_0),
+            Phase(0, full, full, force_1, math.inf),
         )
 
     @property
