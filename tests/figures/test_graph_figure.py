@@ -54,6 +54,12 @@ def graph_of(name: str):
     return CHAINS[name].graph()
 
 
+@cache
+def figure_of(name: str):
+    """Several tests look at the same figure."""
+    return figures.transition_graph(graph_of(name))
+
+
 def places(figure) -> dict[str, tuple[float, float]]:
     """Where every name stands [mm]."""
     return {text.get_text(): text.get_position() for text in figure.axes[0].texts}
@@ -70,8 +76,7 @@ def boxes(figure, gid: str) -> int:
     [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS],
 )
 def test_every_state_has_its_name_and_no_word_covers_another(name):
-    graph = graph_of(name)
-    figure = figures.transition_graph(graph)
+    graph, figure = graph_of(name), figure_of(name)
     said = says(figure)
     for state in graph.vertices:
         assert said.count(state) == 1
@@ -82,15 +87,15 @@ def test_every_state_has_its_name_and_no_word_covers_another(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["nested 6", "force 6", "spring 6", "shuffle"])
 def test_boxes_do_not_touch(name):
-    ax = figures.transition_graph(graph_of(name)).axes[0]
+    ax = figure_of(name).axes[0]
     drawn = [p.get_window_extent() for p in ax.patches if isinstance(p, FancyBboxPatch)]
     for k, box in enumerate(drawn):
         assert not any(box.overlaps(other) for other in drawn[:k])
 
 
 def test_states_stand_by_their_number_of_cells_at_1():
-    graph = nested(5).graph()
-    at = places(figures.transition_graph(graph))
+    graph = graph_of("nested 5")
+    at = places(figure_of("nested 5"))
     columns = {
         ones: {at[v][0] for v in graph.vertices if v.count("1") == ones} for ones in range(6)
     }
@@ -101,7 +106,7 @@ def test_states_stand_by_their_number_of_cells_at_1():
 
 
 def test_loading_and_unloading_differ_in_colour_and_line():
-    figure = figures.transition_graph(nested(3).graph())
+    figure = figure_of("nested 3")
     up, down = lines(figure, "loading"), lines(figure, "unloading")
     assert {line.get_color() for line in up} == {LOADING}
     assert {line.get_color() for line in down} == {UNLOADING}
@@ -114,7 +119,7 @@ def test_loading_and_unloading_differ_in_colour_and_line():
 def test_every_snap_is_marked(name):
     graph = graph_of(name)
     snaps = sum(one.kind is TransitionKind.SNAP for *_, one in graph.transitions())
-    assert marks(figures.transition_graph(graph), "snaps") == snaps > 0
+    assert marks(figure_of(name), "snaps") == snaps > 0
 
 
 @pytest.mark.parametrize(
@@ -131,22 +136,17 @@ def test_every_snap_is_marked(name):
     ],
 )
 def test_half_way_states_are_shown_where_they_offer_another_way(name, half_way):
-    graph = graph_of(name)
-    assert {word for word in says(figures.transition_graph(graph)) if "-" in word} - {
-        "cell half-way"
-    } == half_way
+    assert {word for word in says(figure_of(name)) if "-" in word} - {"cell half-way"} == half_way
 
 
 def test_in_long_chains_half_way_states_are_dots():
-    graph = nested(4).graph()
-    figure = figures.transition_graph(graph)
+    figure = figure_of("nested 4")
     assert marks(figure, "half") == 8
     assert "half-way state" in legend_of(figure)
 
 
 def test_states_out_of_reach_and_gardens_of_eden_are_set_apart():
-    graph = CHAINS["shuffle"].graph()
-    figure = figures.transition_graph(graph)
+    graph, figure = graph_of("shuffle"), figure_of("shuffle")
     aside = set(graph.reading.unreachable)
     gardens = set(graph.reading.garden_of_eden)
     assert boxes(figure, "garden") == len(gardens) > 0
@@ -156,7 +156,7 @@ def test_states_out_of_reach_and_gardens_of_eden_are_set_apart():
 
 
 def test_where_all_is_reached_nothing_is_set_apart():
-    figure = figures.transition_graph(nested(3).graph())
+    figure = figure_of("nested 3")
     assert legend_of(figure) == ["loading", "unloading", "main loop", "snap", "cell half-way"]
 
 
@@ -166,7 +166,7 @@ def test_where_all_is_reached_nothing_is_set_apart():
 )
 def test_the_main_loop_is_the_cycle_and_bold(name):
     chain = CHAINS[name]
-    figure = figures.transition_graph(graph_of(name))
+    figure = figure_of(name)
     bold = {text.get_text() for text in figure.axes[0].texts if text.get_fontweight() == "bold"}
     assert bold == set(chain.cycle().sequence)
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import cache
 
 import matplotlib as mpl
 import pytest
@@ -19,6 +20,12 @@ QUICK = ("paper-forward", "three-wave", "compliant-actuator")
 OF_A_PATH = (figures.force_stroke, figures.travel_stroke, figures.landscape)
 
 
+@cache
+def standard_of(name: str) -> dict[str, Figure]:
+    """Several tests look at the same figures."""
+    return figures.standard(files.preset(name).cycle())
+
+
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PRESETS],
@@ -28,7 +35,7 @@ def test_no_word_covers_another_or_leaves_the_page(name):
     drawn = {"overview": figures.overview(cycle)}
     if name in QUICK or SIZE == "full":
         # What the overview holds, each by itself.
-        drawn |= figures.standard(cycle)
+        drawn |= standard_of(name)
     for kind, figure in drawn.items():
         assert untidy(figure) == [], kind
 
@@ -70,8 +77,7 @@ def test_every_axis_with_a_dimension_names_its_unit():
 
 
 def test_figures_fit_the_columns_of_a_journal_page():
-    cycle = files.preset("paper-forward").cycle()
-    drawn = figures.standard(cycle)
+    drawn = standard_of("paper-forward")
     widths = {name: 25.4 * figure.get_size_inches()[0] for name, figure in drawn.items()}
     assert widths == pytest.approx(
         {"mechanism": 180.0, "landscape": 85.0, "force_stroke": 85.0, "travel_stroke": 85.0}
@@ -80,8 +86,7 @@ def test_figures_fit_the_columns_of_a_journal_page():
 
 @pytest.mark.slow
 def test_no_word_is_smaller_than_seven_points():
-    cycle = files.preset("paper-forward").cycle()
-    for figure in figures.standard(cycle).values():
+    for figure in standard_of("paper-forward").values():
         assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
 
 
@@ -91,7 +96,6 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone(tmp_path):
     before = dict(mpl.rcParams)
     for figure in figures.standard(cycle).values():
         figures.svg(figure)
-    figures.overview(cycle)
     figures.unit_cell_force(cycle.chain.cells)
     figures.unit_cell_energy(cycle.chain.cells)
     figures.animation(cycle, tmp_path / "cycle.gif", seconds=0.5, fps=4)

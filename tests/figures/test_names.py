@@ -14,6 +14,7 @@ from matplotlib.text import Text
 
 import stepwell as sw
 from lab.machine import pair, unit
+from sizes import SIZE
 from stepwell import figures, files, lab, simulation
 from stepwell.design import (
     Tolerances,
@@ -30,7 +31,10 @@ from stepwell.lab.series import paper_cell
 from stepwell.paper import Effect, Sensitivity
 from stepwell.studies import Axis, DecidingNumbers, Influence, Space, sweep
 
-NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
+# Mathematics, a field of a format, a name that legends leave out, letters that cannot be printed.
+NAMES = ["$\\frac$", "{}", "_hidden", "a\u202eb"]
+if SIZE == "full":
+    NAMES += ["$$", "$a$", "a_b^c", "%", "\\", "\x1b[1m"]
 ALL = "$\\frac$_^%"
 
 
