@@ -52,6 +52,7 @@ def test_a_certified_cell_is_taut_and_its_force_falls():
     assert [s for s in certified if not falls_and_is_taut(s)] == []
 
 
+@pytest.mark.slow
 def test_almost_every_concave_cell_is_certified():
     rng = np.random.default_rng(2)
     concave = [s for s in (any_simple(rng) for _ in range(examples(1000))) if falls_and_is_taut(s)]
@@ -64,6 +65,7 @@ def test_the_papers_cells_are_certified(q):
     assert certify(numbers(simple_cell(q)), 0.0)
 
 
+@pytest.mark.slow
 def test_a_proof_for_a_disc_holds_for_every_anchor_in_it():
     rng = np.random.default_rng(3)
     discs = 0
@@ -112,6 +114,7 @@ def test_forces_and_their_slope_are_those_of_the_cell():
         assert slope == pytest.approx(difference, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_travel_at_a_force_is_exact_to_rounding():
     rng = np.random.default_rng(5)
     for _ in range(examples(300)):

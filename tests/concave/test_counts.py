@@ -93,7 +93,7 @@ def check(windows: Windows):
 @pytest.mark.parametrize("n", range(1, 11))
 def test_counts_of_hysterons_are_those_of_all_their_states(n):
     rng = np.random.default_rng(n)
-    for _ in range(examples(8)):
+    for _ in range(examples(4, full=160)):
         fields = np.sort(rng.permutation(2 * n).reshape(n, 2), axis=1)
         assert check(two_phases(fields[:, 1], fields[:, 0])) is not None
 
@@ -102,7 +102,7 @@ def test_counts_of_hysterons_are_those_of_all_their_states(n):
 @pytest.mark.parametrize("n", [12, 14])
 def test_counts_of_hysterons_are_those_of_all_their_states_up_to_fourteen(n):
     rng = np.random.default_rng(n)
-    for k in range(examples(4)):
+    for k in range(examples(2, full=80)):
         # Of every second one all states stand.
         up, down = rng.permutation(n) + n * (k % 2), rng.permutation(n) - 0.5 * n
         check(two_phases(np.maximum(up, down + 0.5), down))

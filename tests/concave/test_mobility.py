@@ -37,7 +37,7 @@ def rests(cycle: sw.Cycle) -> list[np.ndarray]:
 def test_end_forces_that_decide_a_cycle_decide_it_for_any_mobilities(stiffness, lever):
     rng = np.random.default_rng(7)
     judged = landed = 0
-    for _ in range(examples(60)):
+    for _ in range(examples(30, full=1200)):
         cells = [concave_cell(rng) for _ in range(int(rng.integers(2, 7)))]
         cells = [
             replace(
@@ -74,6 +74,7 @@ def test_sorting_is_not_used_where_mobilities_differ_since_they_change_its_landi
     assert followed.sequence == sorted_.sequence
 
 
+@pytest.mark.slow
 def test_relays_under_a_prescribed_force_feel_no_mobilities():
     rng = np.random.default_rng(3)
     for _ in range(examples(20)):
@@ -89,6 +90,7 @@ def test_relays_under_a_prescribed_force_feel_no_mobilities():
             assert np.array_equal(ours, theirs)
 
 
+@pytest.mark.slow
 def test_a_pair_under_a_prescribed_stroke_feels_no_mobilities():
     rng = np.random.default_rng(4)
     for _ in range(examples(40)):
@@ -100,6 +102,7 @@ def test_a_pair_under_a_prescribed_stroke_feels_no_mobilities():
             assert np.allclose(ours.after, theirs.after, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_stroke_leads_from_ideal_to_ideal_for_any_mobilities():
     # Theory page, "Stroke programs", (a): turned at vertices, a chain moves as its relays do.
     rng = np.random.default_rng(5)

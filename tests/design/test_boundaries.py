@@ -62,6 +62,7 @@ def test_the_papers_map_has_two_order_curves_and_two_limits_of_bistability():
         assert np.min(np.linalg.norm(boundary.points - (0.010, 0.0), axis=1)) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moving", [0, 1])
 def test_on_an_exact_boundary_the_forces_are_equal_to_rounding(moving):
     stays = PAPER.cells[1 - moving]
@@ -78,6 +79,7 @@ def test_on_an_exact_boundary_the_forces_are_equal_to_rounding(moving):
         assert boundary.error < 1e-14
 
 
+@pytest.mark.slow
 def test_across_an_exact_boundary_the_sequence_changes_within_a_nanometre():
     for boundary in orders(boundaries(PAPER, x=X, y=Y)):
         for q in some(boundary, 6):
@@ -152,6 +154,7 @@ def test_past_the_proof_the_engine_is_asked_and_the_boundary_says_so():
     assert max(gaps) > 1e-6
 
 
+@pytest.mark.slow
 def test_no_curve_is_drawn_twice():
     # Unequal limits: some designs need the engine though both cells are concave, and the
     # order curves run through them.
@@ -223,6 +226,7 @@ def test_a_boundary_prints_what_changes_and_how_it_was_found():
     says(text, "inner and outer", "loading", "exact")
 
 
+@pytest.mark.slow
 def test_of_any_chain_each_point_parts_the_two_sequences_that_it_says():
     chain = sw.Chain((cell(10, 0), cell(15, 10), cell(12, -5)))
     found = orders(boundaries(chain, 1, x=X, y=Y))

@@ -39,6 +39,7 @@ def test_the_rule_holds_at_its_bounds(low, high, verdict):
     assert tied is not Verdict.WORKS
 
 
+@pytest.mark.slow
 def test_two_bands_in_one_hole_are_odd_once():
     band = sw.Band((-0.010, 0.0), (0.030, 0.0), 60.0, 0.025)
     chain = sw.Chain(
@@ -65,6 +66,7 @@ def random_chains(count: int) -> list[Chain]:
     return found
 
 
+@pytest.mark.slow
 def test_the_killer_breaks_it_and_a_tenth_less_does_not():
     for chain in random_chains(examples(6)):
         found = check(chain, samples=300)
@@ -95,6 +97,7 @@ def moved(killer, by: float) -> Chain:
     return replace(chain, cells=tuple(cells))
 
 
+@pytest.mark.slow
 def test_wider_tolerances_never_make_a_verdict_better():
     order = [Verdict.WONT, Verdict.FRAGILE, Verdict.WORKS]
     for chain in random_chains(examples(4)):
@@ -105,6 +108,7 @@ def test_wider_tolerances_never_make_a_verdict_better():
         assert ranks == sorted(ranks, reverse=True)
 
 
+@pytest.mark.slow
 def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     tried = 0
     for chain in random_chains(examples(10)):
@@ -133,6 +137,7 @@ def test_every_design_gets_a_verdict(name):
     assert found.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
 
 
+@pytest.mark.slow
 def test_a_program_is_checked_by_where_it_ends():
     hand = sw.load("preset:finger-selector")
     program = hand.program("00100")
@@ -157,6 +162,7 @@ def test_a_program_of_another_chain_and_no_cycle_are_refused():
         check(hand, "0>1")
 
 
+@pytest.mark.slow
 def test_the_page_of_a_check_shows_what_those_built_do_and_moves(tmp_path):
     reports.write(check(sw.preset("paper-forward"), samples=60), tmp_path)
     page = (tmp_path / "report.html").read_text("utf-8")

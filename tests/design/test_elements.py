@@ -240,6 +240,7 @@ def test_margins_of_relays_are_exact(friction):
     assert "force scale" in repr(margin)
 
 
+@pytest.mark.slow
 def test_the_margins_of_elements_under_a_stroke_are_searched_on_both_sides():
     chain = pair(STROKE)
     now = chain.cycle().sequence
@@ -336,6 +337,7 @@ def test_a_map_over_scales_tells_what_each_chain_does():
     assert np.all(np.isnan(data.margin))
 
 
+@pytest.mark.slow
 def test_boundaries_over_scales_are_where_forces_meet():
     chain = pair(FORCE)
     axes = ("a.force_scale", [0.8, 2.0]), ("b.force_scale", [0.8, 2.0])
@@ -375,6 +377,7 @@ CYCLES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", [[SNAP], [SOFT], [SNAP, SOFT]])
 @pytest.mark.parametrize("cycle", CYCLES)
 def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_impossible(
@@ -399,6 +402,7 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
     assert "force scale" in str(found)
 
 
+@pytest.mark.slow
 def test_elements_are_designed_for_states_in_reach():
     found = sw.design(
         states=["00", "10", "11"], elements=[SNAP, SOFT], actuator_stiffness=FORCE, samples=10

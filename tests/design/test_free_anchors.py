@@ -115,6 +115,7 @@ def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
         np.testing.assert_allclose(looked, closed, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("holes", [None, HOLES])
 def test_measured_bands_are_placed_and_the_engine_decides(holes):
     found = sw.design(THREE, bands=[Stock.of(rubber(), 0.04)], holes=holes, samples=20)

@@ -114,6 +114,7 @@ def test_a_design_is_the_same_every_time():
 ROUGH = Tolerances(anchor=0.0015, stiffness=0.12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("loading", "unloading"), [((0, 1, 2), (0, 1, 2)), ((0, 1, 2, 3), (1, 3, 0, 2))]
 )
@@ -250,6 +251,7 @@ def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:
     return bool(good.any())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("within", "pitch", "possible"),
     [
@@ -332,6 +334,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
             assert made.best.quality(False)[0] == pytest.approx(best[0], rel=1e-9)
 
 
+@pytest.mark.slow
 @given(
     arrays(float, (2, 5, 5), elements=st.floats(-4, 4).map(lambda v: -np.inf if v < -1 else v)),
     st.lists(st.booleans(), min_size=15, max_size=15),
@@ -516,6 +519,7 @@ def test_anchors_stay_in_a_polygon(within, objective):
     assert np.all(away < 1e-6)
 
 
+@pytest.mark.slow
 def test_each_cell_may_have_its_own_region():
     within = (
         AnchorBox(0.015, 0.020, -0.002, 0.002),
@@ -615,6 +619,7 @@ def test_of_several_levers_one_is_chosen_for_all():
     assert "2 combinations" in made.method
 
 
+@pytest.mark.slow
 def test_unequal_levers_are_taken_only_if_the_engine_agrees():
     mixed = design(NESTED, lever=(0.012, 0.018), equal_levers=False, samples=FEW)
     refuses_nothing(mixed, NESTED)
@@ -634,6 +639,7 @@ def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
     assert made.robustness is None
 
 
+@pytest.mark.slow
 def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
     from stepwell.design import targets as target
 

@@ -60,6 +60,7 @@ def variants() -> dict[str, sw.Chain]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", variants())
 @pytest.mark.parametrize("moving", [0, 1])
 def test_every_design_of_a_map_does_what_the_engine_says(name, moving):

@@ -70,6 +70,7 @@ def test_nearer_than_the_margin_no_displacement_changes_the_sequence():
                 assert sequence(shifted(chain, change.cell, move)) == now
 
 
+@pytest.mark.slow
 def test_past_the_margin_the_sequence_is_the_one_foretold():
     for chain, margin in concave_margins(2, examples(10)):
         now = sequence(chain)
@@ -84,6 +85,7 @@ def test_past_the_margin_the_sequence_is_the_one_foretold():
             assert change.becomes != now
 
 
+@pytest.mark.slow
 def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
     exact = 0
     for chain, margin in concave_margins(3, examples(10)):
@@ -144,6 +146,7 @@ def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
         assert change.distance == pytest.approx(min(distances), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_stiffness_may_change_up_to_its_margin_either_way_and_not_beyond():
     for chain, margin in concave_margins(5, examples(10)):
         now = sequence(chain)
@@ -159,6 +162,7 @@ def test_stiffness_may_change_up_to_its_margin_either_way_and_not_beyond():
             assert sequence(stiffened(chain, change.cell, 1 + past)) == change.becomes != now
 
 
+@pytest.mark.slow
 def test_no_stiffness_reaches_a_force_of_the_other_sign():
     # F0 and F1 are both negative in one cell and both positive in the other.
     chain = sw.Chain((cell(0, -15), cell(0, 15)))
@@ -224,6 +228,7 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
         assert stiff.distance == pytest.approx(exact.stiffness[number], abs=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chain",
     [
@@ -267,6 +272,7 @@ def test_all_bands_of_a_cell_move_together():
     np.testing.assert_allclose([b.q for b in moved.bands], [(0.011, -0.002), (0.013, 0.001)])
 
 
+@pytest.mark.slow
 def test_a_chain_of_hundreds_has_an_exact_margin_for_every_cell():
     margin = sw.margin(concave_chain(np.random.default_rng(9), 300))
     assert margin.method == "exact"

@@ -35,6 +35,7 @@ def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
     assert RACE.yields(NARROW, samples=5, robust=1.5).share == 1.0
 
 
+@pytest.mark.slow
 def test_what_is_counted_is_right_and_all_its_landings_hold():
     chain = any_chain(np.random.default_rng(4), 3, friction=False)
     found = chain.yields(sw.Tolerances(anchor=0.0005), samples=examples(6), robust=RATIO)
@@ -73,6 +74,7 @@ def test_states_are_wanted_with_landings_that_hold():
     assert dict(RACE.yields(NARROW, samples=2, target=wanted, robust=RATIO).outcomes) == {HANGS: 2}
 
 
+@pytest.mark.slow
 def test_mobilities_are_drawn_evenly_on_a_scale_of_logarithms_within_their_ratio():
     tolerances = sw.Tolerances(mobility=25.0)
     drawn = [Draws(RACE, tolerances, 0).sample(k) for k in range(400)]

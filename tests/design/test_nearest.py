@@ -35,6 +35,7 @@ def test_beyond_several_lines_the_nearest_one_is_found():
         assert 0 <= np.linalg.norm(found) - away.min() < CLOSE
 
 
+@pytest.mark.slow
 def test_in_the_corner_between_two_lines_the_tip_is_found():
     rng = np.random.default_rng(2)
     for _ in range(examples(60)):
@@ -50,6 +51,7 @@ def test_in_the_corner_between_two_lines_the_tip_is_found():
         assert 0 <= np.linalg.norm(found) - np.linalg.norm(tip) < 1e-3 * np.linalg.norm(tip)
 
 
+@pytest.mark.slow
 def test_of_two_islands_the_nearer_is_found_and_none_farther_than_asked():
     rng = np.random.default_rng(3)
     for _ in range(examples(40)):

@@ -189,6 +189,7 @@ def test_the_map_names_its_axes_with_their_units():
     assert data.sizes == {"y": 2, "x": 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", [PAPER, TILTED, THREE], ids=["pair", "tilted", "three"])
 def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
     names = (f"{chain.names[-1]}.q.x", f"{chain.names[0]}.stiffness")
@@ -206,6 +207,7 @@ def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
             assert sides == set(curve.sequences)
 
 
+@pytest.mark.slow
 def test_an_exact_curve_is_where_two_forces_are_equal_to_rounding():
     names = ("inner.stiffness", "outer.q.x")
     found = orders(
@@ -235,6 +237,7 @@ def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
     np.testing.assert_allclose(curve.points[:, 0] / curve.points[:, 1], ratio, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_moves_the_curves_by_its_force_exactly():
     # A cell leaves 0 at F0 + f and leaves 1 at F1 - f.
     names = ("outer.q.x", "inner.friction")
@@ -296,6 +299,7 @@ def test_wherever_neighbours_on_a_map_differ_a_curve_passes_between():
         assert np.min(np.max(np.abs(points - middle) / step, axis=1)) < 1
 
 
+@pytest.mark.slow
 def test_a_long_chain_names_the_cells_that_change_places():
     chain = concave_chain(np.random.default_rng(8), 6)
     found = parameter_boundaries(

@@ -239,7 +239,7 @@ def test_without_a_closed_form_it_is_searched_and_says_so(chain):
         assert result.resolution in str(result)
         assert result.after != result.before
         assert target in (None, result.after)
-        for _ in range(examples(30)):
+        for _ in range(examples(15, full=600)):
             near = does(chain, "outer.q", somewhere(rng, 0.98 * result.distance))
             assert near == result.before if target is None else near != target
         on_line = reprogram(chain, target, "outer.q", along=(1, -1), reach=REACH)
@@ -257,6 +257,7 @@ def test_a_search_finds_what_is_exact_where_both_hold():
         assert exact.distance - 1e-6 < searched.distance < exact.distance * 1.0005 + 2e-6
 
 
+@pytest.mark.slow
 def test_where_the_proof_ends_on_the_way_the_closed_form_is_checked_by_asking():
     # The antenna robot's bands: slack cells lie nearer than the target, on the other side.
     inner = sw.Cell(sw.Band((-0.007, 0.0), (0.010, 0.0), stiffness=47.0, rest_length=0.022))
@@ -274,6 +275,7 @@ def test_where_the_proof_ends_on_the_way_the_closed_form_is_checked_by_asking():
     assert both.distance == pytest.approx(one_way.distance, abs=1e-12)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.sampled_from("pq"))
 def test_the_push_is_the_slope_of_the_bands_energy_at_fixed_travel(seed, anchor):
     rng = np.random.default_rng(seed)

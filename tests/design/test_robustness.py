@@ -68,6 +68,7 @@ def moved(chain: sw.Chain, moves: np.ndarray) -> sw.Chain:
     return chain
 
 
+@pytest.mark.slow
 def test_no_displacement_of_all_anchors_within_the_radius_changes_the_sequence():
     rng = np.random.default_rng(0)
     for _ in range(examples(5)):
@@ -80,6 +81,7 @@ def test_no_displacement_of_all_anchors_within_the_radius_changes_the_sequence()
             assert moved(chain, out).cycle().sequence == now
 
 
+@pytest.mark.slow
 def test_past_the_radius_the_two_that_meet_change_places():
     rng = np.random.default_rng(1)
     met = 0

@@ -83,6 +83,7 @@ def test_where_only_some_placements_overtake_another_is_taken():
     assert made.reached.whole
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("states", [WANTED, ["000", "100", "110", "111"]])
 def test_the_drawing_is_searched_whole_and_told_so(states):
     made = design(states=states, samples=20)
@@ -92,6 +93,7 @@ def test_the_drawing_is_searched_whole_and_told_so(states):
     assert made.yield_.target == f"states {' '.join(made.states)}"
 
 
+@pytest.mark.slow
 def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
     rough = Tolerances(anchor=0.002, stiffness=0.15)
     made = design(states=WANTED, tolerances=rough, samples=examples(30))
@@ -118,13 +120,14 @@ def test_the_independent_follower_reaches_nothing_else():
     rng = np.random.default_rng(5)
     assert by_random_strokes(crossed(), rng, 60) <= {*WANTED, "011"}
     for cells in (2, 3):
-        for _ in range(examples(2)):
+        for _ in range(examples(1, full=40)):
             chain = concave_chain(rng, cells)
             found = reached(chain)
             assert found.whole
             assert by_random_strokes(chain, rng, 30) <= set(found.states)
 
 
+@pytest.mark.slow
 def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
     rng = np.random.default_rng(2)
     every = [f"{k:03b}" for k in range(8)]
@@ -194,6 +197,7 @@ def ideals(up: Iterable[float], down: Iterable[float]) -> set[str]:
     return found
 
 
+@pytest.mark.slow
 def test_concave_chains_reach_their_ideals_at_least():
     rng = np.random.default_rng(8)
     for cells in (2, 3, 4, 5):

@@ -39,6 +39,7 @@ def test_what_a_tolerance_does_not_name_is_exact():
     assert LEG.yields(sw.Tolerances(), samples=10).share == 1.0
 
 
+@pytest.mark.slow
 def test_few_are_made_where_the_engine_follows_each():
     two_bands = sw.Chain([sw.Cell([b, b]) for b in (c.bands[0] for c in LEG.cells)])
     states = ["00", "10", "01", "11"]

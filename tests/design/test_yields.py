@@ -128,6 +128,7 @@ def test_where_the_closed_form_is_not_proved_the_engine_decides():
     says(str(found), f"{found.by_engine} followed", "general engine")
 
 
+@pytest.mark.slow
 def test_an_independent_formula_finds_the_same_orders():
     # Draws, tolerances and forces written anew, after the docstrings alone.
     rng = np.random.default_rng(4)
@@ -270,6 +271,7 @@ def test_a_part_keeps_its_numbers_whichever_tolerances_are_given():
     assert [c.bands[0].stiffness for c in one.levers] != [c.bands[0].stiffness for c in more.levers]
 
 
+@pytest.mark.slow
 def test_parts_are_distributed_as_the_tolerances_say():
     chain = sw.Chain((sw.Cell((cell(10).bands[0], cell(12).bands[0])), cell(14)))
     draws = Draws(chain, ALL, 0)
@@ -504,6 +506,7 @@ def test_a_result_reads_like_a_sentence():
     assert "100.00 %" not in str(nearly)
 
 
+@pytest.mark.slow
 def test_a_result_can_be_kept(tmp_path):
     found = full_result()
     found.to_csv(tmp_path / "yield.csv")
@@ -519,6 +522,7 @@ def test_a_result_can_be_kept(tmp_path):
     data.to_netcdf(tmp_path / "yield.nc", engine="scipy")
 
 
+@pytest.mark.slow
 def test_clouds_are_the_forces_at_which_cells_let_go():
     found = full_result()
     cloud = found.end_forces(20)

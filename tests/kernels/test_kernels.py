@@ -121,7 +121,7 @@ def test_a_path_has_the_same_bits_interpreted_and_compiled(each_way):
     def paths():
         rng = np.random.default_rng(11)
         told = []
-        for _ in range(examples(8)):
+        for _ in range(examples(4, full=160)):
             path = some_chain(rng).cycle().path
             told.append((path.stroke, path.travel, path.force, path.energy, path.residual))
             told.append((np.frombuffer(repr(path.events).encode(), np.uint8),))
@@ -208,6 +208,7 @@ def tiny(tmp_path, monkeypatch):
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["half", "empty", "bit"])
 def test_a_damaged_kernel_is_made_again_with_one_line(tmp_path, damage, tiny, monkeypatch, capsys):
     monkeypatch.setattr(store, "folder", lambda: tmp_path)
@@ -413,6 +414,7 @@ def test_an_interrupted_wait_ends_the_work_before_it_goes_on():
     assert ended == [True]
 
 
+@pytest.mark.slow
 def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
     seen = np.zeros(1000, int)
     told = []

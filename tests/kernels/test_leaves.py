@@ -100,6 +100,7 @@ def test_a_leaf_is_compiled_and_gives_what_the_interpreter_gives():
     assert machine(handed_on)(values) == handed_on(values) == 20.0
 
 
+@pytest.mark.slow
 def test_a_leaf_that_makes_an_array_is_not_compiled():
     with pytest.raises(Exception, match="nopython"):
         machine(doubled)(np.arange(5.0))

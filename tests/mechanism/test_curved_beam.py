@@ -61,6 +61,7 @@ def test_its_force_is_the_slope_of_the_least_energy(q):
         assert beam_force(depth, q) == pytest.approx(slope, rel=3e-3, abs=0.5)
 
 
+@pytest.mark.slow
 def test_peak_valley_and_places_are_those_of_the_paper():
     # Qiu, Lang & Slocum 2004: 740 and -370 E I h/l³ at 0.16 h and 1.92 h, rest again at 1.99 h.
     depth = np.linspace(0.0, 2.0, 2001)
@@ -79,6 +80,7 @@ def test_with_one_mode_the_middle_branch_is_straight_to_four_thirds():
     assert beam_force(depth, 6.25) == pytest.approx(64 * math.pi**2 * (4 / 3 - depth), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_strain_on_the_way_is_what_the_docstring_says():
     # Larger than as bent from rest to rest, 2 π² t h/l², for the node in the middle bends more.
     worst = max(brute_force(depth, 6.25)[1] for depth in np.linspace(0.5, 1.6, 12))
@@ -91,6 +93,7 @@ def test_it_rests_again_for_q_above_2_31(q, rests):
     assert bool((beam_force(np.linspace(1.4, 1.6, 401), q) < 0).any()) is rests
 
 
+@pytest.mark.slow
 def test_beams_add_up_and_scale():
     one, two = curved_beam(beams=1), curved_beam(beams=2)
     travel = np.linspace(0.0, 0.010, 21)
@@ -99,6 +102,7 @@ def test_beams_add_up_and_scale():
     assert one.force_at(travel) == pytest.approx(unit * beam_force(travel / 0.005, 6.25), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_flat_beam_is_an_element_without_a_snap():
     assert len(curved_beam(height=0.0008).phases) == 1
     assert curved_beam().is_bistable and len(curved_beam().phases) == 2

@@ -55,6 +55,7 @@ def test_levers_are_all_cells_of_a_chain_or_the_first_element_is_named():
         _ = sw.Chain([lever, dome, other]).levers
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 2**32 - 1))
 def test_force_is_the_slope_of_energy_and_phases_hold_where_it_rises(seed):

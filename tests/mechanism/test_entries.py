@@ -15,6 +15,7 @@ def test_every_element_of_the_library_is_in_its_table():
     assert list(LIBRARY) == [entry.make.__name__.replace("_", "-") for entry in LIBRARY.values()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_element_without_arguments_snaps_and_fits_in_a_chain(name):
     entry = LIBRARY[name]
@@ -33,6 +34,7 @@ def test_an_entry_speaks_in_lines(name):
     assert entry.source.rsplit(" ", 1)[0] in " ".join((inspect.getdoc(entry.make) or "").split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_element_is_made_once_for_the_same_arguments(name):
     make = LIBRARY[name].make
@@ -40,6 +42,7 @@ def test_an_element_is_made_once_for_the_same_arguments(name):
     assert make(name="a") is make(name="a") and make(name="a") != make(name="b")
 
 
+@pytest.mark.slow
 def test_an_element_of_other_arguments_is_another_one():
     assert library.curved_beam(height=0.005) is not library.curved_beam(height=0.006)
     assert library.trilinear([0.004, 1.0]) == library.trilinear((0.004, 1.0))  # pyright: ignore[reportArgumentType]
@@ -55,6 +58,7 @@ def test_a_shared_element_cannot_be_changed():
         sheet.rows[0, 0] = 1.0
 
 
+@pytest.mark.slow
 def test_a_change_of_one_element_in_the_studio_makes_no_other_again(monkeypatch):
     design = files.preset_text("curved-beam")
     files.loads(design)

@@ -74,6 +74,7 @@ def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed
     assert found.reading.return_point_memory.holds
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(15))
 @given(SEEDS, st.integers(1, 4), SOFT)
 def test_behind_the_softest_springs_any_cells_do_as_under_a_prescribed_force(seed, cells, power):

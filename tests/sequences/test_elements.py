@@ -107,7 +107,7 @@ def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, driv
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60))
+@settings(max_examples=examples(30, full=1200))
 @given(
     seed=st.integers(0, 2**32 - 1),
     cells=st.integers(1, 3),
@@ -141,6 +141,7 @@ FLOWS = [(name, drive) for name in CHAINS for drive in DRIVES if "stop" not in n
 FLOWS += [(name, drive) for name in CHAINS for drive in DRIVES[1:] if "stop" in name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "drive"), FLOWS)
 def test_every_snap_lands_where_a_flow_in_small_steps_does(name, drive):
     curves = CHAINS[name]
@@ -359,6 +360,7 @@ def test_a_loop_between_phases_is_gone_round_by_the_engine(name, drive):
 # --- programs -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("name", CHAINS)
 def test_a_program_leads_to_each_state_that_the_graph_reaches_and_to_no_other(name, drive):

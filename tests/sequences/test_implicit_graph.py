@@ -72,7 +72,7 @@ def assert_the_same(implicit: ImplicitGraph, listed: TransitionGraph):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(25))
+@settings(max_examples=examples(13, full=500))
 @given(SEEDS, st.integers(1, 7))
 def test_under_a_force_it_is_the_listed_graph(seed, cells):
     chain = forced(seed, cells)
@@ -94,7 +94,7 @@ def test_under_a_force_it_is_the_listed_graph(seed, cells):
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [9, 10])
 def test_of_ten_cells_too(cells):
-    for seed in range(examples(2)):
+    for seed in range(examples(1, full=40)):
         chain = forced(seed, cells, concave_chain)
         assert_the_same(chain.implicit_graph(), chain.graph())
 
@@ -191,7 +191,7 @@ def test_elements_whose_fields_tie_in_one_way_of_the_force_only_do_likewise(seed
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15))
+@settings(max_examples=examples(8, full=300))
 @given(SEEDS, st.integers(1, 4), st.sampled_from(["stroke", 60.0, 900.0, "force"]))
 def test_along_branches_it_is_the_listed_graph(seed, cells, drive):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
@@ -259,6 +259,7 @@ def test_of_nested_loops_under_a_stroke_all_states_are_reached_of_any_number_of_
     assert (first.label, second.label) == ("0" * 24, "-" + 23 * "0")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [24, 100, 1000])
 def test_any_number_of_cells_answers_under_a_force(cells):
     chain = forced(cells, cells, concave_chain)

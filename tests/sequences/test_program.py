@@ -96,6 +96,7 @@ def test_every_state_of_three_nested_cells_is_reached_in_at_most_three_strokes(a
         assert program.strokes <= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", [math.inf, 80.0, 0.0])
 def test_turning_anywhere_within_all_windows_at_once_ends_in_the_same_state(actuator):
     chain = replace(straight(10, 15, 22, 30), actuator_stiffness=actuator)
@@ -133,6 +134,7 @@ def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_rea
             assert caught.value.proved
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_from_all_at_0_no_snap_follows_another_without_a_state_between_where_the_leaders_win(
@@ -185,6 +187,7 @@ def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(see
     assert planned.path.end.tolist() == searched.path.end.tolist()
 
 
+@pytest.mark.slow
 def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
     # An independent search, state by state, over every field between two switching fields.
     random = np.random.default_rng(1)
@@ -339,7 +342,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15))
+@settings(max_examples=examples(8, full=300))
 @given(seed=st.integers(0, 2**32 - 1), cells=st.integers(2, 8), concave=st.booleans())
 def test_random_strokes_never_come_to_a_state_that_is_proved_out_of_reach(seed, cells, concave):
     rng = np.random.default_rng(seed)
@@ -411,6 +414,7 @@ def test_twelve_concave_cells_are_planned_without_looking_at_every_branch():
     assert program.strokes == 12 and program.shortest
 
 
+@pytest.mark.slow
 def test_four_cells_of_any_kind_are_searched_exhaustively():
     slack = sw.Cell(sw.Band((0, 0), (0.004, 0.006), rest_length=0.016))
     stiffening = sw.Cell(sw.Band((0, 0), (0.018, -0.004), law=sw.Cubic(-20.0, 800.0)))

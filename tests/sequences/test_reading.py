@@ -98,6 +98,7 @@ def test_loops_of_three_nested_relays_written_out_by_hand():
     assert repr(widest) == "Loop(000>100>110>010>000, drive -2 to 2)"
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(2, 5), DRIVES)
 def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, drive):
@@ -172,6 +173,7 @@ def test_a_soft_actuator_remembers_what_a_stiff_one_forgets():
         assert not graph(NESTED, stiffness, start="000").reading.return_point_memory.holds
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(30))
 @given(SEEDS, st.tuples(LEVERS, LEVERS))
 def test_two_concave_cells_remember_under_a_prescribed_stroke_whatever_their_travels(seed, levers):
@@ -189,6 +191,7 @@ def test_two_concave_cells_remember_under_a_prescribed_stroke_whatever_their_tra
     assert found.reading.branches <= 2
 
 
+@pytest.mark.slow
 def test_two_concave_cells_behind_a_spring_can_forget():
     # The chain of the theory page, found by a search; and one of equal travels.
     apart = sw.Chain(
@@ -222,6 +225,7 @@ def test_two_concave_cells_behind_a_spring_can_forget():
             np.testing.assert_allclose(run.travel[-1], chain.path(turns).end, atol=2e-5)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(1, 5), st.booleans())
 def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
@@ -230,7 +234,7 @@ def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60))
+@settings(max_examples=examples(30, full=1200))
 @given(SEEDS, st.integers(3, 5), DRIVES, st.booleans())
 def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, concave):
     found = drawn(seed, cells, drive, concave)
@@ -246,7 +250,7 @@ def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, con
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60))
+@settings(max_examples=examples(30, full=1200))
 @given(SEEDS, st.integers(2, 4), DRIVES, st.booleans())
 def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells, drive, concave):
     found = drawn(seed, cells, drive, concave)
@@ -261,6 +265,7 @@ def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells,
         np.testing.assert_allclose(later, first, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_hysterons_that_drag_each_other_forget():
     # Found at random: the fields of each depend on the others at both signs.
     rng = np.random.default_rng(2)
@@ -309,6 +314,7 @@ def test_a_chain_of_four_cells_counts_to_two():
     assert "in cycles of " in str(found.reading)
 
 
+@pytest.mark.slow
 def test_the_countdown_of_the_gallery_is_found_to_count_from_three_when_set_by_hand():
     found = graph(sw.preset("countdown"))
     counts = [a for a in found.reading.counting.accumulators if a.transient == 3]
@@ -335,7 +341,7 @@ def test_the_extremes_of_a_count_may_be_off_by_its_slack():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(30))
+@settings(max_examples=examples(15, full=600))
 @given(SEEDS, st.integers(2, 4), DRIVES)
 def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):
     found = drawn(seed, cells, drive)
@@ -350,6 +356,7 @@ def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cell
         np.testing.assert_allclose(twice, once, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_hysterons_that_alternate_are_said_to_have_a_period_of_two():
     # Bense and van Hecke 2021 describe such subharmonic answers. Cells 1 and 2 hand a 1 to each
     # other: whichever is up goes down on the way down only if the other ... found at random.
@@ -401,7 +408,8 @@ def test_relays_are_never_scrambled():
     assert graph(straight(10, 14, 20, 30), "force").reading.scrambling == ()
 
 
-@settings(max_examples=examples(15))
+@pytest.mark.slow
+@settings(max_examples=examples(8, full=300))
 @given(SEEDS, st.integers(3, 5))
 def test_what_is_scrambled_flips_in_either_order_by_the_engine(seed, cells):
     rng = np.random.default_rng(seed)
@@ -444,6 +452,7 @@ def test_what_was_not_looked_at_is_not_told():
     assert found.latches == () and found.unreachable == ()
 
 
+@pytest.mark.slow
 def test_every_vertex_alone_without_predecessor_is_a_garden_of_eden():
     rng = np.random.default_rng(4)
     chain = concave_chain(rng, 4)

@@ -99,6 +99,7 @@ def test_a_state_out_of_reach_is_refused_as_ever():
     assert str(robust.value) == str(plain.value)
 
 
+@pytest.mark.slow
 def test_concave_cells_are_turned_past_vertices_where_a_landing_hangs():
     # Theory page, "Stroke programs", (a): vertices do not hang on mobilities, landings do.
     rng = np.random.default_rng(1)

@@ -179,6 +179,7 @@ def test_equal_elements_tie_and_the_advice_is_one_they_can_follow():
     says(cycle.degenerate[0].advice, "Scale the forces", "one percent")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(sw.elements.LIBRARY))
 def test_equal_elements_of_the_library_snap_as_often_as_there_are_phases_to_leave(name):
     element = sw.elements.LIBRARY[name].make()

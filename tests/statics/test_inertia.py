@@ -226,6 +226,7 @@ def test_a_leader_at_the_end_of_its_sheet_jumps_whatever_friction_holds_the_othe
         assert landing.jumped > 0.0
 
 
+@pytest.mark.slow
 def test_a_rigid_actuator_holds_the_outermost_block_whatever_its_mass():
     path = sw.preset("paper-forward").cycle().path
     light, heavy = (path.inertial_landing(0, [0.01, m], [0.3, 0.3]) for m in (1e-3, 10.0))
@@ -234,6 +235,7 @@ def test_a_rigid_actuator_holds_the_outermost_block_whatever_its_mass():
     assert light.steps == heavy.steps
 
 
+@pytest.mark.slow
 def test_volumes_and_angles_move_as_travels_do():
     # A litre is a cubic metre here, a pascal a newton: the same numbers, the same motion.
     chain = [trilinear(), trilinear(peak=(0.003, 0.8))]

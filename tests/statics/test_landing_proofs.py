@@ -151,6 +151,7 @@ def test_what_is_proved_for_a_ratio_is_where_plain_flows_of_any_such_mobilities_
     assert tried >= min(wanted, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_proof_is_found_where_the_engine_lands_elsewhere_with_other_mobilities(kind):
     proved, apart = 0, 0

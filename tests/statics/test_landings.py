@@ -100,6 +100,7 @@ def test_a_snap_done_again_lands_where_the_path_did():
     assert apart <= 1e-3 * again
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["four-shuffle", "countdown", "curved-beam", "friction", "slack"])
 def test_the_snaps_of_a_preset_done_again_land_where_they_did(name):
     path = sw.files.load(f"preset:{name}").chain.cycle().path
@@ -131,6 +132,7 @@ def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_e
     assert 0.01 < there.share < 0.2
 
 
+@pytest.mark.slow
 def test_a_chain_with_the_mobilities_that_were_found_lands_where_they_say():
     looked = 0
     for seed in range(examples(40)):
@@ -165,6 +167,7 @@ def test_given_mobilities_are_where_the_factors_begin():
     assert there.state == "-00"
 
 
+@pytest.mark.slow
 def test_a_ratio_of_one_finds_nothing_but_the_landing_itself():
     for path in paths(range(12)):
         assert all(landing.holds for landing in path.landings(1.0, bound=0.5))

@@ -136,6 +136,7 @@ def test_queues_and_event_loop_give_one_path(kind, spring, monkeypatch):
     assert np.max(path.residual) < 1e-9 * most
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [3, 30, 100 if SIZE == "ci" else 300])
 def test_tables_snap_where_a_follower_without_the_engine_says(cells):
     rng = np.random.default_rng(cells)
@@ -164,6 +165,7 @@ def test_cells_alike_to_the_last_digit_give_a_sequence_with_ties_named(cells, ro
     assert "Scale the forces" in cycle.degenerate[0].advice
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "stiffness"), [(66, 200.0), (90, 50.0), (90, 1000.0), (16, 0.0)])
 def test_lever_cells_some_of_which_are_alike_give_a_sequence_with_ties_named(cells, stiffness):
     # 60 kinds behind a spring, slack at first, or 4 kinds without one. Alike cells that a snap

@@ -72,6 +72,7 @@ def test_scaling_all_mobilities_by_a_power_of_two_changes_no_bit(seed, cells, st
     assert not differs(chain.cycle().path, moved(chain, mobilities * 2.0**power).cycle().path)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, stiffnesses, st.floats(0.1, 10.0))
 def test_scaling_all_mobilities_changes_no_landing(seed, cells, stiffness, factor):
     mobilities = np.array(spread(seed, cells, 30.0))
@@ -87,6 +88,7 @@ def test_scaling_all_mobilities_changes_no_landing(seed, cells, stiffness, facto
         assert a.after == pytest.approx(b.after, abs=blur * chain.full_stroke)
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_under_a_force_nothing_depends_on_mobility(seed, cells):
     chain = chain_of(seed, cells, 0.0)
@@ -109,6 +111,7 @@ def test_a_pair_under_a_stroke_lands_the_same_whatever_its_mobilities(seed, deca
         assert a.released == pytest.approx(b.released, abs=1e-9)
 
 
+@pytest.mark.slow
 @given(seeds, st.integers(2, 6), st.floats(1.0, 1e3))
 def test_concave_cells_snap_in_the_order_of_their_forces_unless_a_third_one_joins(
     seed, cells, ratio

@@ -141,6 +141,7 @@ def test_jumps_are_marked_and_nothing_else_is_one():
     assert np.all(smooth < 0.002)
 
 
+@pytest.mark.slow
 def test_exports_carry_units_and_the_same_numbers(tmp_path):
     path = LEG.cycle().path
     data = path.to_xarray()

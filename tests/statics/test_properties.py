@@ -60,6 +60,7 @@ def test_force_is_the_derivative_of_energy(seed):
     assert np.allclose(slope, force, atol=1e-4 * max(np.max(np.abs(force)), 1e-3))
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_every_point_is_a_certified_stable_equilibrium(seed, cells):
     chain = chain_of(seed, cells)
@@ -83,6 +84,7 @@ def test_travels_add_up_to_the_stroke_and_stay_between_the_stops(seed, cells):
     assert np.all(path.end == 0)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.sampled_from([math.inf, 500.0, 50.0, 0.0]))
 def test_energy_falls_at_every_snap(seed, cells, stiffness):
     chain = chain_of(seed, cells, stiffness=stiffness)
@@ -108,6 +110,7 @@ def test_work_over_a_closed_cycle_equals_the_dissipation(seed, cells, stiffness)
     assert cycle.path.work == pytest.approx(cycle.dissipated, abs=1e-9 * unit)
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_work_is_booked_on_open_paths_too(seed, cells):
     chain = chain_of(seed, cells)
@@ -139,6 +142,7 @@ def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
     assert work == pytest.approx(cycle.dissipated, abs=2e-4 * unit * chain.full_stroke)
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
     chain = chain_of(seed, cells)

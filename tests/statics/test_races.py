@@ -98,6 +98,7 @@ def border(request):
     return request.param, low
 
 
+@pytest.mark.slow
 def test_the_distance_to_another_landing_vanishes_where_the_landing_changes(border):
     friction, mobility = border
     distances = []

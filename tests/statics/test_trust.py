@@ -72,6 +72,7 @@ EDGES = ((10, 3), (35, 3), (20, 4), (35, 4), (39, 4))
 # --- friction ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "seed"), [(3, 140), (4, 224), (4, 279)])
 def test_friction_of_a_cell_that_yields_and_returns_is_not_booked_as_heat_of_the_snap(cells, seed):
     chain = any_chain(np.random.default_rng([seed, cells, 90]), cells)
@@ -453,6 +454,7 @@ def test_a_path_that_outgrows_its_log_goes_on_where_it_was(monkeypatch):
         np.testing.assert_array_equal(mine, theirs)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer signals here")
 def test_ctrl_c_reaches_a_long_run():
     chain = general_chain(2000)
