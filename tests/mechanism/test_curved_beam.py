@@ -51,6 +51,7 @@ def brute_force(depth: float, q: float, modes: int = 15) -> tuple[float, float]:
     return best.fun, float(np.max(np.abs((a - made) @ bend)) / 2 + q * abs(long))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [1.5, 3.0, 6.25])
 def test_its_force_is_the_slope_of_the_least_energy(q):
     step = 1e-3

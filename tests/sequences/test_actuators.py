@@ -48,6 +48,7 @@ def untied(chain: sw.Chain, drive: str) -> TransitionGraph:
     return found
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(15))
 @given(SEEDS, st.integers(1, 4), SOFT)
 def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed_force(

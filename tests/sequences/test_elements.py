@@ -100,6 +100,7 @@ def inside(place, found: TransitionGraph) -> tuple[float, float]:
     return max(place.low, min(n.low for n in ends)), min(place.high, max(n.high for n in ends))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, drive):

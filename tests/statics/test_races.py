@@ -48,6 +48,7 @@ def compared(chain: sw.Chain):
         yield float(np.max(np.abs(there - landing) / race.span)), segment.error / np.min(race.span)
 
 
+@pytest.mark.slow
 def test_races_with_friction_land_within_a_millionth_of_a_travel_of_where_scipy_does():
     seeds = [*WORST, *range(200, 200 + examples(0, full=200))]
     found = np.array([pair for seed in seeds for pair in compared(rubbing(seed))])
