@@ -23,8 +23,8 @@ QUIET = (
 )
 # By its text and not by a tag, for a page's own rules may forbid scripts that it did not bring.
 RUN_AXE = """
-async () => {
-  const { violations } = await axe.run(document, { resultTypes: ["violations"] });
+async (within) => {
+  const { violations } = await axe.run(within ?? document, { resultTypes: ["violations"] });
   return violations.map(({ id, help, nodes }) =>
     `${id}: ${help}: ` + nodes.map((one) => one.html.slice(0, 160)).join(" | "));
 }
@@ -48,10 +48,17 @@ def needed(*packages: str) -> None:
         pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
 
 
-def nothing_found(page: Page, axe: str) -> None:
-    """What keeps people out is not on the page, by all rules of axe."""
-    page.evaluate(axe)
-    found = page.evaluate(RUN_AXE)
+def nothing_found(page: Page, axe: str, within: str | None = None) -> None:
+    """What keeps people out is not on the page, by all rules of axe.
+
+    Args:
+        page: the page.
+        axe: its script, which is loaded once for each document.
+        within: selector of a part, if the rest of the page has been examined.
+    """
+    if not page.evaluate("'axe' in window"):
+        page.evaluate(axe)
+    found = page.evaluate(RUN_AXE, within)
     assert not found, "\n".join(found)
 
 

@@ -229,14 +229,14 @@ def check_arena(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(120, full=6000))
 @given(wrong_robots)
 def test_thousands_of_wrong_robots_end_in_a_design_or_a_clean_message(text):
     check(text)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(500))
+@settings(max_examples=examples(200, full=10_000))
 @given(documents() | wrong_chains | chains_of_elements())
 def test_thousands_of_wrong_files_end_in_a_chain_or_a_clean_message(text):
     check(text)
