@@ -83,7 +83,7 @@ def test_any_text_is_a_message_or_refused(text: str):
 
 @given(
     kind=st.sampled_from(
-        [name for name in types() if name not in ("arena", "gallery", "thumbnails")]
+        [name for name in types() if name not in ("arenas", "gallery", "thumbnails")]
     ),
     design=st.none() | st.dictionaries(st.text(max_size=8), JSON, max_size=4),
     ask=st.dictionaries(st.sampled_from(["preset", "toml", "x"]), JSON, max_size=2),
