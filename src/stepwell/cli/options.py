@@ -115,17 +115,15 @@ def local(out: Path | None) -> Path | None:
     return out
 
 
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="DIR",
-        help="Write the results into this folder.",
-        file_okay=False,
-        callback=local,
-    ),
-]
+_OUT = typer.Option(
+    "--out",
+    "-o",
+    metavar="DIR",
+    help="Write the results into this folder.",
+    file_okay=False,
+    callback=local,
+)
+Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 ForceFile = Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")]
 Json = Annotated[
@@ -197,17 +195,7 @@ OUTPUT = Output()
 class Folder(Output):
     """The same where a result is always written into a folder."""
 
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="DIR",
-            help="Write the results into this folder.",
-            file_okay=False,
-            callback=local,
-        ),
-    ] = field(kw_only=True)
+    out: Annotated[Path, _OUT] = field(kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,11 @@ from stepwell.cli.options import (
     OUTPUT,
     Arena,
     FilmedOutput,
-    Force,
+    Folder,
     ForceFile,
     Json,
     Output,
     Robot,
-    free,
     free_file,
     grouped,
     local,
@@ -68,6 +67,7 @@ def show(robot: Robot, output: Output = OUTPUT) -> None:
 
 
 @commands.command(epilog=EXIT_CODES)
+@grouped
 def sweep(
     robot: Robot,
     ranges: Annotated[
@@ -75,17 +75,6 @@ def sweep(
         typer.Argument(
             metavar="KEY=FROM:TO:COUNT...",
             help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
-        ),
-    ],
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="DIR",
-            help="Write the results into this folder.",
-            file_okay=False,
-            callback=local,
         ),
     ],
     random: Annotated[
@@ -99,8 +88,8 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
     cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
-    force: Force = False,
-    as_json: Json = False,
+    *,
+    output: Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its numbers, on all cores.
 
@@ -113,14 +102,14 @@ def sweep(
     from stepwell.accounts import About, account
 
     text, design = read_robot(robot)
-    free(out, "robot sweep", force)
+    output.free("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
-    keep = out / "unfinished"
+    keep = output.out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
     with usable("--out"), progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
-    report(account(result, About(text, robot, seeds=seeds)), as_json, out, force)
+    output.report(account(result, About(text, robot, seeds=seeds)))
     _forget(keep)
 
 

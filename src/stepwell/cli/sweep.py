@@ -126,8 +126,8 @@ class _Maze(Group):
     first: Annotated[
         int,
         typer.Option(
-            help="Number of the first of these layouts: others than those that a design "
-            "was chosen by are told apart so.",
+            help="Number of the first of these layouts; another range than the one by "
+            "which a design was chosen is an independent test of it.",
             min=0,
         ),
     ] = 0
