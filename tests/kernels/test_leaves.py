@@ -85,11 +85,13 @@ def summed_up(values):
     return total
 
 
+@fingerprint.called
 @leaf
 def doubled(values):
     return np.full(len(values), 2.0)
 
 
+@fingerprint.called
 @kernel
 def handed_on(values):
     return summed_up(values) + summed_up(values[1:])
@@ -98,6 +100,17 @@ def handed_on(values):
 def test_a_leaf_is_compiled_and_gives_what_the_interpreter_gives():
     values = np.arange(5.0)
     assert machine(handed_on)(values) == handed_on(values) == 20.0
+
+
+def test_only_an_entry_is_called_from_python_for_the_others_take_none_of_its_values():
+    with refuses(TypeError, "summed_up", "entry"):
+        machine(summed_up)
+
+
+def test_whether_python_calls_a_kernel_is_in_its_fingerprint(monkeypatch):
+    before = fingerprint.fingerprint(handed_on)
+    monkeypatch.setattr(fingerprint, "_CALLED", set())
+    assert fingerprint.fingerprint(handed_on) != before
 
 
 @pytest.mark.slow
@@ -130,6 +143,7 @@ def outer(factor: float = 2.0) -> Outer:
     return Outer(Inner(np.arange(4.0), np.arange(3)), factor, np.ones((2, 3)))
 
 
+@fingerprint.called
 @leaf
 def read(what):
     return what.factor * what.inner.numbers[2] + what.table.shape[1] + what.inner.wholes[1]
@@ -152,6 +166,7 @@ def made_anew(what, times):
     return total
 
 
+@fingerprint.called
 @kernel
 def counted(what):
     mine = what.inner.numbers
@@ -191,6 +206,7 @@ def test_no_kernel_returns_a_record_which_ends_with_the_kernel_that_made_it():
     assert returned == []
 
 
+@fingerprint.called
 @kernel
 def made_while_counting(what):
     again = Outer(what.inner, 2.0, np.ones((2, 3)))

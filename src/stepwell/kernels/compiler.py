@@ -1,6 +1,7 @@
 """The process that compiles, beside the one that asks, which never waits in vain."""
 
 import atexit
+import gc
 import json
 import os
 import pickle
@@ -134,6 +135,8 @@ def main() -> None:
     global here
     place, background, module, name, kinds = pickle.load(sys.stdin.buffer)
     here = True
+    # Looking for what can be freed is a tenth of the work, and this process ends soon.
+    gc.disable()
     store.keep_in(Path(place))
     if not background:
         # Ctrl-C ends it at once; there is nothing to tidy up.

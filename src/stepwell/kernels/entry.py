@@ -12,7 +12,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 import numpy as np
 
 from stepwell.base import SettingError
-from stepwell.kernels.fingerprint import kernel, kernel_of, stem
+from stepwell.kernels.fingerprint import called, kernel_of, stem
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -50,7 +50,7 @@ class Entry(Generic[P, R]):
 
     def __init__(self, function: Callable[P, R], seconds: float, of: tuple[str, ...]) -> None:
         functools.update_wrapper(self, function)
-        self.function = kernel(function)
+        self.function = called(function)
         names = _function(self).__code__.co_varnames
         self._seconds = seconds
         self._sized = [(names.index(a), b) for a, _, b in (name.partition(".") for name in of)]

@@ -17,6 +17,7 @@ R = TypeVar("R", bound=type)
 
 _KERNELS: set[FunctionType] = set()
 _LEAVES: set[FunctionType] = set()
+_CALLED: set[FunctionType] = set()
 _RECORDS: set[type] = set()
 
 
@@ -34,6 +35,12 @@ def leaf(function: F) -> F:
     array owns none, so it need not count.
     """
     _LEAVES.add(cast(FunctionType, function))
+    return kernel(function)
+
+
+def called(function: F) -> F:
+    """Mark a kernel that Python calls: its machine code takes Python's values too."""
+    _CALLED.add(cast(FunctionType, function))
     return kernel(function)
 
 
@@ -56,6 +63,11 @@ def is_record(kind: Any) -> bool:
 def is_leaf(function: FunctionType) -> bool:
     """Whether a kernel is marked as one that makes no array."""
     return function in _LEAVES
+
+
+def is_called(function: FunctionType) -> bool:
+    """Whether a kernel is marked as one that Python calls."""
+    return function in _CALLED
 
 
 def kernel_of(value: Any) -> FunctionType | None:
@@ -89,7 +101,8 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
         names = names_of(function.__code__)
         # The machine code names the modules of what it was made from.
         parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
-        parts += [_code(function.__code__), repr(function.__defaults__), str(is_leaf(function))]
+        parts += [_code(function.__code__), repr(function.__defaults__)]
+        parts.append(f"{is_leaf(function)} {is_called(function)}")
         for name in sorted(names & function.__globals__.keys()):
             parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
         known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]

@@ -11,13 +11,24 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from stepwell.kernels import compiler, store
-from stepwell.kernels.fingerprint import is_leaf, is_record, kernel_of, names_of, stem
+from stepwell.kernels.fingerprint import is_called, is_leaf, is_record, kernel_of, names_of, stem
 from stepwell.kernels.reference import maker
 
 _MADE: dict[FunctionType, Any] = {}
 
 
 def machine(function: FunctionType) -> Any:
+    """Numba's dispatcher of a kernel that Python calls.
+
+    Raises:
+        TypeError: the kernel is not an entry, so that its machine code takes no values of Python.
+    """
+    if not is_called(function):
+        raise TypeError(f"{function.__qualname__} is not an entry: only other kernels can call it.")
+    return _dispatcher(function)
+
+
+def _dispatcher(function: FunctionType) -> Any:
     """Numba's dispatcher of a kernel, with dispatchers in place of the kernels that it calls."""
     if function not in _MADE:
         names = names_of(function.__code__) & function.__globals__.keys()
@@ -33,10 +44,14 @@ def machine(function: FunctionType) -> Any:
             if is_record(value):
                 scope[name] = maker(value)
             else:
-                scope[name] = value if inner is None else machine(inner)
+                scope[name] = value if inner is None else _dispatcher(inner)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+        # What takes and gives values of Python and of C is compiled only where it is used: for all
+        # kernels it would take as long as two thirds of the rest.
+        options["no_cpython_wrapper"] = not is_called(function)
+        options["no_cfunc_wrapper"] = True
         # An option that Numba does not list: whether references are counted.
         options["_nrt"] = not is_leaf(function)
         dispatcher: Any = numba.njit(**options)(bound)
