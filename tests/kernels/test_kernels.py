@@ -10,6 +10,7 @@ import tempfile
 import textwrap
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 
@@ -503,3 +504,35 @@ def test_every_array_that_machine_code_gets_is_whole_so_that_it_is_made_once(mon
     sw.design("00>10>11>01>00", holes=0.005, samples=500)
     assert len(asked) >= 8
     assert not [name for name, whole in asked.items() if not whole]
+
+
+@pytest.mark.slow
+def test_two_that_wait_for_the_same_kernel_have_it_made_once(tmp_path):
+    (tmp_path / "tiny.py").write_text(textwrap.dedent(TINY))
+    script = """
+        import numpy as np, tiny
+        from stepwell.kernels import store
+        print(tiny.walk(np.arange(5.0)))
+    """
+    # Every file that a compiler writes is named in a list.
+    (tmp_path / "sitecustomize.py").write_text(
+        textwrap.dedent(f"""
+        import sys
+        if sys.argv[0] == "-c" and len(sys.argv) > 1:
+            from stepwell.kernels import store
+            write = store.write
+            def listed(name, payload):
+                with open({str(tmp_path / "made")!r}, "a") as file:
+                    file.write(name + "\\n")
+                write(name, payload)
+            store.write = listed
+        """)
+    )
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
+    with ThreadPoolExecutor(2) as pool:
+        runs = list(
+            pool.map(lambda _: said(script, STEPWELL_KERNELS="compiled", **settings), range(2))
+        )
+    assert [run.stdout for run in runs] == ["5.0\n"] * 2
+    made = (tmp_path / "made").read_text().split()
+    assert sorted(name.split("-")[0] for name in made) == ["halved", "walk"]

@@ -8,8 +8,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
@@ -19,8 +17,6 @@ from typing import Any
 
 from stepwell.kernels import store
 
-# A background compiler that has not been heard of for so long is gone.
-_SILENT_AFTER = 60.0  # s
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from stepwell.kernels.compiler import main; main()"
@@ -31,11 +27,12 @@ here = False
 
 
 def busy() -> bool:
-    """Whether a background compiler is at work, of whatever process."""
+    """Whether a compiler is at work, of whatever process."""
     place = store.folder()
-    with suppress(OSError):
-        return place is not None and time.time() - sign_in(place).stat().st_mtime < _SILENT_AFTER
-    return False
+    if place is None:
+        return False
+    with _alone(place, 0.0) as alone:
+        return not alone
 
 
 def begin(function: FunctionType, kinds: bytes) -> bool:
@@ -125,11 +122,6 @@ def _started(
     return process
 
 
-def sign_in(place: Path) -> Path:
-    """The file that a background compiler keeps fresh while it works."""
-    return place / "compiling"
-
-
 def main() -> None:
     """Compile what standard input asks for."""
     global here
@@ -141,9 +133,8 @@ def main() -> None:
     if not background:
         # Ctrl-C ends it at once; there is nothing to tidy up.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-        _compile(module, name, kinds)
-        return
-    with _signed(Path(place)) as alone:
+    # In the background it gives way to any other; a look of another process takes no time.
+    with _alone(Path(place), 1.0 if background else -1.0) as alone:
         if alone:
             _compile(module, name, kinds)
 
@@ -164,25 +155,26 @@ def _type(numba: Any, kind: Any) -> Any:
 
 
 @contextmanager
-def _signed(place: Path) -> Iterator[bool]:
-    """Show that a background compiler is at work; whether there was none before."""
-    sign = sign_in(place)
-    if busy():
+def _alone(place: Path, timeout: float) -> Iterator[bool]:
+    """Compile while no other process does, which may be making the same; whether none does.
+
+    Args:
+        place: where compiled kernels are kept.
+        timeout: how long to wait for the other [s]; without an end where it is negative.
+    """
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(place / "compiling", fallback_to_soft=False)
+    try:
+        lock.acquire(timeout)
+    except Timeout:
         yield False
         return
-    with suppress(OSError):
-        sign.write_text(str(os.getpid()))
-    done = threading.Event()
-
-    def show() -> None:
-        while not done.wait(5.0):
-            with suppress(OSError):
-                os.utime(sign)
-
-    threading.Thread(target=show, daemon=True).start()
+    except (OSError, NotImplementedError):
+        # Without locks the same may be made twice, which does no harm.
+        yield True
+        return
     try:
         yield True
     finally:
-        done.set()
-        with suppress(OSError):
-            sign.unlink()
+        lock.release()
