@@ -10,12 +10,12 @@ import tempfile
 import textwrap
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 import stepwell as sw
 from facts import refuses, says
@@ -511,7 +511,6 @@ def test_two_that_wait_for_the_same_kernel_have_it_made_once(tmp_path):
     (tmp_path / "tiny.py").write_text(textwrap.dedent(TINY))
     script = """
         import numpy as np, tiny
-        from stepwell.kernels import store
         print(tiny.walk(np.arange(5.0)))
     """
     # Every file that a compiler writes is named in a list.
@@ -528,11 +527,25 @@ def test_two_that_wait_for_the_same_kernel_have_it_made_once(tmp_path):
             store.write = listed
         """)
     )
-    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
-    with ThreadPoolExecutor(2) as pool:
-        runs = list(
-            pool.map(lambda _: said(script, STEPWELL_KERNELS="compiled", **settings), range(2))
-        )
-    assert [run.stdout for run in runs] == ["5.0\n"] * 2
+    kept = tmp_path / "kept" / "stepwell"
+    kept.mkdir(parents=True)
+    paths = os.pathsep.join([str(SOURCE), str(tmp_path)])
+    settings = {"NUMBA_CACHE_DIR": str(kept.parent), "STEPWELL_KERNELS": "compiled"}
+    with FileLock(kept / "compiling"):
+        runs = [
+            subprocess.Popen(
+                [sys.executable, "-c", textwrap.dedent(script)],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                env={**os.environ, "PYTHONPATH": paths, **settings},
+            )
+            for _ in range(2)
+        ]
+        for run in runs:
+            assert run.stderr is not None
+            assert "compiling walk, once" in run.stderr.readline()
+        assert not (tmp_path / "made").exists()
+    assert [run.communicate()[0] for run in runs] == ["5.0\n"] * 2
     made = (tmp_path / "made").read_text().split()
     assert sorted(name.split("-")[0] for name in made) == ["halved", "walk"]
