@@ -71,7 +71,6 @@ class Opened:
         self.asked: list[str] = []
         page.on("pageerror", lambda error: self.wrong.append(str(error)))
         page.on(
-            "console",
-            lambda said: self.wrong.append(said.text) if said.type == "error" else None,
+            "console", lambda said: self.wrong.append(said.text) if said.type == "error" else None
         )
         page.on("request", lambda request: self.asked.append(request.url))

@@ -42,26 +42,9 @@ if TYPE_CHECKING:
         yields,
     )
     from stepwell.files import load_arena, load_element, preset, presets, save
-    from stepwell.mechanism import (
-        Band,
-        Cell,
-        Chain,
-        Cubic,
-        Element,
-        Linear,
-        Load,
-        Table,
-        elements,
-    )
+    from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Linear, Load, Table, elements
     from stepwell.robot import Arena, Robot
-    from stepwell.sequences import (
-        Cycle,
-        Pathway,
-        Program,
-        Sequence,
-        TransitionGraph,
-        Unreachable,
-    )
+    from stepwell.sequences import Cycle, Pathway, Program, Sequence, TransitionGraph, Unreachable
     from stepwell.statics import Event, Path
     from stepwell.studies import sweep
 

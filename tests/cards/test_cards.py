@@ -130,7 +130,7 @@ def test_a_card_has_no_script_no_colour_of_text_and_fetches_nothing():
     for name, value in every().items():
         html = value._repr_html_()
         assert {tag for tag, _ in read(html).tags} <= {
-            *("div", "strong", "table", "thead", "tbody", "tr", "th", "td"),
+            *("div", "strong", "table", "thead", "tbody", "tr", "th", "td")
         }, name
         # What sets no colour can be read on white and on black.
         assert ";color:" not in html and "url(" not in html and "http" not in html, name

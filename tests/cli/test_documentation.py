@@ -163,12 +163,7 @@ def lab_records() -> list[dict[str, Any]]:
     found = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
     return [
         account(value).record
-        for value in (
-            lab.Batch(tuple(pulls), (lab.LabError("", ""),)),
-            fit,
-            compared,
-            found,
-        )
+        for value in (lab.Batch(tuple(pulls), (lab.LabError("", ""),)), fit, compared, found)
     ]
 
 

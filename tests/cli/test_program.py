@@ -104,10 +104,7 @@ def test_the_slack_of_a_turn_off_the_middle_is_to_the_nearer_end(stepwell, tmp_p
             "forward.toml: has no table [program]: pass --target STATE to plan one.",
         ),
         (("forward.toml", "--from", "10"), "--from: needs --target STATE, the state to end in."),
-        (
-            ("forward.toml", "--target", "012"),
-            "'012': must be 2 characters 0 or 1, inner cell",
-        ),
+        (("forward.toml", "--target", "012"), "'012': must be 2 characters 0 or 1, inner cell"),
         (("forward.toml", "--from", "1", "--target", "01"), "--from: '1': must be 2 characters"),
         (("preset:robot-forward", "--target", "01"), "is a robot, and this needs a chain"),
     ],

@@ -36,11 +36,7 @@ def test_the_json_is_that_of_the_paper(stepwell):
     assert record["cost_of_transport"] == pytest.approx(
         record["work_mJ"] / record["weight_N"] / record["distance_mm"]
     )
-    assert {one["source"] for one in record["parameters"]} == {
-        "paper",
-        "authors' notes",
-        "assumed",
-    }
+    assert {one["source"] for one in record["parameters"]} == {"paper", "authors' notes", "assumed"}
     assert record["files"] == []
 
 

@@ -161,10 +161,7 @@ def test_no_curve_is_drawn_twice():
     chain = sw.Chain((cell(10, 0), replace(cell(20, 0), limit=0.5)))
     found = boundaries(chain, x=X, y=Y, search=31)
     searched = [b for b in found if b.method == "search"]
-    assert [b.kind for b in found[:2]] == [
-        BoundaryKind.LOADING_ORDER,
-        BoundaryKind.UNLOADING_ORDER,
-    ]
+    assert [b.kind for b in found[:2]] == [BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER]
     assert searched
     exact = np.concatenate([b.points for b in found[:2]])
     for boundary in searched:

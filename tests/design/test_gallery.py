@@ -9,13 +9,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.design import survival
 
-MACHINES = (
-    "finger-selector",
-    "combination-lock",
-    "used-before",
-    "countdown",
-    "metachronal-wave",
-)
+MACHINES = ("finger-selector", "combination-lock", "used-before", "countdown", "metachronal-wave")
 CAREFUL = sw.Tolerances(anchor=0.0003, stiffness=0.05)
 
 

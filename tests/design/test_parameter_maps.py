@@ -12,12 +12,7 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from facts import refuses, says
 from sizes import examples
-from stepwell.design import (
-    Boundary,
-    BoundaryKind,
-    parameter_boundaries,
-    parameter_map,
-)
+from stepwell.design import Boundary, BoundaryKind, parameter_boundaries, parameter_map
 from stepwell.design.parameters import parameter, parameters
 from stepwell.sequences.cycles import snapping_steps
 

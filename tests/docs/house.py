@@ -23,16 +23,7 @@ STOREYS = {
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),
     "in and out": (
         "#e69f00",
-        (
-            "files",
-            "studies",
-            "accounts",
-            "figures",
-            "paper",
-            "reports",
-            "studio",
-            "cli",
-        ),
+        ("files", "studies", "accounts", "figures", "paper", "reports", "studio", "cli"),
     ),
 }
 

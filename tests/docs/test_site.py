@@ -88,8 +88,7 @@ def _may_be_wide(site: Path, path: str) -> bool:
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(
-        tmp_path_factory.mktemp("site"),
-        STEPWELL_REPOSITORY="https://forge.example/us/stepwell/",
+        tmp_path_factory.mktemp("site"), STEPWELL_REPOSITORY="https://forge.example/us/stepwell/"
     )
 
 

@@ -72,8 +72,7 @@ def boxes(figure, gid: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS]
 )
 def test_every_state_has_its_name_and_no_word_covers_another(name):
     graph, figure = graph_of(name), figure_of(name)

@@ -27,8 +27,7 @@ def standard_of(name: str) -> dict[str, Figure]:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PRESETS],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PRESETS]
 )
 def test_no_word_covers_another_or_leaves_the_page(name):
     cycle = files.preset(name).cycle()

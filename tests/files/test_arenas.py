@@ -6,15 +6,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from facts import refuses, says
-from stepwell.files import (
-    DesignError,
-    arena_text,
-    arenas,
-    dumps,
-    load_arena,
-    loads_arena,
-    save,
-)
+from stepwell.files import DesignError, arena_text, arenas, dumps, load_arena, loads_arena, save
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 
 NAMES = tuple(arenas())
@@ -66,10 +58,7 @@ def test_every_key_is_read_in_its_unit():
             "cell 100 mm",
         ),
         ("start = [0, 0]", "arena.toml: start: unknown key. Did you mean start_mm?"),
-        (
-            "[[walls]]\nfrom_mm = [0, 0]",
-            "arena.toml: walls: unknown key. Did you mean wall?",
-        ),
+        ("[[walls]]\nfrom_mm = [0, 0]", "arena.toml: walls: unknown key. Did you mean wall?"),
         (
             "[[wall]]\nfrom_mm = [1, 1]",
             "arena.toml: wall[0].to_mm: is missing. Two numbers in mm, as in [0, 600].",

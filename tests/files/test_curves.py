@@ -97,10 +97,7 @@ def test_the_units_say_what_is_measured(written, head, measure, high, largest):
             "a_mm,b_mm,force_N\n0,0,0\n1,1,1\n",
             "columns 'a_mm', 'b_mm' may each be the travel or volume or angle: leave one of",
         ),
-        (
-            "0,0\n1,1\n",
-            "no line above the numbers names its 2 columns: put one there, as",
-        ),
+        ("0,0\n1,1\n", "no line above the numbers names its 2 columns: put one there, as"),
         (CSV + "6,about 2\n", "line 6 is no row of 2 numbers ('6,about 2'): correct it or take"),
         (CSV + "6,nan\n", "line 6 is no row of 2 numbers ('6,nan')"),
         (
@@ -268,10 +265,7 @@ def test_a_file_in_a_folder_below_is_read(written):
             CELL.format("table_csv") + "table = {}",
             'chain.cell[0].table_csv = "dome.csv": cannot stand with table: keep one of them.',
         ),
-        (
-            '[chain]\ncell = [{ table_csv\\u0020 = "dome.csv" }]',
-            "line 2, column 20: ",
-        ),
+        ('[chain]\ncell = [{ table_csv\\u0020 = "dome.csv" }]', "line 2, column 20: "),
         (
             '[chain]\ncell = [{ "table_csv" = "dome.csv" }]',
             "names CSV files in a way that is not understood: write each such key in the table of",

@@ -269,14 +269,8 @@ def test_units_are_those_of_the_keys():
             INSIDE.replace("20", "1e7"),
             "chain.cell[0].inside[1].q_mm = [1E+7, 0]: must be two numbers from -1e6 to 1e6",
         ),
-        (
-            INSIDE.replace("20", "2000"),
-            "chain.cell[0].inside[1].q_mm = [2000, 0]: ",
-        ),
-        (
-            f"inside = [{{ {POINTS}, friction_N = 1 }}]",
-            "chain.cell[0]: ",
-        ),
+        (INSIDE.replace("20", "2000"), "chain.cell[0].inside[1].q_mm = [2000, 0]: "),
+        (f"inside = [{{ {POINTS}, friction_N = 1 }}]", "chain.cell[0]: "),
         ("inside = []", "chain.cell[0]: cells is empty: a chain has one cell or more"),
         (
             f"inside = [{{ inside = [{{ {POINTS} }}] }}]",

@@ -219,8 +219,7 @@ def test_a_link_and_a_folder_in_the_way_are_not_replaced(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "[" * 9999, "{}", "[]", '{"schema": "stepwell.folder/1"}', "\udcff"],
+    "text", ["", "[" * 9999, "{}", "[]", '{"schema": "stepwell.folder/1"}', "\udcff"]
 )
 def test_a_manifest_that_is_none_of_ours_is_kept(tmp_path, text):
     out = tmp_path / "out"

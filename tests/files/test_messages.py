@@ -31,10 +31,7 @@ def answer(text: str) -> str:
         ),
         # structure
         ("", "forward.toml: is empty: a design file starts with a [chain] table."),
-        (
-            'title = "t"',
-            "forward.toml: chain: is missing. A design file has a [chain] table.",
-        ),
+        ('title = "t"', "forward.toml: chain: is missing. A design file has a [chain] table."),
         (
             "[chain]",
             "forward.toml: chain.cell: is missing. A chain has one [[chain.cell]] or more, "
@@ -188,10 +185,7 @@ def answer(text: str) -> str:
             "which sets the stiffness itself; leave it out, or give the law as shape_mm.",
         ),
         # TOML itself
-        (
-            "[chain]\nlever_mm = = 3",
-            "forward.toml: line 2, column 12: Invalid value.",
-        ),
+        ("[chain]\nlever_mm = = 3", "forward.toml: line 2, column 12: Invalid value."),
         ("a.b = 1\na.b.c = 2", "forward.toml: line 2, at the end: Cannot overwrite a value."),
         ("a = " + "[" * 100_000, "forward.toml: is nested too deeply to be a design file."),
     ],

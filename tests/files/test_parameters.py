@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 from facts import refuses
-from stepwell.files import (
-    DesignError,
-    Given,
-    loads,
-    parameters,
-    preset,
-    preset_text,
-    presets,
-    vary,
-)
+from stepwell.files import DesignError, Given, loads, parameters, preset, preset_text, presets, vary
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table
 from stepwell.robot import Leg, Robot
 

@@ -46,13 +46,7 @@ def unit_cell(qx: float, qy: float) -> Cell:
     return cell
 
 
-MACHINES = (
-    "finger-selector",
-    "combination-lock",
-    "used-before",
-    "countdown",
-    "metachronal-wave",
-)
+MACHINES = ("finger-selector", "combination-lock", "used-before", "countdown", "metachronal-wave")
 
 
 def test_every_preset_is_promised_something_here():

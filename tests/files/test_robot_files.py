@@ -165,10 +165,7 @@ def test_a_leg_may_have_cells_of_its_own_and_takes_the_rest_from_the_chain():
             f"[foot]\nlink_cm = 3.5\n{LEAST}",
             "robot.toml: foot.link_cm: unknown key. Did you mean link_mm?",
         ),
-        (
-            f"drag_N = 1\n{LEAST}",
-            "robot.toml: drag_N: unknown key. It belongs in [floor].",
-        ),
+        (f"drag_N = 1\n{LEAST}", "robot.toml: drag_N: unknown key. It belongs in [floor]."),
         (
             f"[foot]\nlink_mm = -35\n{LEAST}",
             "robot.toml: foot.link_mm = -35: must be > 0 (1e-6 to 1e6).",
@@ -197,10 +194,7 @@ def test_a_leg_may_have_cells_of_its_own_and_takes_the_rest_from_the_chain():
             f"[foot]\nlink_mm = 35\n{CELLS}",
             "robot.toml: leg: is missing. A robot has two [[leg]] or more.",
         ),
-        (
-            LEAST.replace("[[leg]]", "[[legs]]"),
-            "robot.toml: legs: unknown key. Did you mean leg?",
-        ),
+        (LEAST.replace("[[leg]]", "[[legs]]"), "robot.toml: legs: unknown key. Did you mean leg?"),
         (
             LEAST.replace('name = "left"\n', ""),
             'robot.toml: leg[0].name: is missing. One line of text, as in "left".',

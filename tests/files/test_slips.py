@@ -40,11 +40,7 @@ def answer(text: str) -> str:
             "table_mm_N, tension = 800",
             "0.8 N",
         ),
-        (
-            f"{CHAIN}band = {{ quadratic_per_mm = -30 }}",
-            "quadratic_per_mm = -30",
-            "-0.03 1/mm",
-        ),
+        (f"{CHAIN}band = {{ quadratic_per_mm = -30 }}", "quadratic_per_mm = -30", "-0.03 1/mm"),
         (f"{CHAIN}band = {{ cubic_per_mm2 = 1000 }}", "cubic_per_mm2 = 1000", "0.001 1/mm²"),
     ],
 )

@@ -91,8 +91,7 @@ MAPS = [
     _folder("map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7", shown=True),
     _one("map/inner", "map preset:paper-via-01 --cell inner --x 0:20:5 --y -15:15:5"),
     _folder(
-        "map/parameters",
-        "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5",
+        "map/parameters", "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5"
     ),
     _one(
         "map/three-cells",
@@ -278,11 +277,7 @@ ELEMENTS = [
         given=DESIGNS,
         slow=True,
     ),
-    _folder(
-        "elements/reprogram",
-        "reprogram balloons.toml --by thick.force_scale",
-        given=DESIGNS,
-    ),
+    _folder("elements/reprogram", "reprogram balloons.toml --by thick.force_scale", given=DESIGNS),
     Case(
         "elements/wrong",
         (
@@ -466,10 +461,7 @@ ROBOTS = [
         within=SIMULATED,
     ),
     Case(
-        "maze/video",
-        ("maze robot-forward open --limit 1 --out out",),
-        within=SIMULATED,
-        slow=True,
+        "maze/video", ("maze robot-forward open --limit 1 --out out",), within=SIMULATED, slow=True
     ),
     Case(
         "robot/export",
@@ -615,9 +607,7 @@ PAPER = [
     Case("paper/validate", ("validate --json",), within=SIMULATED, slow=True),
 ]
 
-HELP = [
-    Case("help/pages", ("--help", "check --help"), shown=True),
-]
+HELP = [Case("help/pages", ("--help", "check --help"), shown=True)]
 
 WRONG = [
     Case(

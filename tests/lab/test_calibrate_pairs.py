@@ -237,8 +237,7 @@ def test_tension_tests_give_the_shape_of_a_law_whatever_the_strength():
     assert told == pytest.approx(expected, abs=0.03 * e[-1])
     stiff = [
         replace(
-            tension(1, 1, lambda u, k=k: curve(u, k), noise=noise),
-            source=f"mixed/bands_{n}.txt",
+            tension(1, 1, lambda u, k=k: curve(u, k), noise=noise), source=f"mixed/bands_{n}.txt"
         )
         for n, k in enumerate((20.0, 20.0, 60.0, 60.0), 1)
     ]

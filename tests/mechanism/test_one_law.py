@@ -30,7 +30,7 @@ STRONGER = {
     "mechanism/geometry.py": {
         "return tension * first": "return 1.25 * tension * first",
         "return tension * extension": "return 1.25 * tension * extension",
-    },
+    }
 }
 # What else only the law may write: a length from its two sides, g, and travel from a sine.
 TELL_TALES = [

@@ -50,12 +50,7 @@ def test_the_committed_claims_are_those_computed_now(computed):
 @pytest.mark.slow
 def test_what_differs_and_what_needs_data_is_known_and_has_its_reason(computed):
     differing = {name for name, v in computed.items() if v.verdict is Judgement.DIFFERS}
-    assert differing == {
-        "large-qx-directed",
-        "eq-5-sign",
-        "anchor-unit",
-        "robot-forward-loss",
-    }
+    assert differing == {"large-qx-directed", "eq-5-sign", "anchor-unit", "robot-forward-loss"}
     open_ = {name for name, v in computed.items() if v.verdict is Judgement.UNDETERMINED}
     assert open_ == {"antennas-bench-14", "antennas-bench-20", "antennas-paper-numbers"}
     lacking = {name for name, v in computed.items() if v.verdict is Judgement.NEEDS_DATA}

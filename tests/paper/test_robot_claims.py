@@ -180,10 +180,7 @@ def test_every_assumed_number_that_can_matter_on_a_bare_floor_is_varied():
     varied = {key.lstrip("-") for variation in sensitivity.VARIATIONS for key in variation.keys}
     # Walls are not met; gravity is the earth's; the rest is symmetry, or the same on both sides.
     spared = {"wall_friction", "gravity_m_per_s2", "length_mm", "width_mm"}
-    symmetric = {
-        "body.centre_mm[1]",
-        "body.supports_mm[0][1]",
-    }
+    symmetric = {"body.centre_mm[1]", "body.supports_mm[0][1]"}
     for parameter in files.parameters(robot("forward")):
         if parameter.source != "assumed" or parameter.path in symmetric:
             continue

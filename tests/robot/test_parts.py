@@ -14,10 +14,7 @@ CELL = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), 30.0))
 CHAIN = sw.Chain([CELL, CELL.with_anchors(q=(0.020, 0.0))])
 
 feet = st.builds(
-    Foot,
-    link=st.floats(0.031, 0.060),
-    span=st.floats(0.010, 0.040),
-    below=st.floats(0.0, 0.003),
+    Foot, link=st.floats(0.031, 0.060), span=st.floats(0.010, 0.040), below=st.floats(0.0, 0.003)
 )
 
 

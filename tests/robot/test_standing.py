@@ -11,9 +11,7 @@ from stepwell.robot import Body, Floor, Foot
 from stepwell.robot.stance import _without_feet, feet_load, feet_places, leaning, supports_load
 
 travels = st.lists(
-    st.tuples(st.floats(0.0, 0.020), st.sampled_from([0.0, 0.0, 0.010])),
-    min_size=2,
-    max_size=2,
+    st.tuples(st.floats(0.0, 0.020), st.sampled_from([0.0, 0.0, 0.010])), min_size=2, max_size=2
 ).map(lambda pair: [np.array(each) for each in pair])
 
 

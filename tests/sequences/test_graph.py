@@ -303,11 +303,7 @@ def test_from_all_0_every_ideal_is_reached_and_nothing_else_if_the_order_is_kept
 
 
 def test_where_another_cell_overtakes_the_leader_more_than_the_ideals_is_reached():
-    bands = [
-        ((5.8, -4.9), 21.0, 0.9),
-        ((7.5, -6.4), 40.3, 11.9),
-        ((30.9, -0.7), 58.2, 13.8),
-    ]
+    bands = [((5.8, -4.9), 21.0, 0.9), ((7.5, -6.4), 40.3, 11.9), ((30.9, -0.7), 58.2, 13.8)]
     chain = sw.Chain(
         [
             sw.Cell(sw.Band((0, 0), (x / 1e3, y / 1e3), stiffness=k, rest_length=rest / 1e3))

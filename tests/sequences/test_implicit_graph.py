@@ -264,11 +264,7 @@ def test_of_nested_loops_under_a_stroke_all_states_are_reached_of_any_number_of_
 def test_any_number_of_cells_answers_under_a_force(cells):
     chain = forced(cells, cells, concave_chain)
     implicit = chain.implicit_graph()
-    counts = (
-        implicit.reached_count,
-        implicit.garden_count,
-        implicit.vertex_count,
-    )
+    counts = (implicit.reached_count, implicit.garden_count, implicit.vertex_count)
     assert all(count is not None and count > 0 for count in counts)
     assert implicit.vertex_count <= 2**cells
     nodes = list(implicit.walk(most=50))

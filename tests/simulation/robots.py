@@ -44,10 +44,7 @@ def explorer(connected: bool = True) -> Robot:
 
     def legs(name: str, side: int) -> Leg:
         chain = sw.Chain(
-            [
-                cell("inner", 0.010, -0.007, 58.75, 0.022),
-                cell("outer", 0.014, -0.010, 47.0, 0.022),
-            ]
+            [cell("inner", 0.010, -0.007, 58.75, 0.022), cell("outer", 0.014, -0.010, 47.0, 0.022)]
         )
         return Leg(name, chain, (AT[0], side * AT[1]))
 

@@ -22,10 +22,7 @@ def of_any_bands() -> Robot:
     pushing = sw.Band((-0.010, 0.0), (0.020, 0.003), 30.0, 0.060, two_sided=True)
     slack = sw.Band((0.0, 0.0), (0.002, -0.010), 30.0, 0.016)
     chain = sw.Chain(
-        [
-            sw.Cell((rubber, second), name="inner"),
-            sw.Cell((pushing, slack), name="outer"),
-        ]
+        [sw.Cell((rubber, second), name="inner"), sw.Cell((pushing, slack), name="outer")]
     )
     legs = [Leg("left", chain, (0.008, 0.0575)), Leg("right", chain, (0.008, -0.0575))]
     return Robot(legs, floor=AIR)

@@ -70,9 +70,7 @@ def yard(distance: float, goal: Goal | None = None) -> Arena:
 ROBOTS = [
     BASE,
     varied(
-        chain__cell__inner__band__stiffness_N_per_m=70,
-        body__mass_g=220,
-        floor__foot_friction=0.4,
+        chain__cell__inner__band__stiffness_N_per_m=70, body__mass_g=220, floor__foot_friction=0.4
     ),
     varied(foot__below_mm=0.8, foot__radius_mm=3.5, foot__link_mm=36),
 ]

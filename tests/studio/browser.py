@@ -34,12 +34,7 @@ VALUES = """(names) =>
 
 needed("starlette", "uvicorn", "websockets")
 
-from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
-    Frame,
-    Locator,
-    Page,
-    expect,
-)
+from playwright.sync_api import Frame, Locator, Page, expect  # noqa: E402, where it is missing the tests are skipped above
 
 # A busy machine is no failure.
 expect.set_options(timeout=30_000)

@@ -17,12 +17,7 @@ from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
 
-PLANE: dict[str, Any] = {
-    "x": "2.q.x",
-    "y": "2.q.y",
-    "x_range": [0, 30],
-    "y_range": [-15, 15],
-}
+PLANE: dict[str, Any] = {"x": "2.q.x", "y": "2.q.y", "x_range": [0, 30], "y_range": [-15, 15]}
 MAP = PLANE | {"pixels": [60, 40]}
 
 

@@ -233,10 +233,7 @@ def test_the_python_of_a_robot_makes_it():
 
 def test_missing_designs_and_long_chains_are_refused_in_words():
     long = {"chain": FORWARD["chain"] | {"cell": FORWARD["chain"]["cell"] * 40}}
-    for design, words in (
-        (None, "is missing"),
-        (long, "80 cells"),
-    ):
+    for design, words in ((None, "is missing"), (long, "80 cells")):
         assert words in ask("evaluate", design).header["problems"][0]["text"]
     problem = ask("evaluate", FORWARD, target="x").header["problems"][0]
     assert problem["at"] == "" and "unknown key" in problem["text"]

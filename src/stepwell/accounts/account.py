@@ -130,10 +130,7 @@ class Section:
     """
 
     def __init__(
-        self,
-        heading: str,
-        *parts: Part | Callable[[], Sequence[Part]],
-        level: Level = Level.CARD,
+        self, heading: str, *parts: Part | Callable[[], Sequence[Part]], level: Level = Level.CARD
     ) -> None:
         self.heading, self.parts, self.level = heading, parts, level
 

@@ -22,11 +22,7 @@ _MOST_LETTERS = 1000
 def graph_schema(shape: Shape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
-    loop = (
-        *quantities(up=[str], down=[str]),
-        Quantity("low", unit),
-        Quantity("high", unit),
-    )
+    loop = (*quantities(up=[str], down=[str]), Quantity("low", unit), Quantity("high", unit))
     return (
         Quantity("title", read=lambda graph: graph.chain.title if graph.chain else ""),
         Quantity("actuator"),

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
 # The first name of every JSON Schema, and those of what was computed, see `head`.
 BARE: Schema = (Quantity("stepwell"),)
-HEAD: Schema = (
-    *BARE,
-    *quantities(versions={str: str}, design_sha256=str | None, seed=int | None),
-)
+HEAD: Schema = (*BARE, *quantities(versions={str: str}, design_sha256=str | None, seed=int | None))
 
 
 @dataclass(frozen=True)

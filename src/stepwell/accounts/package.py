@@ -29,11 +29,7 @@ _PACKAGE: Schema = (
     Quantity("version", head="version", none="missing", missing=True),
 )
 _NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="used for")
-_EXTRA: Schema = (
-    _NAME,
-    _USED_FOR,
-    *quantities(present=bool, versions={str: str}, install=str),
-)
+_EXTRA: Schema = (_NAME, _USED_FOR, *quantities(present=bool, versions={str: str}, install=str))
 _HERE = Column("installed", lambda row: _versions(row))
 _KERNELS: Schema = (
     Quantity("folder", read=lambda kept: str(kept.folder)),

@@ -48,10 +48,7 @@ PARAMETER: Schema = (
     Quantity("source", head="source"),
 )
 PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=provenance)
-_ROBOT: Schema = (
-    *quantities(title=str, mass="g", weight="N", u_max="mm"),
-    PARAMETERS,
-)
+_ROBOT: Schema = (*quantities(title=str, mass="g", weight="N", u_max="mm"), PARAMETERS)
 _NEEDS: Schema = quantities(push="N", pull="N", stiffness="N_per_m")
 _PUSH: Schema = (
     Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
@@ -165,9 +162,7 @@ def prediction_account(found: Prediction, about: About) -> Account:
         ),
         warnings=(
             Warned(
-                "Too close to call",
-                "Statics cannot determine which gait these legs have.",
-                doubts,
+                "Too close to call", "Statics cannot determine which gait these legs have.", doubts
             ),
             Warned(
                 "Soft drive",

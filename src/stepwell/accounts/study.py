@@ -102,12 +102,7 @@ _DECIDED: Schema = (
     *quantities(
         designs=int,
         floor=float,
-        influences=[
-            (
-                Quantity("parameter", read="name"),
-                *quantities(share=float, trend=float),
-            )
-        ],
+        influences=[(Quantity("parameter", read="name"), *quantities(share=float, trend=float))],
     ),
 )
 # A row for each number that decides a column.
@@ -120,11 +115,7 @@ _DECIDING: Columns = (
 
 
 # Of what a screen kept and what was computed: which designs have the fraction.
-_AMONG = {
-    "alike": "drawn at random",
-    "held": "kept",
-    "missed": "drawn at random and not kept",
-}
+_AMONG = {"alike": "drawn at random", "held": "kept", "missed": "drawn at random and not kept"}
 
 
 # What is reported of a study.

@@ -169,11 +169,7 @@ def yield_account(found: Yield, about: About) -> Account:
         origin=f"{cells_of(chain)}.",
         answer=f"{percent(found.share)} of the samples reproduce the {target}",
         seed=found.seed,
-        facts=(
-            Fact("Target", found.target),
-            *counted_facts(found),
-            critical_fact(found),
-        ),
+        facts=(Fact("Target", found.target), *counted_facts(found), critical_fact(found)),
         warnings=(advised(found),),
         sections=(
             Section(

@@ -36,14 +36,10 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "Figures and GIFs need Matplotlib and Pillow",
         ),
         "tables": Extra(
-            {"xarray": "xarray"},
-            "maps, NetCDF, to_xarray",
-            "Maps and labelled tables need xarray",
+            {"xarray": "xarray"}, "maps, NetCDF, to_xarray", "Maps and labelled tables need xarray"
         ),
         "robot": Extra(
-            {"mujoco": "mujoco"},
-            "walk, maze, view, export",
-            "The robot's simulation needs MuJoCo",
+            {"mujoco": "mujoco"}, "walk, maze, view, export", "The robot's simulation needs MuJoCo"
         ),
         "gpu": Extra(
             {"mujoco-warp": "mujoco_warp"},

@@ -70,14 +70,12 @@ def new(
 @grouped
 def paper(
     everything: Annotated[
-        bool,
-        typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
+        bool, typer.Option("--all", help="Also what takes many simulated runs: several minutes.")
     ] = False,
     data: Annotated[
         Path | None,
         typer.Option(
-            metavar="PATH",
-            help="The authors' recordings, for the claims that they decide.",
+            metavar="PATH", help="The authors' recordings, for the claims that they decide."
         ),
     ] = None,
     output: Output = OUTPUT,

@@ -72,8 +72,7 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def stepwell(
     version: Annotated[
-        bool,
-        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
+        bool, typer.Option("--version", help="Print the version.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
     """Design, check and understand machines whose motion is programmed into their springs."""

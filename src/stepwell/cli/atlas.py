@@ -59,10 +59,7 @@ class SpaceOptions(Group):
     designs: Annotated[
         float,
         typer.Option(
-            metavar="N",
-            help="Designs, drawn evenly; 1e8 is understood.",
-            min=1,
-            show_default="1e6",
+            metavar="N", help="Designs, drawn evenly; 1e8 is understood.", min=1, show_default="1e6"
         ),
     ] = 1e6
     seed: parts.Seed = 0
@@ -133,12 +130,7 @@ def build(
 
 @commands.command(epilog=EXIT_CODES)
 @grouped
-def show(
-    store: _There = None,
-    *,
-    within: parts.BandTolerances,
-    output: Output,
-) -> None:
+def show(store: _There = None, *, within: parts.BandTolerances, output: Output) -> None:
     """List the machines of a store: their fractions and yields, what is proved.
 
     Example: stepwell atlas show
@@ -161,8 +153,7 @@ def find(
     ],
     store: _There = None,
     least: Annotated[
-        str,
-        typer.Option("--yield", metavar="PERCENT", help="At least, for sure; 99 or 99%."),
+        str, typer.Option("--yield", metavar="PERCENT", help="At least, for sure; 99 or 99%.")
     ] = "0",
     out: Annotated[
         Path | None,

@@ -165,7 +165,7 @@ class AimOptions(Group):
     objective: Annotated[
         Objective,
         typer.Option(
-            help="Make the yield largest, or the distance by which all anchors may be off at once.",
+            help="Make the yield largest, or the distance by which all anchors may be off at once."
         ),
     ] = Objective.YIELD
     force_limit: Annotated[

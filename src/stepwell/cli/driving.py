@@ -66,8 +66,7 @@ From = Annotated[
     ),
 ]
 Target = Annotated[
-    str | None,
-    typer.Option("--target", metavar="STATE", help="The state to end in, such as 01."),
+    str | None, typer.Option("--target", metavar="STATE", help="The state to end in, such as 01.")
 ]
 
 

@@ -268,8 +268,7 @@ def band(
         ),
     ] = None,
     law: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="The law to write, whatever is chosen."),
+        str | None, typer.Option(metavar="NAME", help="The law to write, whatever is chosen.")
     ] = None,
     output: Output = OUTPUT,
 ) -> None:
@@ -307,10 +306,7 @@ def band(
 
 _Data = Annotated[
     Path,
-    typer.Argument(
-        metavar="DATA",
-        help="A folder of recordings, at any depth, or one recording.",
-    ),
+    typer.Argument(metavar="DATA", help="A folder of recordings, at any depth, or one recording."),
 ]
 _Baseline = Annotated[
     Path | None,

@@ -41,11 +41,7 @@ if TYPE_CHECKING:
 
 
 @grouped
-def run(
-    design: Design,
-    mobility_ratio: MobilityRatio = None,
-    output: Output = OUTPUT,
-) -> None:
+def run(design: Design, mobility_ratio: MobilityRatio = None, output: Output = OUTPUT) -> None:
     """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
     The margin is the smallest change that gives another sequence. Snaps are checked for landings

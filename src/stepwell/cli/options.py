@@ -98,9 +98,7 @@ Robot = Annotated[
 Arena = Annotated[
     str | None,
     typer.Option(
-        metavar="ARENA",
-        help="Put it there; see `stepwell maze --list`.",
-        autocompletion=arenas,
+        metavar="ARENA", help="Put it there; see `stepwell maze --list`.", autocompletion=arenas
     ),
 ]
 
@@ -127,8 +125,7 @@ Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 ForceFile = Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")]
 Json = Annotated[
-    bool,
-    typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
+    bool, typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it.")
 ]
 
 

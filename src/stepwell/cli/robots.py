@@ -275,8 +275,7 @@ def maze(
         typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
     ] = None,
     layout_seed: Annotated[
-        int | None,
-        typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0),
+        int | None, typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
     ] = None,
     disconnect: Annotated[
         bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")

@@ -118,11 +118,7 @@ def show_json(record: dict[str, Any], *files: Path) -> None:
 
 
 def report(
-    account: Account,
-    as_json: bool,
-    out: Path | None = None,
-    force: bool = False,
-    **options: Any,
+    account: Account, as_json: bool, out: Path | None = None, force: bool = False, **options: Any
 ) -> None:
     """Write a result into a folder, and print it as JSON or as text.
 

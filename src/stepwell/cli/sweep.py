@@ -44,8 +44,7 @@ _Vary = Annotated[
     ),
 ]
 _Table = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Designs one by one, a line of a CSV file each."),
+    Path | None, typer.Option(metavar="FILE", help="Designs one by one, a line of a CSV file each.")
 ]
 _Store = Annotated[
     Path,
@@ -58,8 +57,7 @@ _Store = Annotated[
     ),
 ]
 _Sobol = Annotated[
-    int | None,
-    typer.Option(metavar="N", min=1, help="N designs of a Sobol' sequence, scrambled."),
+    int | None, typer.Option(metavar="N", min=1, help="N designs of a Sobol' sequence, scrambled.")
 ]
 _Latin = Annotated[
     int | None, typer.Option(metavar="N", min=1, help="N designs of a Latin hypercube.")
@@ -75,8 +73,7 @@ _Estimate = Annotated[
     bool, typer.Option("--estimate", help="Print the estimated run time and disk space, then exit.")
 ]
 _Partial = Annotated[
-    bool,
-    typer.Option("--partial", help="Go without designs that are missing, instead of failing."),
+    bool, typer.Option("--partial", help="Go without designs that are missing, instead of failing.")
 ]
 _There = Annotated[
     Path, typer.Argument(metavar="STORE", help="Path of the study: the value given to --out.")
@@ -246,13 +243,7 @@ class _Chosen(parts.ToleranceOptions, _Sampled):
 def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
     """A command for something that is computed of chains, or of robots."""
 
-    def run(
-        design: Design,
-        own: Group,
-        out: _Store,
-        designs: _Drawn,
-        how: _Study,
-    ) -> None:
+    def run(design: Design, own: Group, out: _Store, designs: _Drawn, how: _Study) -> None:
         from stepwell import studies
         from stepwell.kernels import cores
 
@@ -311,11 +302,7 @@ for _what, _doc in {
 
 @commands.command(epilog=EXIT_CODES)
 @grouped
-def resume(
-    store: _There,
-    effort: Effort,
-    as_json: Json = False,
-) -> None:
+def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     """Compute what is missing in a store.
 
     Example: stepwell sweep resume store
@@ -429,12 +416,7 @@ def export(
 
 @commands.command(epilog=EXIT_CODES)
 @grouped
-def report(
-    store: _There,
-    partial: _Partial = False,
-    *,
-    output: Folder,
-) -> None:
+def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
     """Plot the results of a study on one page, and compute which number decides them.
 
     Example: stepwell sweep report store --out report

@@ -185,11 +185,7 @@ def calibrated_on(
         prepared = lab.prepare(series, lab.tension_tables(given))
         found = lab.calibrate(prepared, progress=tell)
     calibrated = Calibrated(
-        data.name,
-        lab.hashes(given),
-        found.law,
-        account(found).record["summary"],
-        found.scatter,
+        data.name, lab.hashes(given), found.law, account(found).record["summary"], found.scatter
     )
     measured = found.applied(chain)
     text = files.dumps(measured, program=files.loads(text).program)

@@ -112,12 +112,7 @@ def boundaries(
 
 
 def parameter_boundaries(
-    chain: Chain,
-    x: Axis,
-    y: Axis,
-    *,
-    search: int = 61,
-    progress: Progress | None = None,
+    chain: Chain, x: Axis, y: Axis, *, search: int = 61, progress: Progress | None = None
 ) -> tuple[Boundary, ...]:
     """The curves between the regions of a map over two parameters.
 

@@ -317,12 +317,7 @@ class Outcomes:
         for column, way in ((STEPS_UP, 0), (STEPS_DOWN, 1)):
             found.snaps[way, at] = known[number >= 0, column]
 
-    def label(
-        self,
-        values: Floats,
-        progress: Progress = None,
-        found: Found | None = None,
-    ) -> Codes:
+    def label(self, values: Floats, progress: Progress = None, found: Found | None = None) -> Codes:
         """Numbers for (m, 2) values, of which the closed form says what was `found`.
 
         `progress` is called with (done, total) engine runs.

@@ -23,11 +23,7 @@ _TEXT = r"""(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
 _NAMED = re.compile(
     rf"""{_TEXT}|\#[^\n]*|(?<![\w."'-])(?P<key>{_KEYS})[ \t]*=[ \t]*(?P<name>{_TEXT})"""
 )
-_MAKE = {
-    "table": Element.from_table,
-    "points": Element.from_points,
-    "curve": Element.from_curve,
-}
+_MAKE = {"table": Element.from_table, "points": Element.from_points, "curve": Element.from_curve}
 
 
 def load_element(

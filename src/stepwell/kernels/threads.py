@@ -25,9 +25,7 @@ def cores() -> int:
 
 
 def beside(
-    run: Callable[[], R],
-    stop: Callable[[], object],
-    look: Callable[[], object] = lambda: None,
+    run: Callable[[], R], stop: Callable[[], object], look: Callable[[], object] = lambda: None
 ) -> R:
     """What run() returns, from a thread of its own.
 

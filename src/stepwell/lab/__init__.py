@@ -23,15 +23,7 @@ from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
-from stepwell.lab.recordings.read import (
-    Batch,
-    hashes,
-    read,
-    read_all,
-    read_bytes,
-    table,
-    to_csv,
-)
+from stepwell.lab.recordings.read import Batch, hashes, read, read_all, read_bytes, table, to_csv
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
 from stepwell.lab.series import Series, Sorted, sort_series

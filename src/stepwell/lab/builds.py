@@ -218,10 +218,7 @@ def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> Floats:
     """Forces of the model [N] where some were read."""
     stroke, force = cycle.path.stroke, cycle.path.force
     top = int(np.argmax(stroke))
-    ways = {
-        1: (stroke[: top + 1], force[: top + 1]),
-        -1: (stroke[top:][::-1], force[top:][::-1]),
-    }
+    ways = {1: (stroke[: top + 1], force[: top + 1]), -1: (stroke[top:][::-1], force[top:][::-1])}
     return np.array([np.interp(pull.stroke, *ways[pull.direction]) for pull in pulls])
 
 

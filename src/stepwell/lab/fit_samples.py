@@ -116,9 +116,7 @@ def rubber_name(bands: int, in_pair: bool) -> str:
 
 
 def prepare(
-    series: Sequence[Series],
-    tables: Mapping[str, Table] | None = None,
-    notes: Sequence[str] = (),
+    series: Sequence[Series], tables: Mapping[str, Table] | None = None, notes: Sequence[str] = ()
 ) -> Prepared:
     """Net forces of cells on even ways, in the order of motion; of pairs for each of both cells.
 

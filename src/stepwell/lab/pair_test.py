@@ -11,16 +11,7 @@ import numpy as np
 from stepwell.base import Bools, ByValue, Drawn, Floats, to_unit
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.rig import (
-    END,
-    PAPER_RIG,
-    Rig,
-    judged,
-    mover,
-    on_path,
-    path_of,
-    quiet_zones,
-)
+from stepwell.lab.rig import END, PAPER_RIG, Rig, judged, mover, on_path, path_of, quiet_zones
 from stepwell.lab.series import TELLING, Series, carried
 from stepwell.lab.snaps import MeasuredSnap, find_snaps, holes_of, matched, samples_of_jump
 from stepwell.mechanism import Chain

@@ -455,9 +455,7 @@ def _ratio(series: Series, run: Recording) -> float:
     return float(model @ force) / size if size > 0 else 1.0
 
 
-def _by_bands(
-    runs: list[tuple[float, Recording]],
-) -> list[tuple[int, list[Recording], float]]:
+def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
     """Runs sorted by how many bands they show: the count, the runs, the median of their ratios.
 
     Each is judged by itself, whatever other files there are: so many bands as make each at most

@@ -235,10 +235,7 @@ class Cell(ByValue, Drawn):
         """Its two states, at the stops."""
         full = self.full_travel
         force_0, force_1 = self.force((-self.limit, self.limit)).tolist()
-        return (
-            Phase(0, 0.0, 0.0, -math.inf, force_0),
-            Phase(0, full, full, force_1, math.inf),
-        )
+        return (Phase(0, 0.0, 0.0, -math.inf, force_0), Phase(0, full, full, force_1, math.inf))
 
     @property
     def largest_force(self) -> float:

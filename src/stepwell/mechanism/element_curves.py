@@ -173,10 +173,7 @@ def _turn(x: Floats, y: Floats, at: int) -> int:
     """+1 where the curve turns clockwise at a point, -1 where counterclockwise."""
     (dx1, dy1), (dx2, dy2) = (
         (x[at] - x[at - 1], y[at] - y[at - 1]),
-        (
-            x[at + 1] - x[at],
-            y[at + 1] - y[at],
-        ),
+        (x[at + 1] - x[at], y[at + 1] - y[at]),
     )
     return 1 if dx1 * dy2 - dy1 * dx2 < 0.0 else -1
 
@@ -290,10 +287,7 @@ def _curves(element: Element, reach: float) -> list[_Part]:
     parts: list[_Part] = []
     for sheet in element.laws:
         rows = sheet.extended(element.goes_on(sheet), -reach)
-        goes_on = (
-            sheet.below is None and not stopped[0],
-            sheet.above is None and not stopped[1],
-        )
+        goes_on = (sheet.below is None and not stopped[0], sheet.above is None and not stopped[1])
         parts.append((rows, (sheet.begin, sheet.end), goes_on, (sheet.below, sheet.above)))
     return parts
 

@@ -261,12 +261,7 @@ def _claim(pathway: Pathway) -> Claim:
     )
 
 
-PATHWAY_CLAIMS = (
-    *map(_claim, PAIRS),
-    sequential,
-    undirected_boundary,
-    directed_snaps,
-)
+PATHWAY_CLAIMS = (*map(_claim, PAIRS), sequential, undirected_boundary, directed_snaps)
 
 
 _NODES = 401

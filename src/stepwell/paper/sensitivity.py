@@ -81,10 +81,7 @@ VARIATIONS = (
     Variation("centre of mass, up [mm]", ("body.centre_mm[2]",), -10, 10),
     Variation("rear support, forward [mm]", ("body.supports_mm[0][0]",), -65, -45),
     Variation(
-        "front supports, forward [mm]",
-        ("body.supports_mm[1][0]", "body.supports_mm[2][0]"),
-        34,
-        42,
+        "front supports, forward [mm]", ("body.supports_mm[1][0]", "body.supports_mm[2][0]"), 34, 42
     ),
     Variation(
         "front supports, sideways [mm]",

@@ -12,17 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import (
-    Bools,
-    ByValue,
-    Drawn,
-    Floats,
-    InputError,
-    Measure,
-    amount,
-    most,
-    problem,
-)
+from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Measure, amount, most, problem
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction

@@ -248,11 +248,7 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
         inner = (leg.at[0] + robot.foot.span / 2 + robot.blocks.length, leg.at[1], 0.0)
         size = (robot.blocks.length / 2, robot.blocks.width, 0.008)
         parts.hull(robot, body, size, inner, **outline)
-    body.add_camera(
-        name="above",
-        pos=(0.0, 0.0, 0.9),
-        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
-    )
+    body.add_camera(name="above", pos=(0.0, 0.0, 0.9), mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM)
     return body
 
 

@@ -51,11 +51,7 @@ _MOVE: Schema = (
     Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
     Quantity("share", head="yield", form=percent, left=False, holds=float),
 )
-_WRONG: Schema = (
-    Quantity("wrong", read=str),
-    *_PLACED,
-    Quantity("share", holds=float),
-)
+_WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
 _PULL: Schema = quantities(direction=int, stroke="mm", force="N")
 
 

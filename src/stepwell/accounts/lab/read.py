@@ -44,10 +44,7 @@ _RECORDING: Schema = (
 )
 
 
-_READ: Schema = (
-    *read_off(_RECORDING, "recording"),
-    Quantity("odd", holds=[str]),
-)
+_READ: Schema = (*read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
 
 
 def _rows(batch: Batch) -> Sequence[Row]:

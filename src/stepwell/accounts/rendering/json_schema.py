@@ -46,10 +46,7 @@ def schema_of(kind: str) -> JsonSchema:
         [found] if isinstance(found, tuple) else [found(shape) for shape in shapes()]
     )
     body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
-    properties = {
-        "schema": {"const": f"stepwell.{name}"},
-        **body["properties"],
-    }
+    properties = {"schema": {"const": f"stepwell.{name}"}, **body["properties"]}
     properties.setdefault("files", {"type": "array", "items": {"type": "string"}})
     version = name.partition("/")[2]
     return {

@@ -279,11 +279,7 @@ def table(
 
 
 def records(
-    title: str,
-    columns: Columns,
-    found: Sequence[Mapping[str, Any]],
-    *,
-    most: int | None = 40,
+    title: str, columns: Columns, found: Sequence[Mapping[str, Any]], *, most: int | None = 40
 ) -> list[Line]:
     """Records as a table; nothing where there are none.
 

@@ -176,10 +176,7 @@ class Margin(ByValue, Drawn):
 
 
 def margin(
-    chain: Chain,
-    *,
-    reach: float = REACH,
-    progress: Callable[[int, int], None] | None = None,
+    chain: Chain, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
 ) -> Margin:
     """How far each anchor and each stiffness may change before the sequence does.
 

@@ -45,11 +45,7 @@ class Place:
 
 
 def nearest_place(
-    cell: Simple,
-    conditions: list[Neighbour],
-    ways: Displacements,
-    sign: int,
-    within: float,
+    cell: Simple, conditions: list[Neighbour], ways: Displacements, sign: int, within: float
 ) -> Place | None:
     """The nearest displacement that meets all conditions, to rounding.
 

@@ -121,7 +121,6 @@ def sensitivities(
         mixed[:, columns] = base[1][:, columns]
         exchanged.append(gap(draws.shaped(mixed))[None])
     found = sobol_indices(
-        func={"f_A": first[None], "f_B": second[None], "f_AB": np.array(exchanged)},
-        n=len(points),
+        func={"f_A": first[None], "f_B": second[None], "f_AB": np.array(exchanged)}, n=len(points)
     )
     return Sensitivities(names, found.first_order, found.total_order, spread, len(points))

@@ -288,11 +288,7 @@ def _draw_order(
 
 
 def _frame_order(
-    ax: Axes,
-    main: Axes,
-    side: int,
-    order: Sequence[int],
-    switches: Sequence[_Switch],
+    ax: Axes, main: Axes, side: int, order: Sequence[int], switches: Sequence[_Switch]
 ) -> None:
     """Ticks with the names of the rows; the forces are those of the plane."""
     ends = len(order) - 0.4, -0.6

@@ -37,11 +37,7 @@ State = str | Sequence[float]
 
 @style.styled
 def mechanism(
-    chain: Chain,
-    states: Iterable[State],
-    *,
-    columns: int | None = None,
-    ax: Axes | None = None,
+    chain: Chain, states: Iterable[State], *, columns: int | None = None, ax: Axes | None = None
 ) -> Figure:
     """The chain in one state after another, with an arrow between and the stroke below each.
 
@@ -87,11 +83,7 @@ class DrawingPlan:
 
 
 def arrange(
-    chain: Chain,
-    states: Iterable[State],
-    *,
-    columns: int | None = None,
-    tallest: float = _TALLEST,
+    chain: Chain, states: Iterable[State], *, columns: int | None = None, tallest: float = _TALLEST
 ) -> DrawingPlan:
     """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)

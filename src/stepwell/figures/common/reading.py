@@ -124,10 +124,7 @@ def span(path: Path, cell: int) -> tuple[float, float]:
     one, travel = path.chain.cells[cell], path.travel[:, cell]
     slip = _SLIP * one.full_travel
     low, high = float(np.min(travel)), float(np.max(travel))
-    return (
-        low if low < one.low - slip else one.low,
-        high if high > one.high + slip else one.high,
-    )
+    return (low if low < one.low - slip else one.low, high if high > one.high + slip else one.high)
 
 
 def phases(

@@ -131,11 +131,7 @@ COLUMNS = {
     for measure in Measure
 }
 # The joints of a sheet, in SI, by what they are.
-JOINTS = {
-    Measure.TRAVEL: "travel_m",
-    Measure.VOLUME: "volume_m3",
-    Measure.ANGLE: "angle_rad",
-}
+JOINTS = {Measure.TRAVEL: "travel_m", Measure.VOLUME: "volume_m3", Measure.ANGLE: "angle_rad"}
 _PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
 
 

@@ -82,11 +82,7 @@ def reading_doubt(fitted: Fitted, stroke: Floats, steps: tuple[float, float]) ->
 
 
 def intervals(
-    fitted: Fitted,
-    gauge: float | None,
-    stroke: Floats,
-    force: Floats,
-    steps: tuple[float, float],
+    fitted: Fitted, gauge: float | None, stroke: Floats, force: Floats, steps: tuple[float, float]
 ) -> tuple[Interval, Interval]:
     """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
 

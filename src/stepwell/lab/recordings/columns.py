@@ -124,11 +124,7 @@ def pair(
             f"columns {names[x][:40]!r} in {units[x]} and {names[y][:40]!r} in {units[y]} do not "
             f"belong together: must be {_PAIRS}."
         )
-    return (
-        _TRAVELS[travel],
-        (x, FACTORS[travel][units[x]]),
-        (y, FACTORS[force][units[y]]),
-    )
+    return (_TRAVELS[travel], (x, FACTORS[travel][units[x]]), (y, FACTORS[force][units[y]]))
 
 
 def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tuple[int, str]:

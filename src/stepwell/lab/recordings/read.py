@@ -13,16 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Ints,
-    Quantity,
-    Schema,
-    __version__,
-    content_of,
-    need,
-    write_csv,
-)
+from stepwell.base import ByValue, Ints, Quantity, Schema, __version__, content_of, need, write_csv
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.text import parse
@@ -166,8 +157,7 @@ def read_bytes(content: bytes, name: str) -> Recording:
 
 
 def read_all(
-    files: Iterable[str | os.PathLike[str]],
-    progress: Callable[[int, int], None] | None = None,
+    files: Iterable[str | os.PathLike[str]], progress: Callable[[int, int], None] | None = None
 ) -> Batch:
     """Recordings from files and folders, whatever some of them hold.
 

@@ -178,10 +178,7 @@ class Inequalities:
         self.graph, self.forces = graph, forces
         up, down = (_first(graph, way) for way in ("00+", "11-"))
         # What goes up first has the lower peak, what goes down first the higher valley.
-        self.ends = (
-            {up: ends[2], 1 - up: ends[3]},
-            {down: ends[1], 1 - down: ends[0]},
-        )
+        self.ends = ({up: ends[2], 1 - up: ends[3]}, {down: ends[1], 1 - down: ends[0]})
         self.size = 2
         self.rows: list[tuple[_Sum, float]] = []
         self.travel = {

@@ -57,9 +57,7 @@ def moving(
 
 
 def map_of(
-    dataset: Dataset,
-    borders: Iterable[Boundary],
-    marks: Mapping[str, tuple[float, float]],
+    dataset: Dataset, borders: Iterable[Boundary], marks: Mapping[str, tuple[float, float]]
 ) -> StoryPiece:
     """A map, with the places [m] of some designs on it."""
     from stepwell import figures

@@ -786,12 +786,7 @@ def _set_senses(at: Flow, shared: float) -> None:
 
 @leaf
 def flow(
-    problem: DrivenChain,
-    state: State,
-    drive: float,
-    shared: float,
-    accuracy: float,
-    rubbed: Floats,
+    problem: DrivenChain, state: State, drive: float, shared: float, accuracy: float, rubbed: Floats
 ) -> tuple[bool, float, bool]:
     """Follow the flow to rest, the travels of the state in place.
 

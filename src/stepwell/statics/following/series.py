@@ -14,13 +14,7 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent, record
 from stepwell.mechanism import largest, smallest, stored
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
-from stepwell.statics.following.fall import (
-    Falling,
-    floor_of,
-    heaviest_of,
-    land_after,
-    with_curved,
-)
+from stepwell.statics.following.fall import Falling, floor_of, heaviest_of, land_after, with_curved
 from stepwell.statics.following.log import (
     BY_EQUATION,
     CELL,

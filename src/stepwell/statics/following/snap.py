@@ -20,12 +20,7 @@ from stepwell.statics.following.landing import (
     pull_at,
 )
 from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD, SNAP
-from stepwell.statics.following.pieces import (
-    find_piece,
-    sheet_of,
-    stand_all_on,
-    stand_on,
-)
+from stepwell.statics.following.pieces import find_piece, sheet_of, stand_all_on, stand_on
 from stepwell.statics.following.state import (
     DUE,
     EXTRA,

@@ -250,12 +250,7 @@ def write(
     """Append the segment that ends here at `drive`, with a row for every mover."""
     log, m = state.log, state.log.used[1]
     write_row(
-        state,
-        kind,
-        begun.direction,
-        (begun.drive, drive),
-        (begun.force, state.force[0]),
-        heat,
+        state, kind, begun.direction, (begun.drive, drive), (begun.force, state.force[0]), heat
     )
     for j in range(len(movers.cell)):
         i = movers.cell[j]

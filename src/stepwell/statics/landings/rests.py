@@ -323,11 +323,7 @@ def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Float
     """
     branches, n = _branches(problem, room), len(room.low)
     search = RestSearch(
-        branches,
-        np.full(n, -1, np.int64),
-        np.empty((2, n)),
-        places,
-        np.zeros(2, np.int64),
+        branches, np.full(n, -1, np.int64), np.empty((2, n)), places, np.zeros(2, np.int64)
     )
     slip = CLOSE_FORCE * problem.scale
     # For the cells chosen so far: the λ at which they rest, their travels, how many fall; and
