@@ -1,7 +1,5 @@
 """Accounts: what is reported of each result, once; as JSON, on a terminal, as a card, as a page."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from stepwell.accounts.account import Account

@@ -1,7 +1,5 @@
 """An account: what is reported of a result, before any renderer gives it a form."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """A chain, its cells and its actuator."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

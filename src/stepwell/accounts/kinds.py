@@ -1,7 +1,5 @@
 """Which function has the account of a class, and which the schema of a kind of record."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter

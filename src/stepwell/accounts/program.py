@@ -1,7 +1,5 @@
 """A stroke program: its turning points, how far each may be off, and what the cells do."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from stepwell.accounts.account import (

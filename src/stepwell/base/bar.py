@@ -1,7 +1,5 @@
 """Bars that tell how far long work is: in notebooks, on terminals, and nowhere else."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager

@@ -1,7 +1,5 @@
 """What every error of Stepwell is, and words in errors that come with advice."""
 
-from __future__ import annotations
-
 import ast
 import difflib
 import inspect

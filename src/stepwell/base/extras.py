@@ -1,7 +1,5 @@
 """What opens only when it is needed: late names of a room, and the packages of the extras."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from importlib.util import find_spec

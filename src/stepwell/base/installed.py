@@ -1,7 +1,5 @@
 """What is installed here, what is kept and what does not work."""
 
-from __future__ import annotations
-
 import os
 import platform
 import shutil

@@ -1,7 +1,5 @@
 """How big an input may be, and how somebody who means it allows more."""
 
-from __future__ import annotations
-
 import os
 import stat
 from functools import lru_cache

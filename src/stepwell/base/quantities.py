@@ -1,7 +1,5 @@
 """What a result holds: names, units and words, of which JSON, CSV, xarray and tables are made."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

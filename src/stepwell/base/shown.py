@@ -1,7 +1,5 @@
 """What values offer to be looked at: a card in a notebook, and their usual figure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -28,7 +26,7 @@ class Drawn:
 
     __slots__ = ()
 
-    def plot(self, **options: Any) -> Figure:
+    def plot(self, **options: Any) -> "Figure":
         """Its usual figure, which a notebook shows by itself.
 
         Args:

@@ -1,7 +1,5 @@
 """What it means for two values to be equal."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -77,7 +75,7 @@ def _same_mappings(a: Mapping[Any, Any], b: Mapping[Any, Any]) -> bool:
     return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
 
 
-def is_array(value: Any) -> TypeGuard[np.ndarray[Any, Any]]:
+def is_array(value: Any) -> "TypeGuard[np.ndarray[Any, Any]]":
     """Whether it is an array of NumPy, which is not opened for that: it takes its time."""
     numpy = sys.modules.get("numpy")
     return numpy is not None and isinstance(value, numpy.ndarray)

@@ -1,7 +1,5 @@
 """Writing a file so that an interruption leaves the old one or the new one, never a half."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re
@@ -72,7 +70,7 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
     sync_folder(target.parent)
 
 
-def write_netcdf(path: str | os.PathLike[str], data: xarray.Dataset) -> None:
+def write_netcdf(path: str | os.PathLike[str], data: "xarray.Dataset") -> None:
     """Write data as NetCDF; the file appears whole or not at all."""
     write_atomic(path, bytes(data.to_netcdf(engine="scipy")))
 

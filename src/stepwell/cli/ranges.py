@@ -1,7 +1,5 @@
 """Ranges of numbers as commands take them: FROM:TO, FROM:TO:COUNT, either behind NAME=."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -30,7 +28,7 @@ class Range:
     name: str = ""
     log: bool = False
 
-    def values(self, factor: float = 1.0) -> Floats:
+    def values(self, factor: float = 1.0) -> "Floats":
         """(count,) the numbers, in a unit that is `factor` times the one they are written in."""
         import numpy as np
 

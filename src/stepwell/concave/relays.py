@@ -1,7 +1,5 @@
 """Chains under a force seen as relays, each switching at A and B: their states, counted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

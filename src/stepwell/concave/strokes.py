@@ -7,8 +7,6 @@ ends one cell gives travel to another until one of the two arrives.
 Source: ours (theory page, "Graphs in closed form").
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints

@@ -3,8 +3,6 @@
 Nothing but Python's own modules is imported at once: the package that fails may be any.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import re

@@ -3,8 +3,6 @@
 The room can be called: `stepwell.design("00>10>11>01>00")` is `stepwell.design.design(...)`.
 """
 
-from __future__ import annotations
-
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -94,7 +92,7 @@ __all__ = [
 class _Room(ModuleType):
     """A module that answers when it is called, since the room and its function share a name."""
 
-    def __call__(self, *args: Any, **kwargs: Any) -> Design:
+    def __call__(self, *args: Any, **kwargs: Any) -> "Design":
         from stepwell.design.synthesis.inverse import design
 
         return design(*args, **kwargs)

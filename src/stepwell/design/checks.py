@@ -1,7 +1,5 @@
 """A design checked: will the real one do it, what breaks it first, and what to measure next."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The boundaries of a map, as curves and not as edges of pixels, and what changes across them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from itertools import combinations
 from typing import Generic, TypeVar

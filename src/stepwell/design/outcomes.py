@@ -1,7 +1,5 @@
 """What a chain does for any values of two of its parameters: closed form first, then the engine."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -230,7 +228,7 @@ class Found:
     degenerate: Bools
 
     @classmethod
-    def nothing(cls, m: int) -> Found:
+    def nothing(cls, m: int) -> "Found":
         """Of m designs."""
         return cls(
             np.full(m, UNSOLVED, np.int32),

@@ -1,7 +1,5 @@
 """The parameters of a chain by name: the value of one, its unit, the chain with another value."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any

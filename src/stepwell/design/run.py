@@ -1,7 +1,5 @@
 """What a design does, and how far it is from doing something else: a cycle and what follows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -32,10 +30,10 @@ class Run(ByValue):
 
     cycle: Cycle
     margin: Margin
-    landings: tuple[Landing, ...] | None = field(repr=False)
+    landings: "tuple[Landing, ...] | None" = field(repr=False)
 
     @classmethod
-    def of(cls, chain: Chain, mobility_ratio: float | None = None) -> Run:
+    def of(cls, chain: Chain, mobility_ratio: float | None = None) -> "Run":
         """The run of a chain.
 
         Args:

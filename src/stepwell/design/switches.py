@@ -4,8 +4,6 @@ Under a prescribed force no cell feels another: cells whose phases are all the p
 stand are then independent relays, and the order of their switching forces is all that they do.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,7 +29,7 @@ class Switches:
     phase: Ints
 
     @classmethod
-    def of(cls, last: str) -> Switches:
+    def of(cls, last: str) -> "Switches":
         """Those of cells of which `last` is the last state, such as "11"."""
         steps = [(cell, k) for cell, digit in enumerate(last) for k in range(int(digit))]
         cell, phase = np.array(steps, np.int64).reshape(-1, 2).T
@@ -66,7 +64,7 @@ class Switches:
                 held[:, t, 1] = np.minimum(held[:, t, 1], held[:, t + 1, 1])
         return held
 
-    def motion(self, forces: Floats) -> RelayCycles:
+    def motion(self, forces: Floats) -> "RelayCycles":
         """What m chains of relays do under a force that rises over all of these and falls again.
 
         Args:

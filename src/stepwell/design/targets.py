@@ -1,7 +1,5 @@
 """What a chain shall do, whether one does it, and the states that an actuator can reach."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property

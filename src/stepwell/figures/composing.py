@@ -1,7 +1,5 @@
 """Several figures as the panels of one, at the width of a journal's column."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import re

@@ -1,7 +1,5 @@
 """What a map is drawn with: its key, names of its regions, what lies between its nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 

@@ -1,7 +1,5 @@
 """Recordings of unit cells, pairs and bands, with the models fitted to them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """The usual figure of every value that can be drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

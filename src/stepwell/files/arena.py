@@ -1,7 +1,5 @@
 """Arenas by name or from a file: their keys, tables in millimetres, or a map drawn with letters."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """The tables of a design file about its cells and elements, as values, and back."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -259,7 +257,7 @@ class Shared(NamedTuple):
     band: dict[str, Any]
 
     @classmethod
-    def of(cls, band: dict[str, Any], *tables: chain_schema.SharedKeys) -> Shared:
+    def of(cls, band: dict[str, Any], *tables: chain_schema.SharedKeys) -> "Shared":
         """What `band` says of all bands and the tables of all cells, the last one above all."""
         given = {key: value for table in tables for key, value in table.given().items()}
         names = given.keys() & {"lever_mm", "limit_deg", "unusual"}

@@ -1,7 +1,5 @@
 """Force curves from CSV files: as elements, and in place of their names in a design file."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator
@@ -165,7 +163,7 @@ class _Curves:
         require("design_bytes", self._bytes, "with its curves it has")
         return key, numbers
 
-    def _curve(self, name: str) -> MeasuredCurve:
+    def _curve(self, name: str) -> "MeasuredCurve":
         from stepwell import lab
 
         if name not in self._read:
@@ -190,7 +188,7 @@ class _Curves:
 
 
 def _columns(
-    curve: MeasuredCurve, form: str, half: str | None
+    curve: "MeasuredCurve", form: str, half: str | None
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Travels and forces: along the arc for what folds back, else rising."""
     if form == "curve" and half is None:

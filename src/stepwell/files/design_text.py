@@ -1,7 +1,5 @@
 """A chain or a robot as the text of its design file: what cells share first, then each cell."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A folder of results: files that belong together, all of one run, by one writer at a time."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json
@@ -87,7 +85,7 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
             lock.release()
 
 
-def _locked(file: Path, timeout: float) -> BaseFileLock:
+def _locked(file: Path, timeout: float) -> "BaseFileLock":
     """A lock that the system holds, or, where it has none, one that the file's being there is."""
     from filelock import FileLock, SoftFileLock, Timeout
 

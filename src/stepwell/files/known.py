@@ -1,7 +1,5 @@
 """Every number that a chain's tables may hold: its unit, its bounds, what it is where left out."""
 
-from __future__ import annotations
-
 import dataclasses
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The names of all files that each command may write into the folder of --out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import MappingProxyType
 

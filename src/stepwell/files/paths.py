@@ -12,8 +12,6 @@
 A path that stops early means everything below it.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

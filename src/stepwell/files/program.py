@@ -1,7 +1,5 @@
 """What a design file says the actuator is to do, and what it is for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from decimal import Decimal
@@ -39,7 +37,7 @@ class WrittenProgram(ByValue):
     ends: str | None = None
 
     @classmethod
-    def of(cls, program: Program) -> WrittenProgram:
+    def of(cls, program: "Program") -> "WrittenProgram":
         """A program that was found, with no more digits than its windows ask for."""
         points = program.turning_points
         slacks = [0.0, *(turn.slack for turn in program.turns), (program.high - program.low) / 2]
@@ -50,7 +48,7 @@ class WrittenProgram(ByValue):
         )
         return cls(program.start, tuple(tidy), program.target)
 
-    def on(self, chain: Chain) -> Program:
+    def on(self, chain: Chain) -> "Program":
         """The program on the chain of the same file, with the window of every turn.
 
         Without `ends`, it is there for the state in which it ends. With friction, no turn has

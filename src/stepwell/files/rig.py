@@ -1,7 +1,5 @@
 """The rig of a test machine from a file, and to one: its keys and its text."""
 
-from __future__ import annotations
-
 import math
 from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated
@@ -36,7 +34,7 @@ TABLES = tables_of(RigKeys)
 _EMPTY = "is empty: a rig is what `stepwell lab calibrate` writes, as in stretch = 1.02"
 
 
-def loads_rig(text: str, name: str = "rig") -> Rig:
+def loads_rig(text: str, name: str = "rig") -> "Rig":
     """The rig that a text describes, in SI.
 
     Args:
@@ -57,7 +55,7 @@ def loads_rig(text: str, name: str = "rig") -> Rig:
     return Rig(**fields(keys))
 
 
-def rig_toml(rig: Rig) -> str:
+def rig_toml(rig: "Rig") -> str:
     """The file of a rig; an infinite bar is left out."""
     lines = table_lines(RigKeys, rig, ["bar_mm"] if math.isinf(rig.bar) else [])
     return "\n".join(lines) + "\n"

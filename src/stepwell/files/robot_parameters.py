@@ -1,7 +1,5 @@
 """Every number of a robot by name: where it comes from, and the same robot with another value."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The tables of a robot's design file as a robot, and a robot as tables that leave nothing out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from typing import Any, NamedTuple, TypeVar

@@ -1,7 +1,5 @@
 """The text of design files: TOML in and out, exact decimals, and what is wrong with a file."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """A chain, a robot or an arena in, its file out."""
 
-from __future__ import annotations
-
 import os
 import re
 

@@ -1,7 +1,5 @@
 """What a build was seen to do, and builds drawn at random that do it, wrong holes among them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields

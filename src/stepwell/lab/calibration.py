@@ -1,7 +1,5 @@
 """One physical model of rubber and rig fitted to all cells at once, single and in pairs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -301,7 +299,7 @@ class Calibration(ByValue, Drawn):
         told = [one.covered for one in self.snaps if one.covered is not None]
         return sum(told), len(told)
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """Errors over "series" and correlations over "parameter" and "other"."""
         need("tables")
         import xarray as xr

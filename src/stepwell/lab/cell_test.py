@@ -1,7 +1,5 @@
 """A unit cell on the test machine beside its model."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

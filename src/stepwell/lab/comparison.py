@@ -1,7 +1,5 @@
 """Measured against model: a verdict for every cell and pair, and bands fitted to a design's own."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -59,7 +57,7 @@ class Comparison(ByValue, Drawn):
         tests = [test for test in self.cells if test.series.bands == bands]
         return over_geometries((test.series.geometry, test.rmse) for test in tests)
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """Measured and model force over "row", a row for every stroke of every series."""
         need("tables")
         import xarray as xr

@@ -1,7 +1,5 @@
 """What a first build must be like, and which anchors to move to other holes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The model that is fitted, rubber with a loss on a rig that gives way, and what it predicts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -115,7 +113,7 @@ class Rows:
     pairs: dict[str, Floats]  # 1 in pairs, by direction
     begins: Floats  # way at which the cell began to move after another one; NaN where not seen
 
-    def where(self, use: Bools) -> Rows:
+    def where(self, use: Bools) -> "Rows":
         """Some of the rows."""
         cut: dict[str, Any] = {}
         for one in fields(self):

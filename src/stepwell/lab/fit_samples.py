@@ -1,7 +1,5 @@
 """What recordings of cells and pairs give to a fit: for each cell that moves its net force."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field

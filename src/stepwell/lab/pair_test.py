@@ -1,7 +1,5 @@
 """Two cells on the test machine beside their model: which moves first, and where they snap."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The rig of a test, what the model predicts on its strokes, and columns of the results."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

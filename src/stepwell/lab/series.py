@@ -1,7 +1,5 @@
 """Recordings sorted into series: repeats of one mechanism, with their friction baseline."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """Jumps in a recording, and which of them are the snaps that theory tells of."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

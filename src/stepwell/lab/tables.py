@@ -1,7 +1,5 @@
 """Bands, tested and calibrated, as tables of a design file, and their laws for a fit."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Curves of elements: from tables, points and laws, folded back in travel, side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -241,7 +239,7 @@ def _refuse_standing(x: Floats, measure: Measure) -> None:
 Place = tuple[int, ...]
 
 
-def beside(elements: Sequence[Element]) -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
+def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
     """Sheets, stops and friction of elements that share one travel."""
     _refuse_unlike(elements)
     reach = 2.0 * max(element.largest_force for element in elements)
@@ -282,7 +280,7 @@ def beside(elements: Sequence[Element]) -> tuple[tuple[Sheet, ...], tuple[bool, 
 _Part = tuple[Floats, tuple[float, float], tuple[bool, bool], tuple[int | None, int | None]]
 
 
-def _curves(element: Element, reach: float) -> list[_Part]:
+def _curves(element: "Element", reach: float) -> list[_Part]:
     stopped = element.stopped
     parts: list[_Part] = []
     for sheet in element.laws:
@@ -339,7 +337,7 @@ def _sum(curves: list[Floats], low: float, high: float) -> Floats:
     return rows
 
 
-def _refuse_unlike(elements: Sequence[Element]) -> None:
+def _refuse_unlike(elements: "Sequence[Element]") -> None:
     if len(elements) < 2:
         raise InputError(f"elements: {len(elements)} given: side by side there are two or more.")
     first = elements[0].measure

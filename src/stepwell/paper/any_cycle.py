@@ -5,8 +5,6 @@ Here chains of the same lengths are designed for all cycles, or for a sample of 
 It takes a second a cycle, so what FILE holds already is kept, and what is missing is added.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,7 +1,5 @@
 """A claim of the paper, what became of it, and the verdicts as a table of a page."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -61,7 +59,7 @@ class Claim(ByValue):
     tolerance: str
     find: Callable[..., Finding] = field(repr=False)
 
-    def judge(self) -> ClaimVerdict:
+    def judge(self) -> "ClaimVerdict":
         """Compute ours and compare; without the simulator say so, if that takes it."""
         try:
             finding = self.find()

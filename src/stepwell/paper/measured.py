@@ -1,7 +1,5 @@
 """Claims that recordings decide; the recordings are not part of Stepwell."""
 
-from __future__ import annotations
-
 import math
 import os
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Claims about the order of motion, of two cells and of more."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Claims about two cells: their map, their four pathways, their energy landscape (Fig. 2)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product

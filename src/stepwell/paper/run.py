@@ -1,7 +1,5 @@
 """Every claim, of the paper in its order and of others, judged."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """How the results about the robot depend on every number that is assumed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -103,7 +101,7 @@ VARIATIONS = (
 )
 
 
-def _turn(trial: Trial) -> float:
+def _turn(trial: "Trial") -> float:
     return float(np.degrees(trial.turn))
 
 
@@ -111,7 +109,7 @@ class Result(NamedTuple):
     """A robot, what is read from its walk, its name on an axis, and where it should lie."""
 
     robot: str
-    read: Callable[[Trial], float]
+    read: "Callable[[Trial], float]"
     label: str
     centre: float
     half_width: float

@@ -1,7 +1,5 @@
 """Claims about antennas, walls and mazes, by statics and by many simulated runs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace
@@ -230,7 +228,7 @@ def antennas_turn_away() -> Finding:
     )
 
 
-def _ways(design: Robot, arenas: Iterable[Arena], limit: float) -> tuple[Maze, ...]:
+def _ways(design: Robot, arenas: Iterable[Arena], limit: float) -> "tuple[Maze, ...]":
     """What a robot does in each of some arenas, for so long at most [s]."""
     from stepwell.simulation import mazes
 
@@ -283,7 +281,7 @@ def antennas_head_on() -> Finding:
     )
 
 
-def _crossed(ways: tuple[Maze, ...]) -> int:
+def _crossed(ways: "tuple[Maze, ...]") -> int:
     """How many reached the goal having touched the first three walls."""
     from stepwell.simulation import Outcome
 

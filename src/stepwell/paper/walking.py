@@ -1,7 +1,5 @@
 """Claims about the walking robot, each found by simulating it, and where its step loses."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -38,7 +36,7 @@ def robot(name: str) -> Robot:
 
 
 @cache
-def walk_of(name: str) -> Walk:
+def walk_of(name: str) -> "Walk":
     """Eight cycles of a robot that comes with the package."""
     from stepwell.simulation import walk
 

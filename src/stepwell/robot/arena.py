@@ -1,7 +1,5 @@
 """Where a robot is put: the floor, walls, cylinders, a start and a goal, and others like them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -170,7 +168,7 @@ class Arena(ByValue):
         gaps += [math.dist((x, y), one.at) - one.radius for one in self.cylinders]
         return min(gaps)
 
-    def from_start(self, start: Vec2, heading: float) -> Arena:
+    def from_start(self, start: Vec2, heading: float) -> "Arena":
         """The same arena entered at another place [m] and heading [rad]."""
         return replace(self, start=start, heading=heading)
 

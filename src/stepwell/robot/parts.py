@@ -1,7 +1,5 @@
 """What a robot is made of: body, legs, antennas and the one actuator. Values only."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -341,7 +339,7 @@ class Leg(ByValue):
         """Σ S_i over the cells that make the step [m]: u_max, the most one cycle can advance."""
         return self.chain.full_stroke - self.chain.cells[-1].full_travel
 
-    def with_anchors(self, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None) -> Leg:
+    def with_anchors(self, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None) -> "Leg":
         """The same leg with the anchors of one cell moved.
 
         Args:
@@ -359,7 +357,7 @@ class Leg(ByValue):
         cells[index] = cells[index].with_anchors(p, q)
         return replace(self, chain=replace(self.chain, cells=tuple(cells)))
 
-    def with_moved_anchor(self, cell: int | str, moves: Vec2, share: float = 1.0) -> Leg:
+    def with_moved_anchor(self, cell: int | str, moves: Vec2, share: float = 1.0) -> "Leg":
         """The same leg with the anchor p of one cell moved by `share` [1] of `moves` [m].
 
         Raises:

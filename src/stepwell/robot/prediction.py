@@ -1,7 +1,5 @@
 """What a robot will do, from statics alone: gait, advance, drag and antenna limits, and doubts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The rounds of the legs: out and back through their equilibria, stance by stance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -200,10 +198,10 @@ class Round:
     halves: tuple[HalfRound, HalfRound]
     stances: tuple[Stance, Stance]
     turns: Turns
-    before: Round | None = None
+    before: "Round | None" = None
 
     @property
-    def first(self) -> Round:
+    def first(self) -> "Round":
         """The first cycle, which begins with every cell at 0."""
         return self if self.before is None else self.before.first
 

@@ -1,7 +1,5 @@
 """How a robot slides on the floor while its feet move under it: least dissipation."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What the floor does to feet and supports, and the drive's spring to the carriage."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -43,7 +41,7 @@ class Stance:
     sharing: Floats
     drags: bool = True
 
-    def alike(self, other: Stance) -> bool:
+    def alike(self, other: "Stance") -> bool:
         """Whether another foot stands the same, but for rounding."""
         pairs = ((self.step, other.step), (self.load, other.load), (self.sharing, other.sharing))
         return self.drags == other.drags and all(
@@ -332,7 +330,7 @@ class _Along(NamedTuple):
     force: Floats  # (3, k) as it comes there, as it goes on, and the largest between [N]
 
     @classmethod
-    def of(cls, stroke: Floats, force: Floats, way: int) -> _Along:
+    def of(cls, stroke: Floats, force: Floats, way: int) -> "_Along":
         stroke = np.asarray(np.round(np.maximum.accumulate(way * stroke), STROKE_DECIMALS), float)
         once, first = np.unique(stroke, return_index=True)
         last = np.append(first[1:], len(stroke)) - 1

@@ -1,7 +1,5 @@
 """The branches that a chain can stand on, found by driving it; a chain as one element."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Accumulators: chains that count how often the drive has gone to and fro."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

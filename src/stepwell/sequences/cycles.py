@@ -1,7 +1,5 @@
 """The vertices that a chain visits, its full cycle, and the cycles of many designs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence as Sized
 from dataclasses import dataclass
 from enum import Enum
@@ -52,7 +50,7 @@ class Sequence(ByValue):
     changes: tuple[tuple[tuple[int, int], ...], ...]
 
     @classmethod
-    def parse(cls, text: str) -> Sequence:
+    def parse(cls, text: str) -> "Sequence":
         """The sequence that a text such as "00>10>11>01>00" says; spaces do not count.
 
         Raises:
@@ -73,7 +71,7 @@ class Sequence(ByValue):
         return cls(states[0], changes)
 
     @classmethod
-    def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> Sequence:
+    def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> "Sequence":
         """The cycle in which the cells load, then unload, one by one in these orders."""
         up = tuple(((cell, 1),) for cell in loading)
         return cls("0" * len(up), (*up, *(((cell, 0),) for cell in unloading)))

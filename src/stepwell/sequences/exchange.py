@@ -1,7 +1,5 @@
 """Transition graphs as rows and as text that other programs read: JSON, GraphML, DOT."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

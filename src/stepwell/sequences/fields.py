@@ -1,7 +1,5 @@
 """Graphs of relays: of chains under a force, and of the switching fields of others."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import reduce
@@ -131,7 +129,7 @@ class _Flips:
     @classmethod
     def of(
         cls, chain: Chain, travels: Travels, states: States, fields: Floats, way: int, end: float
-    ) -> _Flips:
+    ) -> "_Flips":
         """`fields` are the forces at which a cell leaves each phase this way, (N, P)."""
         cells, phases = np.nonzero(np.isfinite(fields))
         # Of two that tie the inner cell goes first.

@@ -1,7 +1,5 @@
 """The transition graph of a chain with too many states to be listed: asked state by state."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
@@ -251,7 +249,7 @@ class Walked(ByValue):
         whole: whether these are all nodes that can be reached.
     """
 
-    graph: ImplicitGraph
+    graph: "ImplicitGraph"
     start: str
     steps: tuple[Step, ...]
     whole: bool

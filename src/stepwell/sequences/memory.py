@@ -1,7 +1,5 @@
 """What a graph remembers: hysteresis loops, ways of no return, return points, scrambling."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import takewhile
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A transition graph seen as its branches, in arrays: what each way of the drive does to them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -34,11 +32,11 @@ class Mesostates:
         return len(self.low)
 
     @property
-    def mirrored(self) -> Mesostates:
+    def mirrored(self) -> "Mesostates":
         """The same with the drive counted downwards, so that what rises falls."""
         return Mesostates(-self.high, -self.low, self.fall, self.rise, self.slip)
 
-    def toward(self, direction: int) -> Mesostates:
+    def toward(self, direction: int) -> "Mesostates":
         """Itself for +1, mirrored for -1."""
         return self if direction > 0 else self.mirrored
 
@@ -67,7 +65,7 @@ class Mesostates:
                 break
         return found
 
-    def among(self, numbers: Ints) -> Mesostates:
+    def among(self, numbers: Ints) -> "Mesostates":
         """These branches alone, renumbered; nothing may lead out of them."""
         place = np.full(len(self) + 1, -1)
         place[numbers] = np.arange(len(numbers))

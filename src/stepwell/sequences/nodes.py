@@ -1,7 +1,5 @@
 """What a transition graph is made of: nodes, held or made from arrays, and ways between them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -219,7 +217,7 @@ class StateNodes(Nodes):
         at: what a node shows beside them.
     """
 
-    def __init__(self, states: States, codes: Ints, low: Floats, high: Floats, at: At):
+    def __init__(self, states: "States", codes: Ints, low: Floats, high: Floats, at: At):
         self.states, self.codes, self.low, self.high, self._at = states, codes, low, high, at
 
     @cached_property

@@ -1,7 +1,5 @@
 """The passages of a path along branches, from snap to snap, and how far chains move as relays."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -26,12 +24,12 @@ class SmoothRun:
         return self.place[0].travel, self.place[1].travel
 
     @property
-    def reversed(self) -> SmoothRun:
+    def reversed(self) -> "SmoothRun":
         """The same run from b to a."""
         (a, b), (f, g), (s, t) = self.drive, self.force, self.place
         return SmoothRun(self.state, (b, a), (g, f), (t, s))
 
-    def until(self, drive: float, force: float, place: Configuration) -> SmoothRun:
+    def until(self, drive: float, force: float, place: Configuration) -> "SmoothRun":
         """The run with another end."""
         return replace(
             self,

@@ -1,7 +1,5 @@
 """Finding the shortest stroke program: by a theorem, by all branches, with friction by a search."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections import deque

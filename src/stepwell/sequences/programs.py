@@ -1,7 +1,5 @@
 """Stroke programs: the turning points of the one actuator that bring a chain to a state."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence as Drives
 from dataclasses import dataclass, field
@@ -124,7 +122,7 @@ class Program(ByValue, Drawn):
         *,
         start: str | None = None,
         target: str | None = None,
-    ) -> Program:
+    ) -> "Program":
         """A program whose turning points are known, with the window of every turn.
 
         Args:

@@ -1,7 +1,5 @@
 """A transition graph put into the words of the field, and these on paper."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

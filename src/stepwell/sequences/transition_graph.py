@@ -1,7 +1,5 @@
 """The transition graph: everything that one actuator can do to a chain."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -82,7 +80,7 @@ class TransitionGraph(ByValue, Drawn):
     @classmethod
     def of(
         cls, nodes: Sequence[Node], ways: Iterable[tuple[str, str, Transition]], **about: Any
-    ) -> TransitionGraph:
+    ) -> "TransitionGraph":
         """The graph of these nodes, and of transitions as (from, to, transition).
 
         Raises:
@@ -117,14 +115,14 @@ class TransitionGraph(ByValue, Drawn):
         return measure_of(self.unit)
 
     @cached_property
-    def reading(self) -> MemoryReading:
+    def reading(self) -> "MemoryReading":
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
         from stepwell.sequences.reading import read_memory
 
         return read_memory(self)
 
     @cached_property
-    def networkx(self) -> nx.DiGraph[str]:
+    def networkx(self) -> "nx.DiGraph[str]":
         """The graph as a frozen DiGraph of networkx, made when it is first asked for.
 
         `.nodes[label]["node"]` is a Node, `.edges[a, b]["transitions"]` a tuple of Transition, one

@@ -1,7 +1,5 @@
 """An antenna in the simulation: a hinged rod that slides an anchor."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

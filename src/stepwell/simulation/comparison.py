@@ -1,7 +1,5 @@
 """A walk against the predicted gait, and how far it depends on the time step."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple

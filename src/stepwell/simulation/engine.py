@@ -1,7 +1,5 @@
 """The stepping: a command in, samples out, and an early end where a run goes wrong."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

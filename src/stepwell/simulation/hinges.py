@@ -3,8 +3,6 @@
 Two levers hinged on each block hold the next one parallel; no guide keeps it from turning.
 """
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING
 
@@ -40,7 +38,7 @@ def start(robot: Robot, leg: Leg) -> dict[str, float]:
     return angles | {f"{leg.name}.link.in": -spread, f"{leg.name}.link.out": spread}
 
 
-def add_levers(model: LegModel, name: str, cell: Cell, inner: Place, outer: Place) -> None:
+def add_levers(model: "LegModel", name: str, cell: Cell, inner: Place, outer: Place) -> None:
     """Two parallel levers from block to block, whose hinges end at the stops."""
     tip = (0.0, model.leg.side * cell.lever, 0.0)
     for end, shift in (("front", APART / 2), ("back", -APART / 2)):
@@ -63,7 +61,7 @@ def add_levers(model: LegModel, name: str, cell: Cell, inner: Place, outer: Plac
         _pin(model, label, f"{label}.pin")
 
 
-def add_link(model: LegModel, end: str, pivot: Place, tip: Vec3) -> None:
+def add_link(model: "LegModel", end: str, pivot: Place, tip: Vec3) -> None:
     """A link of the V, from a pivot down to the foot's tip."""
     label, mass = f"{model.leg.name}.link.{end}", LINK * model.robot.foot.mass
     link = pivot[0].add_body(name=label, pos=pivot[1])
@@ -73,7 +71,7 @@ def add_link(model: LegModel, end: str, pivot: Place, tip: Vec3) -> None:
     _pin(model, label, f"{model.leg.name}.tip")
 
 
-def _pin(model: LegModel, name: str, site: str) -> None:
+def _pin(model: "LegModel", name: str, site: str) -> None:
     """Hold the tip of a lever or link at a point."""
     model.spec.add_equality(
         type=parts.mujoco.mjtEq.mjEQ_CONNECT,

@@ -1,7 +1,5 @@
 """A leg in the simulation: sliding blocks, levers, bands, the V and its foot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A way through an arena: the walk, what it touched, and what the touches changed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A robot as a MuJoCo model, and what is read from it at every sample."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """What a robot's model is made of: shapes that are seen, shapes that touch, rods, bands."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

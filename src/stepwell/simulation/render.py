@@ -5,8 +5,6 @@ imported. A process of its own can try one after the other, and a driver that cr
 nothing with it.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """The simulator, or one line that says how to get it, and how it steps."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

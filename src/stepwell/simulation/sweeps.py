@@ -1,7 +1,5 @@
 """Many robots walked at once, on all cores."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -59,7 +57,7 @@ class Trial(ByValue):
     stopped: str
 
     @classmethod
-    def of(cls, walk: Walk) -> Trial:
+    def of(cls, walk: Walk) -> "Trial":
         """Sum up a walk."""
         late, nothing = slice(min(1, walk.cycles - 1), None), float("nan")
         each = (walk.advance, walk.sideways, walk.turn)
@@ -86,7 +84,7 @@ class Sweep(ByValue, Drawn):
     values: Mapping[str, Sequence[float]] = field(repr=False)
     trials: tuple[Trial, ...] = field(repr=False)
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """One row a trial, with units."""
         need("tables")
         import xarray as xr

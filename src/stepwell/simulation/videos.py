@@ -1,7 +1,5 @@
 """Videos of a walk or a way through an arena."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

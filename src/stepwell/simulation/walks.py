@@ -1,7 +1,5 @@
 """A walk: what the robot did, sample by sample and cycle by cycle."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -107,7 +105,7 @@ class Walk(ByValue, Drawn):
     stopped: str
     _samples: RunSamples = field(repr=False)
     # What is computed when it is first asked for.
-    _kept: dict[str, GaitComparison] = field(
+    _kept: "dict[str, GaitComparison]" = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -217,7 +215,7 @@ class Walk(ByValue, Drawn):
         return slid / max(self.cycles, 1)
 
     @property
-    def comparison(self) -> GaitComparison:
+    def comparison(self) -> "GaitComparison":
         """The last cycle against the gait that statics predicts, see `compare_gaits`.
 
         Computed when it is first asked for, in about as long as a prediction takes.
@@ -228,7 +226,7 @@ class Walk(ByValue, Drawn):
             self._kept["comparison"] = compare_gaits(self)
         return self._kept["comparison"]
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """The samples with their units, for xarray, NetCDF or Zarr."""
         need("tables")
         import xarray as xr

@@ -4,8 +4,6 @@ What they are comes from the models that MuJoCo compiles, and what is read of th
 runs, so that nothing of a robot or of a verdict is told twice. Only the stepping is another.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy

@@ -5,8 +5,6 @@ keeps the same promises. What the kernels cannot answer, in whatever way, is lef
 whose message says why.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

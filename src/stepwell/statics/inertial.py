@@ -1,7 +1,5 @@
 """Where a snap lands if its blocks have masses: a second opinion on the overdamped landing."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

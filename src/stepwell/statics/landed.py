@@ -1,7 +1,5 @@
 """For which mobilities of its cells a snap lands where it does."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A chain's way through its equilibria: samples, events, certificates."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -127,7 +125,7 @@ class Path(ByValue, Drawn):
     def _problem(self) -> DrivenChain:
         return problem_of(self.chain)
 
-    def with_problem(self, problem: DrivenChain | None) -> Path:
+    def with_problem(self, problem: DrivenChain | None) -> "Path":
         """The same path, which need not set up its problem once more."""
         if problem is not None:
             self.__dict__["_problem"] = problem
@@ -394,13 +392,13 @@ class Path(ByValue, Drawn):
         """Where the cells stand at the end: another path can start there."""
         return Configuration(tuple(self.end.tolist()), self.end_sheet)
 
-    def resampled(self, points: int) -> Path:
+    def resampled(self, points: int) -> "Path":
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
             raise InputError(f"points = {points}: must be >= 2, both ends of a branch.")
         return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> "xarray.Dataset":
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes.
 
         Its variables have the names that they have here, whatever travel and force are.

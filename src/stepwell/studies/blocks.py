@@ -1,7 +1,5 @@
 """Many designs at once, in closed form: their numbers as arrays, and what a block of them does."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from typing import Any, NamedTuple

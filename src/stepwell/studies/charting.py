@@ -1,7 +1,5 @@
 """The store of an atlas read: machines with their memory, their yields, and what is proved."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence

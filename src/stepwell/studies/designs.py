@@ -1,7 +1,5 @@
 """The designs of a study: each by its number, whoever asks and in whatever order."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import math

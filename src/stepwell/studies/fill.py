@@ -1,7 +1,5 @@
 """The work of a study: one chunk of it, and how fast all of them go."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

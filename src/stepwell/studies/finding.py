@@ -1,7 +1,5 @@
 """Machines of an atlas by what they do, and their neighbours in the space of designs."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

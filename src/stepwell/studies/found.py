@@ -1,7 +1,5 @@
 """What a study has found so far: how often each outcome occurs, the range of every number."""
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Which number decides what: how much of what a study found each number explains by itself."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """An atlas of machines: what a space of designs holds, as values, and what cannot occur in it."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """Calls spread over processes of this machine; a process that dies takes one call with it."""
 
-from __future__ import annotations
-
 import logging
 import multiprocessing
 import os

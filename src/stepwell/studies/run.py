@@ -1,7 +1,5 @@
 """Run a study: what is missing in its store, on all cores of this machine."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """A screen: many designs looked at at once, ranked, and those that are worth it computed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -52,7 +50,7 @@ def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, An
         raise InputError(f"{what}: engine = {WARP!r}: {error}") from None
 
 
-def verdicts_of(study: Study, screen: Screen, chunk: int, made: Sequence[Any]) -> list[str]:
+def verdicts_of(study: "Study", screen: Screen, chunk: int, made: Sequence[Any]) -> list[str]:
     """What a screen says of the designs that a chunk is made of, once and for all."""
 
     def find() -> list[str]:
@@ -84,7 +82,7 @@ class Screened(ByValue):
     missed: Share | None
 
 
-def screened(study: Study) -> Screened | None:
+def screened(study: "Study") -> Screened | None:
     """How a study's screen and what it computed agree so far; None where it has none.
 
     What is drawn by lot is drawn by number, whatever the screen says, so the share of those alike

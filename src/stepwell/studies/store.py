@@ -4,8 +4,6 @@ A chunk is done when all of its files are there and their checksums hold; nothin
 anywhere, so whoever dies loses what was not written yet and nothing else.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -276,7 +274,7 @@ class Study(ByValue):
         assert found is not None
         return found
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """What is there so far, over "row"; NaN and empty words where nothing is yet."""
         need("tables")
         import xarray as xr

@@ -1,7 +1,5 @@
 """What a study computes of every design: its columns, and the function that fills a row."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import math

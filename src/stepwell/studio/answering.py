@@ -1,7 +1,5 @@
 """The panels by the types of their messages, and the answer to a message as bytes."""
 
-from __future__ import annotations
-
 import json
 import sys
 from importlib import import_module

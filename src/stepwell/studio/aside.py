@@ -1,7 +1,5 @@
 """Long work in a process of its own, which can be ended at any time."""
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import os

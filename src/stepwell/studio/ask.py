@@ -1,7 +1,5 @@
 """What the page asks and what it gets: keys with bounds, designs, views."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -153,7 +151,7 @@ class Ask:
             raise InputError(f"ask.{key} = {_shown(value)}: must be an object.")
         return value
 
-    def parts(self, key: str, longest: int) -> list[Ask]:
+    def parts(self, key: str, longest: int) -> "list[Ask]":
         """The objects of a list, each to be asked by itself.
 
         Raises:

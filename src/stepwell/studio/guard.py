@@ -1,7 +1,5 @@
 """Access to the studio: only the page that it served itself may talk to it."""
 
-from __future__ import annotations
-
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any

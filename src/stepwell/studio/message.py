@@ -6,8 +6,6 @@ binary: the length of the header as a little-endian u32, the header as JSON in U
 to a multiple of 8, then the arrays that the header lists, each filled up to a multiple of 8.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re
@@ -36,7 +34,7 @@ class Refusal(NamedTuple):
     text: str
 
     @classmethod
-    def of(cls, text: str) -> Refusal:
+    def of(cls, text: str) -> "Refusal":
         """The problem that a sentence tells."""
         found = _AT.match(text)
         return cls(found["at"] if found else "", text)

@@ -1,7 +1,5 @@
 """A motion as the page and a replay show it: samples, events, cells and margins in its units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import Any

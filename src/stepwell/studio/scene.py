@@ -1,7 +1,5 @@
 """A robot in motion as the page shows it: its parts, its samples, and whole runs made small."""
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The studio's server: the page's files and one socket, on this machine alone."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import secrets

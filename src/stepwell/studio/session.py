@@ -1,7 +1,5 @@
 """One open page: of each kind of question the latest is answered, one at a time."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor

@@ -1,7 +1,5 @@
 """The studies in the server's own folder, and those that this server computes."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

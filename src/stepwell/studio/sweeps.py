@@ -1,7 +1,5 @@
 """The study that the page asks for, and the line for a terminal that begins the same."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -1,7 +1,5 @@
 """A first build: what it must be like to do what was seen, and which anchors to move."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Section, Text

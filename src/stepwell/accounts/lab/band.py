@@ -1,7 +1,5 @@
 """Tension tests of bands: stiffness with its uncertainty, losses, and the force law."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A calibration: one model of bands and rig fitted to all cells, and how well it predicts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

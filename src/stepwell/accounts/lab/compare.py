@@ -1,7 +1,5 @@
 """Unit cells and pairs on a test machine, compared with their models."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any

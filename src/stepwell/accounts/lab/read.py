@@ -1,7 +1,5 @@
 """Recordings: what each file holds, and what is odd about it."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath

@@ -1,7 +1,5 @@
 """An account as a card: HTML that suits light and dark notebooks."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from html import escape
 

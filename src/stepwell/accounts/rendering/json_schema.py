@@ -1,7 +1,5 @@
 """The JSON Schema of every record, generated from the schemas of its kind."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import Enum
 from functools import reduce

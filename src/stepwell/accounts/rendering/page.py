@@ -1,7 +1,5 @@
 """An account as a page: one HTML file that is complete in itself."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape

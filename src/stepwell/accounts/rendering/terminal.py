@@ -1,7 +1,5 @@
 """An account on the terminal: lines and tables, folded to its width."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The nearest displacement of one anchor after which a chain does otherwise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

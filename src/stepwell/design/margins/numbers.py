@@ -1,7 +1,5 @@
 """The smallest change of one number of a cell after which a chain does what is wanted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

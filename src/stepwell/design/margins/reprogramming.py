@@ -1,7 +1,5 @@
 """The smallest change of an anchor or a number that makes a chain do as wanted, and its cost."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Sequence as Sized
@@ -74,7 +72,7 @@ class Resistance(ByValue):
     work_1: float
 
     @classmethod
-    def of(cls, cell: Cell, anchor: str, displacement: Vec2) -> Resistance:
+    def of(cls, cell: Cell, anchor: str, displacement: Vec2) -> "Resistance":
         """Moving the anchors "p" or "q" of all bands of a cell by `displacement` (x, y) [m]."""
         fraction = np.linspace(0.0, 1.0, _POSITIONS)
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
@@ -97,7 +95,7 @@ class Resistance(ByValue):
         )
 
     @classmethod
-    def nowhere(cls) -> Resistance:
+    def nowhere(cls) -> "Resistance":
         """No way at all."""
         none = np.empty(0)
         return cls(none, none, none, none, float("nan"), float("nan"))
@@ -250,7 +248,7 @@ class Reprogramming(ByValue):
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
         return self.resistance.fraction * self.move[axis]
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> "xarray.Dataset":
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
         need("tables")
         import xarray

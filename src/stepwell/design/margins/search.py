@@ -1,7 +1,5 @@
 """Where an anchor may go, and the nearest displacement that does something, searched."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,7 +25,7 @@ class Displacements:
     reach: float
 
     @classmethod
-    def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> Displacements:
+    def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> "Displacements":
         """The plane where `along` is None, else the line in that direction.
 
         Raises:

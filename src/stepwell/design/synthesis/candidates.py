@@ -1,7 +1,5 @@
 """What a cell does with its anchor in any of the allowed places, and how surely."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -82,7 +80,7 @@ class Candidates(NamedTuple):
     up: Floats  # (m, 2) ... and too high, in what `Rule.combined` adds up
     room: Floats  # (m,) what limits the cell by itself, in units of its gaps
 
-    def take(self, rows: Ints | Bools) -> Candidates:
+    def take(self, rows: Ints | Bools) -> "Candidates":
         """Some of them."""
         return Candidates._make(column[rows] for column in self)
 

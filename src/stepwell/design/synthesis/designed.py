@@ -1,7 +1,5 @@
 """A chain designed for a purpose, with how surely it serves it, or why none does."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Elements chosen, scaled and put in order so that their chain does what is wanted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -46,7 +44,7 @@ class Scales:
     @classmethod
     def of(
         cls, elements: Sequence[Element], orders: Ints, scale: Range, most_force: float
-    ) -> Scales | None:
+    ) -> "Scales | None":
         """None where no scales can do it: phases in another order, or too strong at any scale."""
         chain = Chain([one.renamed("") for one in elements])
         switches = Switches.of(chain.last_state)
@@ -161,7 +159,7 @@ class ElementTarget:
     @classmethod
     def of(
         cls, sequence: str | None, states: Iterable[str] | str | None, cells: int | None
-    ) -> ElementTarget:
+    ) -> "ElementTarget":
         """A cycle, or a set of states of cells of two phases.
 
         Raises:

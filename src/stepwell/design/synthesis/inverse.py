@@ -1,7 +1,5 @@
 """Anchors that make a chain do what is wanted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Whether a stroke program still ends where it should when the mechanism is not as drawn."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress

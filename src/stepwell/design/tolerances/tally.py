@@ -1,7 +1,5 @@
 """Mechanisms made at random and counted: what each does, and why where none does it."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -106,7 +104,7 @@ class RelayJudge:
     _numbers: dict[str, int] = field(default_factory=dict[str, int])
 
     @classmethod
-    def of(cls, draws: Draws, target: str, orders: Ints | None) -> RelayJudge | None:
+    def of(cls, draws: Draws, target: str, orders: Ints | None) -> "RelayJudge | None":
         """None where switching forces do not decide, or a cell has levers."""
         chain = draws.chain
         if len(chain.elements) < len(chain) or not are_relays(chain):

@@ -1,7 +1,5 @@
 """The probability that a built mechanism does what it was designed for."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -155,7 +153,7 @@ class Yield(Counted, Drawn):
                 continue
         return found
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> "xr.Dataset":
         """Counts over "outcome", the wanted one first, and indices over "parameter"."""
         need("tables")
         import xarray as xr

@@ -1,7 +1,5 @@
 """Force and energy of single cells, against lever angle and against travel."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """The plane of what switches a cell there and back, whose order on each axis is that of motion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A unit cell and a chain with the letters that theory and design files use."""
 
-from __future__ import annotations
-
 import math
 from itertools import accumulate, pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Where the parts of a chain are, drawn flat on the page, and as artists that can be moved."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The mechanism itself, drawn in one state after another."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Legends, and labels put where they cover neither curves nor other text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 

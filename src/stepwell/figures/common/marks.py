@@ -1,7 +1,5 @@
 """Marks that recur on plots of a path, and dimensions and scale bars of drawings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a figure has to find in a path: its smooth pieces, its snaps, the states it rests in."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -36,7 +34,7 @@ class SnapSamples(NamedTuple):
     cells: tuple[int, ...]
 
 
-def path_of(result: Cycle | Path | Program) -> Path:
+def path_of(result: "Cycle | Path | Program") -> Path:
     """The path of a cycle or of a program, or the path itself."""
     return result if isinstance(result, Path) else result.path
 

@@ -1,7 +1,5 @@
 """The sheet that a figure is drawn on, in millimetres: all of a page, or one panel of it."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """How every figure looks: sizes in millimetres, and colours that mean the same everywhere."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar

@@ -1,7 +1,5 @@
 """What figures say: names that are safe to draw, quantities with units, texts made to fit."""
 
-from __future__ import annotations
-
 import logging
 import math
 import re
@@ -180,7 +178,7 @@ def actuator(measure: Measure) -> Told:
     return force(measure)._replace(word=f"Actuator {measure.force}", symbol="")
 
 
-def drive(chain: Chain) -> Told:
+def drive(chain: "Chain") -> Told:
     """What the actuator prescribes."""
     if chain.actuator_stiffness == 0:
         return actuator(chain.measure)

@@ -1,7 +1,5 @@
 """Where the parts of a robot are in its body's frame, and an arena from above."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The robot itself from above and from the side, drawn from its values."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from textwrap import wrap

@@ -1,7 +1,5 @@
 """A key of a file: what it may hold, the unit in its name, and how it is written back."""
 
-from __future__ import annotations
-
 import dataclasses
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping

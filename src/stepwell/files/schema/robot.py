@@ -1,7 +1,5 @@
 """The keys of a robot's design file: what each may hold, and in which unit."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from itertools import islice
 from typing import Annotated, Any
@@ -90,7 +88,7 @@ class LegChainKeys(schema.SharedKeys):
     cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), at_most("cells")] = ()
 
     @model_validator(mode="after")
-    def _some_cell(self) -> LegChainKeys:
+    def _some_cell(self) -> "LegChainKeys":
         if "cell" in self.model_fields_set and not self.cell:
             refuse("must hold two cells or more, inner first.", "cell")
         return self

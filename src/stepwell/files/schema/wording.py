@@ -1,7 +1,5 @@
 """What the schema found wrong with a design file, in words its author can use."""
 
-from __future__ import annotations
-
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 

@@ -1,7 +1,5 @@
 """Tension tests of bands: which samples and cycles, how stiff, how much of the work is lost."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -256,7 +254,7 @@ def stiffness(test: BandTest) -> Estimate:
     )
 
 
-def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArray:
+def stiffness_by_window(test: BandTest, step: float | None = None) -> "xr.DataArray":
     """The same stiffness for other windows.
 
     Args:
@@ -294,7 +292,7 @@ def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, F
     return np.asarray(edges, float), grid
 
 
-def hysteresis(test: BandTest) -> xr.DataArray:
+def hysteresis(test: BandTest) -> "xr.DataArray":
     """Share of the loading work that is lost in each cycle of each sample, used or not.
 
     Args:

@@ -1,7 +1,5 @@
 """What tension tests show of bands: stiffness, its dependence on the window, losses, force laws."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from dataclasses import dataclass, field

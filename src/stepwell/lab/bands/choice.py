@@ -1,7 +1,5 @@
 """Which force law to believe: what one curve tells, and what predicts a band not seen."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Loading halves of tension tests: of which kind of band, which are fitted, and their means."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Force laws of rubber: tension of a band against the displacement of its grips."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product

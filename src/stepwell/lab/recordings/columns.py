@@ -1,7 +1,5 @@
 """Which column of a table of numbers is what, with the factor that makes it SI."""
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

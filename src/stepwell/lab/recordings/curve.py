@@ -1,7 +1,5 @@
 """Force curves: repeats of one test averaged, and any two columns of a file."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field

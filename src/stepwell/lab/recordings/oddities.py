@@ -1,7 +1,5 @@
 """What is odd in a recording, by itself and beside its neighbours."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise

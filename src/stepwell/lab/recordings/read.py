@@ -1,7 +1,5 @@
 """Recordings from files, each with a line about it, and all as one tidy table."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re
@@ -31,7 +29,7 @@ SAMPLE: Schema = (
 )
 
 
-def table(recordings: Sequence[Recording]) -> xr.Dataset:
+def table(recordings: Sequence[Recording]) -> "xr.Dataset":
     """Every sample of every recording as one row.
 
     Args:

@@ -1,7 +1,5 @@
 """One recording of a test machine: time, stroke, force, spikes, and what its file's name says."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass, field

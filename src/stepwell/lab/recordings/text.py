@@ -1,7 +1,5 @@
 """The numbers in the text that a test machine exports."""
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

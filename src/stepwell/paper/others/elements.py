@@ -1,7 +1,5 @@
 """Claims about elements of others: balloons, Kresling folds, countersnapping springs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Claims about pairs of hysterons: which graphs there are, and which of them chains make."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import pairwise, permutations, product

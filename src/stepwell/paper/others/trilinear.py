@@ -1,7 +1,5 @@
 """Chains of equal bistable springs of three straight pieces: branches, their ends, hysteresis."""
 
-from __future__ import annotations
-
 import math
 
 from stepwell.base import to_unit

@@ -1,7 +1,5 @@
 """The page of the story, and the folder that holds it beside the design files."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Sequence

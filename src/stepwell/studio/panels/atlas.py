@@ -1,7 +1,5 @@
 """An atlas as a map: its machines, which lies beside which, and those that do what is asked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import sqrt
 from pathlib import Path

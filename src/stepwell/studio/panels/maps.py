@@ -1,7 +1,5 @@
 """What a chain does on the plane of two of its parameters: pictures, boundaries, places."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -63,7 +61,7 @@ class Plane:
     here: tuple[float, float]
 
     @classmethod
-    def asked(cls, chain: Chain, ask: Ask) -> Plane:
+    def asked(cls, chain: Chain, ask: Ask) -> "Plane":
         """The plane of the keys x, y, x_range and y_range.
 
         Raises:

@@ -1,7 +1,5 @@
 """What the page asks of a chain's motion: its cycle, margins, numbers, graph and programs."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict

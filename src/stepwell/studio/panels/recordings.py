@@ -1,7 +1,5 @@
 """Recordings of a test machine compared with what the design does."""
 
-from __future__ import annotations
-
 import base64
 import zlib
 from collections.abc import Iterable, Sequence

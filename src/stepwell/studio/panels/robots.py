@@ -1,7 +1,5 @@
 """What the page asks of robots: where they stand, what they will do, and what they do."""
 
-from __future__ import annotations
-
 from stepwell import files
 from stepwell.accounts import account
 from stepwell.base import InputError

@@ -1,7 +1,5 @@
 """What the page asks of studies: which there are, and one begun, watched, stopped, read."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory

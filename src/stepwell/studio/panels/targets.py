@@ -1,7 +1,5 @@
 """Designs for a target, and how many that are built with tolerances reach theirs."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
