@@ -9,8 +9,8 @@ import pytest
 import stepwell as sw
 from accounts.forms import forms
 from stepwell.accounts import account
-from stepwell.accounts.account import Level, RecordTable
 from stepwell.accounts.events import elsewhere_section, landing_words
+from stepwell.accounts.parts import Level, RecordTable
 from stepwell.design import Run
 from stepwell.statics import Landing
 

@@ -11,9 +11,9 @@ import pytest
 import stepwell as sw
 from accounts.forms import SCALES, folded, forms, mixed, pair, shown
 from stepwell.accounts import account
-from stepwell.accounts.account import Level, RecordTable
 from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.head import Shape
+from stepwell.accounts.parts import Level, RecordTable
 from stepwell.accounts.yields import tolerance_schema
 from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, record, told_in
 from stepwell.design import Run

@@ -13,9 +13,9 @@ import pytest
 import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
-from stepwell.accounts.account import Level, RecordTable, Row
 from stepwell.accounts.chain import cell_schema
 from stepwell.accounts.head import Shape
+from stepwell.accounts.parts import Level, RecordTable, Row
 from stepwell.base import (
     Column,
     Measure,

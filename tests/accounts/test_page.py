@@ -11,7 +11,7 @@ import stepwell as sw
 from accounts.forms import plain
 from stepwell import reports
 from stepwell.accounts import Account, FigurePair, account, card, page
-from stepwell.accounts.account import Level, Picture, RecordTable, Section, Warned
+from stepwell.accounts.parts import Level, Picture, RecordTable, Section, Warned
 from stepwell.accounts.rendering.page import MOST_ROWS, Image
 from stepwell.accounts.words import assumptions
 from stepwell.base import Quantity

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import Account
 from stepwell.accounts.head import About, Calibrated, head
 from stepwell.accounts.kinds import account, card_of
+from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
 from stepwell.accounts.rendering.page import FigurePair, Image, page
 from stepwell.accounts.rendering.terminal import (

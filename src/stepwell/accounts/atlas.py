@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.accounts.account import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, amount, counted, number, quantities, record, told_in
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from stepwell.accounts.account import Account, Fact, Level, RecordTable, Section
 from stepwell.accounts.head import About, Shape, of_class
+from stepwell.accounts.parts import Account, Fact, Level, RecordTable, Section
 from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
 from stepwell.mechanism import Cell, Chain, Element

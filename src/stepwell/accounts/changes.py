@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Level, Part, RecordTable, Section
 from stepwell.accounts.head import About, Shape
+from stepwell.accounts.parts import Account, Level, Part, RecordTable, Section
 from stepwell.base import (
     Column,
     Columns,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import Account, Fact, Picture, Replay, Section, Warned
 from stepwell.accounts.changes import change_schema, critical_words
 from stepwell.accounts.head import CALIBRATED, About, Shape
+from stepwell.accounts.parts import Account, Fact, Picture, Replay, Section, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, tie_notes
 from stepwell.accounts.yields import (
     FORCE_PLANE,

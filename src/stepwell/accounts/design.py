@@ -8,18 +8,9 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import (
-    Account,
-    Fact,
-    Level,
-    Part,
-    Picture,
-    RecordTable,
-    Section,
-    Text,
-)
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About, Shape, of_class
+from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, RecordTable, Section, Text
 from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.accounts.yields import (

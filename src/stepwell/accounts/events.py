@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.accounts.account import Account, Level, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
+from stepwell.accounts.parts import Account, Level, RecordTable, Section, Text
 from stepwell.base import (
     Column,
     Columns,

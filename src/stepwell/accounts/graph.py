@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Fact, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
+from stepwell.accounts.parts import Account, Fact, RecordTable, Section, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, listed, tie_notes
 from stepwell.base import Column, Columns, Quantity, Schema, quantities
 

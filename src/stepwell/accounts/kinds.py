@@ -5,8 +5,8 @@ from importlib import import_module
 from operator import attrgetter
 from typing import Any
 
-from stepwell.accounts.account import Account
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
 from stepwell.base import InputError, of_kind
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.accounts.account import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Account, Fact, Level, Picture, RecordTable, Section, Text
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Account, Fact, Level, RecordTable, Section, Verbatim
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Account, Fact, Level, RecordTable, Section, Verbatim
 from stepwell.base import (
     Column,
     Columns,

@@ -2,16 +2,6 @@
 
 from typing import Any
 
-from stepwell.accounts.account import (
-    Account,
-    Fact,
-    Level,
-    Picture,
-    RecordTable,
-    Replay,
-    Section,
-    Text,
-)
 from stepwell.accounts.chain import actuator_schema
 from stepwell.accounts.events import (
     elsewhere_section,
@@ -22,6 +12,16 @@ from stepwell.accounts.events import (
     landing_words,
 )
 from stepwell.accounts.head import About, Shape, of_class
+from stepwell.accounts.parts import (
+    Account,
+    Fact,
+    Level,
+    Picture,
+    RecordTable,
+    Replay,
+    Section,
+    Text,
+)
 from stepwell.accounts.words import (
     LONGEST_IN_A_LINE,
     LONGEST_SPELLED_OUT,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -18,7 +19,6 @@ from stepwell.accounts.account import (
     Section,
     Warned,
 )
-from stepwell.accounts.head import About
 from stepwell.base import (
     Column,
     Quantity,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import Account, Fact, Level, Part, Picture, Replay, Section, Text
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
 from stepwell.accounts.changes import margin_schema, margin_section, margin_words, otherwise_words
 from stepwell.accounts.events import (
@@ -18,6 +17,7 @@ from stepwell.accounts.events import (
     landing_words,
 )
 from stepwell.accounts.head import About, Shape
+from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, Replay, Section, Text
 from stepwell.accounts.words import (
     LONGEST_IN_A_LINE,
     LONGEST_SPELLED_OUT,

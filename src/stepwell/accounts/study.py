@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -17,7 +18,6 @@ from stepwell.accounts.account import (
     Text,
     Warned,
 )
-from stepwell.accounts.head import About
 from stepwell.base import (
     Column,
     Columns,

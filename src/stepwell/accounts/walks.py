@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -19,7 +20,6 @@ from stepwell.accounts.account import (
     Section,
     Warned,
 )
-from stepwell.accounts.head import About
 from stepwell.accounts.robot import (
     FEET,
     PARAMETERS,

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from stepwell.accounts.account import Level, Notes, Section, Warned
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Level, Notes, Section, Warned
 from stepwell.base import Measure, Quantity, amount, counted, number, told_in
 from stepwell.mechanism import Chain
 

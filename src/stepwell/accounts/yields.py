@@ -6,7 +6,8 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import CALIBRATED, About, Shape
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -17,7 +18,6 @@ from stepwell.accounts.account import (
     Text,
     Warned,
 )
-from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, quantities, record
 from stepwell.mechanism import Chain

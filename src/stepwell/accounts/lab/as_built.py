@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Section, Text
 from stepwell.accounts.head import About, Shape
+from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Section, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
 from stepwell.base import (

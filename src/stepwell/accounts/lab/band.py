@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -16,7 +17,6 @@ from stepwell.accounts.account import (
     Verbatim,
     Warned,
 )
-from stepwell.accounts.head import About
 from stepwell.base import Column, Quantity, Schema, number, percent, quantities
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 

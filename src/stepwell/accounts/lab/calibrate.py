@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -16,7 +17,6 @@ from stepwell.accounts.account import (
     Text,
     Verbatim,
 )
-from stepwell.accounts.head import About
 from stepwell.base import Quantity, Schema, counted, number, quantities, rows_of
 from stepwell.lab import Calibration, calibrated_table
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from stepwell.accounts.account import (
+from stepwell.accounts.head import About, of_class
+from stepwell.accounts.parts import (
     Account,
     Fact,
     Level,
@@ -15,7 +16,6 @@ from stepwell.accounts.account import (
     Section,
     Text,
 )
-from stepwell.accounts.head import About, of_class
 from stepwell.base import (
     Column,
     Columns,

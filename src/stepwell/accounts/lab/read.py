@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
-from stepwell.accounts.account import Account, Fact, Level, Notes, RecordTable, Row, Section
 from stepwell.accounts.head import About
+from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Row, Section
 from stepwell.base import (
     Column,
     Columns,

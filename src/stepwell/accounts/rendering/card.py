@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from stepwell.accounts.account import Account, Level, Notes, RecordTable, Row, Text
+from stepwell.accounts.parts import Account, Level, Notes, RecordTable, Row, Text
 from stepwell.base import headed, printable, shown
 
 # Rows of a table and letters of a sentence; all else is in the value itself.

@@ -7,7 +7,7 @@ from importlib.resources import files
 from string import Template
 from typing import NamedTuple
 
-from stepwell.accounts.account import (
+from stepwell.accounts.parts import (
     Account,
     Level,
     Notes,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import TextWrapper
 from typing import Any, NamedTuple
 
-from stepwell.accounts.account import Account, Level, Notes, Part, RecordTable, Text, Verbatim
+from stepwell.accounts.parts import Account, Level, Notes, Part, RecordTable, Text, Verbatim
 from stepwell.base import Columns, headed, printable, shown
 
 # What a pipe, a file and a page get; more than the most is hard to read, and less than the least
