@@ -129,19 +129,20 @@ def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
 
 def answer(preset: str) -> tuple[str, str, str]:
     """A message about a design whose elements are all new, against one whose elements are kept."""
-    from stepwell.files import cells as elements, preset_text, tables_in
+    from stepwell import mechanism
+    from stepwell.files import preset_text, tables_in
     from stepwell.studio.answering import answered
     from stepwell.studio.message import message_of
 
     design = tables_in(preset_text(preset), preset)
     text = json.dumps({"v": 1, "type": "evaluate", "seq": 1, "design": design})
     message = message_of(text, ("evaluate",))
-    kept = elements.LIBRARY
+    kept = mechanism.LIBRARY
     made = {name: replace(entry, make=unwrap(entry.make)) for name, entry in kept.items()}
     taken: dict[bool, list[float]] = {True: [], False: []}
     for _ in range(9):
         for new in (True, False):
-            elements.LIBRARY = made if new else kept
+            mechanism.LIBRARY = made if new else kept
             start = time.process_time()
             answered(message)
             taken[new].append(time.process_time() - start)

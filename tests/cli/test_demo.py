@@ -209,7 +209,7 @@ def test_the_page_opens_only_where_somebody_sits(tmp_path, monkeypatch, screen, 
     monkeypatch.setattr(sys, "platform", "linux")
     if screen:
         monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr("stepwell.cli.show.at_terminal", lambda: terminal)
+    monkeypatch.setattr("stepwell.cli.screen.at_terminal", lambda: terminal)
     asked: list[str] = []
     monkeypatch.setattr(webbrowser, "open", asked.append)
     arguments = ["demo", "--out", str(tmp_path / "a b"), *([] if wanted else ["--no-open"])]

@@ -223,6 +223,6 @@ def test_an_interruption_in_a_decoder_is_told_as_any_other(stepwell, monkeypatch
     def read(*_):
         raise KeyboardInterrupt(words)
 
-    monkeypatch.setattr("stepwell.cli.motion.read_chain", read)
+    monkeypatch.setattr("stepwell.cli.options.read_chain", read)
     result = stepwell("run", "forward.toml")
     assert (result.exit_code, result.stderr) == (130, "Interrupted; nothing was written.\n")

@@ -85,8 +85,8 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     ("module", "arguments"),
     [
         ("design", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
-        ("motion", ("graph", "preset:three-stack")),
-        ("robots", ("robot", "converge", "preset:robot-forward")),
+        ("screen", ("graph", "preset:three-stack")),
+        ("screen", ("robot", "converge", "preset:robot-forward")),
     ],
     ids=["reprogram", "graph", "robot"],
 )

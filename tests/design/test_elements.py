@@ -449,7 +449,7 @@ def test_designs_that_cannot_be_followed_are_counted_and_not_raised(monkeypatch)
         m = len(designs.cells)
         return Followed(np.full((m, 1), -1), np.full((m, FOUND), np.nan))
 
-    monkeypatch.setattr("stepwell.sequences.cycles.full_cycles", leaves_all)
+    monkeypatch.setattr("stepwell.statics.full_cycles", leaves_all)
     monkeypatch.setattr("stepwell.sequences.cycles.cycle", fails)
     found = pair(STROKE).yields(samples=3, target="00>10>11>01>00")
     assert found.outcomes == {"no answer": 3}

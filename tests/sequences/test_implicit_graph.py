@@ -342,12 +342,10 @@ def test_what_it_says_names_what_it_cannot_count():
 
 
 def test_it_follows_no_branch_that_is_not_asked_for(monkeypatch):
-    from stepwell.sequences import branches
-
     runs = []
-    kept = branches.path
+    kept = sw.statics.path
     monkeypatch.setattr(
-        branches, "path", lambda *args, **more: runs.append(1) or kept(*args, **more)
+        sw.statics, "path", lambda *args, **more: runs.append(1) or kept(*args, **more)
     )
     implicit = concave_chain(np.random.default_rng(2), 8).implicit_graph()
     assert implicit.vertex_count > 0

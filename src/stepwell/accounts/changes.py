@@ -6,21 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from stepwell import base
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Level, Part, RecordTable, Section
-from stepwell.base import (
-    Column,
-    Columns,
-    Measure,
-    Quantity,
-    Schema,
-    amount,
-    number,
-    quantities,
-    record,
-    signed,
-    to_unit,
-)
+from stepwell.base import Quantity
 from stepwell.design import LONGEST_FOLLOWED
 from stepwell.mechanism import Chain
 
@@ -33,7 +22,7 @@ _NO_MOVE, _NO_CHANGE = 1e-9, 1e-11
 _MOST_LETTERS = 60
 
 
-def change_schema(shape: Shape) -> Schema:
+def change_schema(shape: Shape) -> base.Schema:
     """A change of an anchor in mm, or of a number in percent; the other unit has null."""
     anchors = (
         Quantity("distance", "mm", read=lambda one: one.distance if _of_anchor(one) else None),
@@ -65,7 +54,7 @@ def _becomes(change: Change) -> str | None:
     return change.becomes or None if len(change.chain) <= LONGEST_FOLLOWED else None
 
 
-def part_words(parameter: str, measure: Measure) -> str:
+def part_words(parameter: str, measure: base.Measure) -> str:
     """What of a cell is changed, in a word or two."""
     return {
         "anchor": "anchor q",
@@ -83,11 +72,11 @@ def critical_words(change: Change) -> str:
     if change.distance < (_NO_MOVE if _of_anchor(change) else _NO_CHANGE):
         return "any change at all decides what it does"
     if isinstance(change.move, tuple):
-        far, way = amount(change.distance, "m", 3), _sides(*change.move)
+        far, way = base.amount(change.distance, "m", 3), _sides(*change.move)
         told = f"{what} of {name} {far} {way}"
     else:
         of = f" of its largest {chain.measure.force}" * (part == "friction")
-        told = f"{name}'s {what}: {signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
+        told = f"{name}'s {what}: {base.signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
     becomes = _becomes(change)
     return f"{told} breaks it" + (f": then {becomes}" if becomes else "")
 
@@ -96,15 +85,15 @@ def _sides(x: float, y: float) -> str:
     """Where an anchor goes, (x, y) [m], as it is seen on a drawing."""
     size = max(abs(x), abs(y))
     ways = [(x, "to the right" if x > 0 else "to the left"), (y, "up" if y > 0 else "down")]
-    kept = [(to_unit(abs(v), "mm"), way) for v, way in ways if abs(v) > 0.02 * size]
+    kept = [(base.to_unit(abs(v), "mm"), way) for v, way in ways if abs(v) > 0.02 * size]
     if len(kept) == 1:
         return kept[0][1]
-    return "(" + " and ".join(f"{number(v, 3)} {way}" for v, way in kept) + ")"
+    return "(" + " and ".join(f"{base.number(v, 3)} {way}" for v, way in kept) + ")"
 
 
-def margin_schema(shape: Shape) -> Schema:
+def margin_schema(shape: Shape) -> base.Schema:
     """What is reported of a robustness margin."""
-    return quantities(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
+    return base.quantities(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
 
 
 def margin_words(margin: Margin) -> str:
@@ -123,13 +112,13 @@ def margin_words(margin: Margin) -> str:
         least = min(distances, default=math.inf)
         if math.isfinite(least):
             unit = "mm" if kind == "anchor" else "percent"
-            found.append(f"{number(to_unit(least, unit))} {text}")
+            found.append(f"{base.number(base.to_unit(least, unit))} {text}")
     if found:
         near = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
         return f"{near} to another sequence ({margin.method})"
     if len(chain.elements) == len(chain):
         return "no other sequence by any change of one thing"
-    return f"no other sequence within {amount(margin.reach, 'm')} of any anchor"
+    return f"no other sequence within {base.amount(margin.reach, 'm')} of any anchor"
 
 
 def margin_section(margin: Margin, *parts: Part) -> Section:
@@ -143,16 +132,16 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
         if margin.method == "exact"
         else f"searched with the engine. {margin.resolution}"
     )
-    reach = f"; anchors were moved by up to {amount(margin.reach, 'm')}" * shape.levers
+    reach = f"; anchors were moved by up to {base.amount(margin.reach, 'm')}" * shape.levers
     gap = (
-        f" The smallest gap between two F0 or two F1 is {number(margin.gap)} times k r of the "
+        f" The smallest gap between two F0 or two F1 is {base.number(margin.gap)} times k r of the "
         f"innermost cell."
         if math.isfinite(margin.gap)
         else ""
     )
     table = RecordTable(
         _columns(chain, near),
-        lambda: [record(schema, change) for change in near],
+        lambda: [base.record(schema, change) for change in near],
         f"The smallest change of one thing at a time that gives another sequence ({how})"
         f"{reach}.{gap}",
         more="changes",
@@ -162,24 +151,24 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
     return Section(heading, *parts, table)
 
 
-def _columns(chain: Chain, changes: Sequence[Change]) -> Columns:
+def _columns(chain: Chain, changes: Sequence[Change]) -> base.Columns:
     """The columns of a table of changes; where a change leads is not known of long chains."""
     names, measure = chain.names, chain.measure
 
     def far(change: Mapping[str, Any]) -> str:
         if change.get("distance_mm") is not None:
-            return f"{number(change['distance_mm'])} mm"
+            return f"{base.number(change['distance_mm'])} mm"
         if change["distance_percent"] is not None:
-            return f"{number(change['distance_percent'])} %"
+            return f"{base.number(change['distance_percent'])} %"
         return "none within reach" if change["parameter"] == "anchor" else "none"
 
     def way(change: Mapping[str, Any]) -> str:
         if change.get("distance_mm") is not None:
-            x, y = map(signed, change["move_mm"])
+            x, y = map(base.signed, change["move_mm"])
             return f"q by ({x}, {y}) mm"
         if change["distance_percent"] is None:
             return ""
-        by, part = f"by {signed(change['move_percent'])} %", change["parameter"]
+        by, part = f"by {base.signed(change['move_percent'])} %", change["parameter"]
         if part == "friction":
             return f"{by} of the largest {measure.force}"
         return f"{'k' if part == 'stiffness' else part_words(part, measure)} {by}"
@@ -189,8 +178,8 @@ def _columns(chain: Chain, changes: Sequence[Change]) -> Columns:
     return (
         Quantity("cell", head="cell", form=lambda cell: names[cell]),
         what,
-        Column("how far", far, True),
-        Column("which way", way),
+        base.Column("how far", far, True),
+        base.Column("which way", way),
         *([past] if becomes else []),
     )
 
@@ -211,7 +200,9 @@ def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
     nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
     if not nearest:
         anchors = any(_of_anchor(change) for change in margin.changes)
-        reach = f" of an anchor within {amount(margin.reach, 'm')}, and none" if anchors else ""
+        reach = (
+            f" of an anchor within {base.amount(margin.reach, 'm')}, and none" if anchors else ""
+        )
         return f"No change{reach} of one number alone makes it do anything else."
     return f"It would go {', or '.join(map(_instead, nearest))}."
 
@@ -225,9 +216,9 @@ def _instead(change: Change) -> str:
 def _changed(change: Change) -> str:
     name = change.chain.names[change.cell]
     if isinstance(change.move, tuple):
-        return f"the anchor q of {name} were moved by {amount(change.distance, 'm', 3)}"
+        return f"the anchor q of {name} were moved by {base.amount(change.distance, 'm', 3)}"
     words = change.chain.measure
-    share = f"{number(abs(change.move) * 100, 3)} %"
+    share = f"{base.number(abs(change.move) * 100, 3)} %"
     if change.parameter == "friction":
         return f"{name} had friction of {share} of its largest {words.force} more"
     more = change.move > 0

@@ -4,29 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stepwell import base
+from stepwell.accounts import yields
 from stepwell.accounts.changes import change_schema, critical_words
 from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.parts import Account, Fact, Picture, Replay, Section, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, tie_notes
-from stepwell.accounts.yields import (
-    FORCE_PLANE,
-    OUTCOMES,
-    counted_schema,
-    sample_words,
-    yield_words,
-)
-from stepwell.base import (
-    GRAVITY,
-    Measure,
-    Quantity,
-    Schema,
-    amount,
-    in_measure,
-    number,
-    percent,
-    quantities,
-    read_off,
-)
+from stepwell.base import Quantity
 
 if TYPE_CHECKING:
     from stepwell.design import Check, Measurement
@@ -43,43 +27,45 @@ _MEASURED = {
 }
 
 
-def check_schema(shape: Shape) -> Schema:
+def check_schema(shape: Shape) -> base.Schema:
     """What is reported of a verdict."""
     return (
         Quantity("title", read="chain.title"),
         Quantity("cells", read="chain.names", holds=[str]),
         Quantity("verdict", read=lambda found: str(found.verdict)),
-        *quantities(reason=str, target=str, does=str, does_it=bool),
-        *read_off(counted_schema(shape), "yield_"),
+        *base.quantities(reason=str, target=str, does=str, does_it=bool),
+        *base.read_off(yields.counted_schema(shape), "yield_"),
         Quantity("killer", holds=change_schema(shape), missing=True),
-        *in_measure(_ACTUATOR, shape.measure),
+        *base.in_measure(_ACTUATOR, shape.measure),
         Quantity("pull", "g", read=_mass),
         Quantity("oddities", holds=[str]),
-        Quantity("measure", holds=in_measure(_measurement(shape), shape.measure), missing=True),
+        Quantity(
+            "measure", holds=base.in_measure(_measurement(shape), shape.measure), missing=True
+        ),
         Quantity("ties", holds=[str], read=_ties),
         Quantity("calibrated", holds=CALIBRATED, missing=True),
         Quantity("assumptions", read="yield_.assumptions"),
     )
 
 
-_ACTUATOR: Schema = quantities(peak_force="N", dissipated="mJ")
+_ACTUATOR: base.Schema = base.quantities(peak_force="N", dissipated="mJ")
 
 
 def _mass(found: Check) -> float | None:
     """The mass [kg] whose weight is the largest force of the actuator."""
-    is_force = found.chain.measure is Measure.TRAVEL
-    return abs(found.peak_force) / GRAVITY if is_force else None
+    is_force = found.chain.measure is base.Measure.TRAVEL
+    return abs(found.peak_force) / base.GRAVITY if is_force else None
 
 
 def _ties(found: Check) -> list[str]:
     return tie_notes(found.path.degenerate, found.chain)
 
 
-def _measurement(shape: Shape) -> Schema:
+def _measurement(shape: Shape) -> base.Schema:
     """A measurement whose tolerance is in one of these units; the others have null."""
     units = ("mm", "percent", "N") if shape.levers else ("percent", "N")
     return (
-        *quantities(cell=int, what=str),
+        *base.quantities(cell=int, what=str),
         *(_tolerance(when, unit) for when in ("now", "then") for unit in units),
         Quantity("share_before", read="before", holds=float),
         Quantity("share_after", read="after", holds=float),
@@ -107,8 +93,8 @@ def check_account(found: Check, about: About) -> Account:
         facts=(
             Fact("Target", found.target),
             Fact("Reproduces", "" if found.does_it else found.does),
-            Fact("Yield", yield_words(found.yield_)),
-            Fact("Samples", sample_words(found.yield_)),
+            Fact("Yield", yields.yield_words(found.yield_)),
+            Fact("Samples", yields.sample_words(found.yield_)),
             Fact("Critical change", _critical(found)),
             Fact("Actuator", _actuator_words(found)),
             Fact("Measure next", _measurement_words(found)),
@@ -120,8 +106,8 @@ def check_account(found: Check, about: About) -> Account:
         sections=(
             Section(
                 "Outcomes of the samples",
-                Picture("yield", OUTCOMES),
-                Picture("force-plane", FORCE_PLANE),
+                Picture("yield", yields.OUTCOMES),
+                Picture("force-plane", yields.FORCE_PLANE),
             ),
             Section("Motion", Replay(found.target)),
             calibration(about),
@@ -139,10 +125,10 @@ def _critical(found: Check) -> str:
 def _actuator_words(found: Check) -> str:
     """The largest force of the actuator, where it is a force in grams too, and the energy lost."""
     mass = _mass(found)
-    grams = "" if mass is None else f" ({amount(mass, 'kg', 3)})"
+    grams = "" if mass is None else f" ({base.amount(mass, 'kg', 3)})"
     return (
-        f"{amount(abs(found.peak_force), found.chain.measure.force_unit, 3)}{grams} at most; "
-        f"{amount(found.dissipated, 'J', 3)} lost on the way"
+        f"{base.amount(abs(found.peak_force), found.chain.measure.force_unit, 3)}{grams} at most; "
+        f"{base.amount(found.dissipated, 'J', 3)} lost on the way"
     )
 
 
@@ -153,10 +139,10 @@ def _measurement_words(found: Check) -> str:
         return ""
     measure = found.chain.measure
     what, unit = _MEASURED[one.what]
-    (then,) = in_measure([Quantity("then", unit)], measure)
+    (then,) = base.in_measure([Quantity("then", unit)], measure)
     part = what.format(force=measure.force, travel=measure.travel)
     return (
         f"the {part} of {found.chain.names[one.cell]} to "
-        f"±{number(one.then * then.factor, 3)} {then.sign}, and make it as drawn: "
-        f"{percent(one.before)} become {percent(one.after)}"
+        f"±{base.number(one.then * then.factor, 3)} {then.sign}, and make it as drawn: "
+        f"{base.percent(one.before)} become {base.percent(one.after)}"
     )

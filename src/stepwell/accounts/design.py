@@ -8,33 +8,14 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
+from stepwell import base
+from stepwell.accounts import yields
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, RecordTable, Section, Text
 from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
-from stepwell.accounts.yields import (
-    FORCE_PLANE,
-    advised,
-    counted_facts,
-    critical_fact,
-    inner_yield_schema,
-    other_outcomes,
-)
-from stepwell.base import (
-    Column,
-    Quantity,
-    Schema,
-    amount,
-    in_measure,
-    number,
-    quantities,
-    read_off,
-    record,
-    signed,
-    to_unit,
-    told_in,
-)
+from stepwell.base import Quantity, Schema
 from stepwell.design import Design, Impossible
 
 if TYPE_CHECKING:
@@ -57,8 +38,8 @@ def design_schema(shape: Shape) -> Schema:
         Quantity("states_how", read="reached.how"),
         Quantity("actuator", read="chain", holds=actuator_schema(shape)),
         Quantity("cells", read=lambda one: named(one.chain), holds=[built_schema(shape)]),
-        *quantities(holes="mm", candidates=int, robustness=_ROBUSTNESS),
-        Quantity("yield", read="yield_", holds=inner_yield_schema(shape)),
+        *base.quantities(holes="mm", candidates=int, robustness=_ROBUSTNESS),
+        Quantity("yield", read="yield_", holds=yields.inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
     return (
@@ -67,13 +48,13 @@ def design_schema(shape: Shape) -> Schema:
         Quantity("proved", holds=bool),
         Quantity("reason", read=lambda one: str(one) if _none(one) else one.method),
         *of_class(Design, found),
-        *of_class(Impossible, in_measure(_GAPS, shape.measure)),
+        *of_class(Impossible, base.in_measure(_GAPS, shape.measure)),
     )
 
 
-_GAPS: Schema = quantities(largest_gap="N", gap_needed="N")
+_GAPS: Schema = base.quantities(largest_gap="N", gap_needed="N")
 _ROBUSTNESS: Schema = (
-    *quantities(radius="mm", share=float, limit=str),
+    *base.quantities(radius="mm", share=float, limit=str),
     Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
     Quantity("while", read=lambda one: one.meeting and one.meeting.way, missing=True),
 )
@@ -90,11 +71,11 @@ def _states(found: Design) -> tuple[str, ...] | None:
 def built_schema(shape: Shape) -> Schema:
     """What has to be built: anchors and the band of each cell, or scales of elements."""
     if shape.elements:
-        return (*cell_schema(shape), *read_off(_SCALES, "cell"))
+        return (*cell_schema(shape), *base.read_off(_SCALES, "cell"))
     name, p, q, *band = BAND
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
     # What can be chosen stands before what is given.
-    return (name, *map(_of_band, (q, p, *band)), *read_off(_LEVER, "cell"), *forces)
+    return (name, *map(_of_band, (q, p, *band)), *base.read_off(_LEVER, "cell"), *forces)
 
 
 _SCALES: Schema = (
@@ -138,11 +119,11 @@ def design_account(found: Design, about: About) -> Account:
         answer=found.sequence if spelled else f"{len(chain)} cells in the target order",
         seed=found.yield_.seed,
         facts=(
-            *counted_facts(found.yield_),
-            critical_fact(found.yield_),
+            *yields.counted_facts(found.yield_),
+            yields.critical_fact(found.yield_),
             *(replace(fact, level=Level.PAGE) for fact in cycle_facts(found.cycle)),
         ),
-        warnings=[advised(found.yield_)],
+        warnings=[yields.advised(found.yield_)],
         sections=(
             _cells(found),
             Section(
@@ -151,8 +132,8 @@ def design_account(found: Design, about: About) -> Account:
             Section("Reachable states", lambda: _reachable(found), level=Level.TERMINAL),
             Section(
                 "Outcomes of the samples",
-                Picture("force-plane", FORCE_PLANE),
-                other_outcomes(found.yield_),
+                Picture("force-plane", yields.FORCE_PLANE),
+                yields.other_outcomes(found.yield_),
             ),
             Section("Method", Text(found.method, Level.CARD)),
             assumed(chain, found.assumptions),
@@ -164,7 +145,7 @@ def _cells(found: Design) -> Section:
     schema = built_schema(Shape.of(found.chain))
     table = RecordTable(
         cell_columns(schema, found.chain),
-        lambda: [record(schema, one) for one in named(found.chain)],
+        lambda: [base.record(schema, one) for one in named(found.chain)],
         "" if found.chain.elements else "p is the anchor on the inner block, q on the outer block.",
         most=None,
         more="cells",
@@ -193,17 +174,17 @@ def reprogram_schema(shape: Shape) -> Schema:
     force = shape.measure.force_unit
     return (
         Quantity("title", read="chain.title"),
-        *quantities(by=str, target=str | None),
+        *base.quantities(by=str, target=str | None),
         Quantity("possible", read=_possible, holds=bool),
         Quantity("before"),
         Quantity("after", read=lambda found: found.after or None, missing=True),
         *(_change_schema("mm", "m", [float]) if shape.levers else ()),
         *(
-            (*_change_schema("", "1"), *_change_schema(told_in(force)[0], force))
+            (*_change_schema("", "1"), *_change_schema(base.told_in(force)[0], force))
             if shape.elements
             else ()
         ),
-        *quantities(reach="mm", method=str, resolution=str),
+        *base.quantities(reach="mm", method=str, resolution=str),
         Quantity("largest_force", "N", read="resistance.largest"),
         Quantity("work_at_0", "mJ", read="resistance.work_0"),
         Quantity("work_at_1", "mJ", read="resistance.work_1"),
@@ -278,11 +259,11 @@ def _reprogramming_answer(found: Reprogramming) -> str:
     if not _possible(found):
         if math.isinf(found.reach):
             return f"No value of {found.by} that was tried gives {target}"
-        return f"No displacement of {found.by} up to {amount(found.reach, 'm')} gives {target}"
+        return f"No displacement of {found.by} up to {base.amount(found.reach, 'm')} gives {target}"
     if _already(found):
         return f"The nominal design has the sequence {found.before} already"
     if isinstance(found.displacement, tuple):
-        return f"{found.by} moved by {amount(found.distance, 'm')} gives {found.after}"
+        return f"{found.by} moved by {base.amount(found.distance, 'm')} gives {found.after}"
     return f"{found.by} changed to {_number(found, found.place)} gives {found.after}"
 
 
@@ -290,42 +271,42 @@ def _change_facts(found: Reprogramming) -> tuple[Fact, ...]:
     """The change, and what resists it."""
     past, by, place = Fact("Sequence past it", found.after), found.displacement, found.place
     if not (isinstance(by, tuple) and isinstance(place, tuple)):
-        sign = signed(float(by) * told_in(found.unit)[1])  # type: ignore[arg-type]
+        sign = base.signed(float(by) * base.told_in(found.unit)[1])  # type: ignore[arg-type]
         return past, Fact("Change", f"{found.by} to {_number(found, place)} ({sign})")
-    move = ", ".join(signed(to_unit(one, "mm")) for one in by)
-    to = ", ".join(number(to_unit(one, "mm")) for one in place)
+    move = ", ".join(base.signed(base.to_unit(one, "mm")) for one in by)
+    to = ", ".join(base.number(base.to_unit(one, "mm")) for one in place)
     pull = found.resistance
     return (
         past,
         Fact(
             "Displacement",
-            f"{found.by} by ({move}) mm, {amount(found.distance, 'm')}, to ({to}) mm",
+            f"{found.by} by ({move}) mm, {base.amount(found.distance, 'm')}, to ({to}) mm",
         ),
-        Fact("Force", f"up to {amount(pull.largest, 'N')} against the displacement"),
+        Fact("Force", f"up to {base.amount(pull.largest, 'N')} against the displacement"),
         Fact(
             "Work",
-            f"{amount(pull.work_0, 'J')} at state 0 of the cell, "
-            f"{amount(pull.work_1, 'J')} at state 1",
+            f"{base.amount(pull.work_0, 'J')} at state 0 of the cell, "
+            f"{base.amount(pull.work_1, 'J')} at state 1",
         ),
     )
 
 
 def _number(found: Reprogramming, value: Any) -> str:
-    unit, factor = told_in(found.unit)
-    return f"{number(value * factor)} {Quantity('', unit).sign}".removesuffix(" 1")
+    unit, factor = base.told_in(found.unit)
+    return f"{base.number(value * factor)} {Quantity('', unit).sign}".removesuffix(" 1")
 
 
 def _force_table(found: Reprogramming) -> RecordTable:
     """The force on the way of an anchor."""
-    distance = to_unit(found.distance, "mm")
+    distance = base.to_unit(found.distance, "mm")
     return RecordTable(
         [
-            Column("moved [mm]", lambda row: number(row["fraction"] * distance), True),
-            Column("x [mm]", lambda row: number(row["at_mm"][0]), True),
-            Column("y [mm]", lambda row: number(row["at_mm"][1]), True),
+            base.Column("moved [mm]", lambda row: base.number(row["fraction"] * distance), True),
+            base.Column("x [mm]", lambda row: base.number(row["at_mm"][0]), True),
+            base.Column("y [mm]", lambda row: base.number(row["at_mm"][1]), True),
             *_PLACE[2:],
         ],
-        lambda: [record(_PLACE, place) for place in _way(found)[::_EVERY]],
+        lambda: [base.record(_PLACE, place) for place in _way(found)[::_EVERY]],
         f"The force along the displacement, which resists it where it is positive; of the places "
         f"on the way every {_EVERY}th.",
         more="places",

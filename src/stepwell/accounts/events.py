@@ -5,19 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from stepwell import base
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Level, RecordTable, Section, Text
-from stepwell.base import (
-    Column,
-    Columns,
-    Quantity,
-    Schema,
-    in_measure,
-    number,
-    percent_at_most,
-    quantities,
-    record,
-)
+from stepwell.base import Column, Quantity
 from stepwell.mechanism import Chain
 from stepwell.statics import Cause
 
@@ -27,9 +18,9 @@ if TYPE_CHECKING:
 NOT_CHECKED = "not checked for other mobilities"
 
 
-def event_schema(shape: Shape) -> Schema:
+def event_schema(shape: Shape) -> base.Schema:
     """What is reported of a switch or a snap."""
-    sheets = quantities(sheets_before=[int], sheets_after=[int])
+    sheets = base.quantities(sheets_before=[int], sheets_after=[int])
     schema = (
         Quantity("kind", head="event"),
         Quantity("cause"),
@@ -43,7 +34,7 @@ def event_schema(shape: Shape) -> Schema:
         Quantity("force_before", "N", "force before"),
         Quantity("force_after", "N", "force after"),
         Quantity("released", "mJ", "released"),
-        *quantities(
+        *base.quantities(
             arrivals=[(Quantity("cell", holds=int, read=lambda one: one[0]), _STATE)],
             tie=bool,
             distance_force="N",
@@ -52,7 +43,7 @@ def event_schema(shape: Shape) -> Schema:
             decided=str | None,
         ),
     )
-    return in_measure(schema, shape.measure)
+    return base.in_measure(schema, shape.measure)
 
 
 _STATE = Quantity("state", read=lambda one: one[1], holds=int)
@@ -82,7 +73,7 @@ def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[
     return found
 
 
-def landing_schema(shape: Shape) -> Schema:
+def landing_schema(shape: Shape) -> base.Schema:
     """What is known of the landing of a snap; it is read from `Landed`."""
     return (
         Quantity("event", holds=int),
@@ -96,14 +87,14 @@ def landing_schema(shape: Shape) -> Schema:
     )
 
 
-def _elsewhere(shape: Shape) -> Schema:
+def _elsewhere(shape: Shape) -> base.Schema:
     schema = (
         Quantity("state", head="in state"),
         Quantity("travel", "mm", holds=[float]),
-        *quantities(mobility=[float], share=float),
+        *base.quantities(mobility=[float], share=float),
         *((Quantity("sheet", holds=[int]),) if shape.folds else ()),
     )
-    return in_measure(schema, shape.measure)
+    return base.in_measure(schema, shape.measure)
 
 
 def event_section(
@@ -116,7 +107,7 @@ def event_section(
     words = landing_words(landings)
     table = RecordTable(
         _columns(chain),
-        lambda: [record(schema, event) for event in events],
+        lambda: [base.record(schema, event) for event in events],
         f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
         f"{measure.stroke.capitalize()}s are exact, not read off a grid.",
         wide=[Column("cause", lambda event: Cause[event["cause"].upper()].value)],
@@ -138,7 +129,7 @@ def elsewhere_section(
 
     def rows() -> list[dict[str, Any]]:
         return [
-            record(event, events[at]) | record(place, one)
+            base.record(event, events[at]) | base.record(place, one)
             for at, landing in landed(landings, events) or ()
             for one in landing.elsewhere
         ]
@@ -159,7 +150,7 @@ def elsewhere_section(
     )
 
 
-def _columns(chain: Chain) -> Columns:
+def _columns(chain: Chain) -> base.Columns:
     names = chain.names
     schema = {q.attribute: q for q in event_schema(Shape.of(chain))}
     here, there, lost = (schema[key] for key in ("before", "after", "released"))
@@ -172,7 +163,8 @@ def _columns(chain: Chain) -> Columns:
         # Lever cells show by their travels where they arrive.
         to = {a["cell"]: f" at {a['state']}" for a in event["arrivals"] if chain.elements}
         return ", ".join(
-            f"{names[cell]} {number(a)} → {number(b)}{to.get(cell, '')}" for cell, a, b in rows
+            f"{names[cell]} {base.number(a)} → {base.number(b)}{to.get(cell, '')}"
+            for cell, a, b in rows
         )
 
     def force(event: Mapping[str, Any]) -> str:
@@ -199,7 +191,7 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     if not landings:
         return ""
     holding = [one for one in landings if one.holds]
-    ratios = f"for mobility ratios up to {number(landings[0].ratio)}"
+    ratios = f"for mobility ratios up to {base.number(landings[0].ratio)}"
     if not holding:
         return f"no landing holds {ratios}"
     many = (
@@ -214,7 +206,7 @@ def _held_by(holding: Sequence[Landing]) -> str:
     if not sampled:
         return "proved"
     proved = len(holding) - len(sampled)
-    most = percent_at_most(max(one.bound for one in sampled))
+    most = base.percent_at_most(max(one.bound for one in sampled))
     least = min(one.samples for one in sampled)
     many = f"in {len(sampled)} " if holding[1:] else ""
     each = " each" if sampled[1:] else ""
@@ -229,13 +221,15 @@ def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
     least, most = min(mobility), max(mobility)
     fast = [name for name, factor in zip(names, mobility, strict=True) if factor > least]
     slow = [name for name, factor in zip(names, mobility, strict=True) if factor < most]
-    times = f"{number(most / least, 3)} times"
+    times = f"{base.number(most / least, 3)} times"
     # Cells between the fastest and the slowest are on both lists.
     if len(fast) == 1:
         return f"{fast[0]} is {times} faster"
     if len(slow) == 1:
         return f"{slow[0]} is {times} slower"
-    factors = (f"{name} {number(x / least, 3)}" for name, x in zip(names, mobility, strict=True))
+    factors = (
+        f"{name} {base.number(x / least, 3)}" for name, x in zip(names, mobility, strict=True)
+    )
     return f"as fast as {', '.join(factors)}"
 
 

@@ -5,21 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from stepwell import base
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import Account, Fact, Level, RecordTable, Section, Verbatim
-from stepwell.base import (
-    Column,
-    Columns,
-    Quantity,
-    Schema,
-    __version__,
-    counted,
-    quantities,
-    record,
-)
+from stepwell.base import Quantity, Schema
 
 if TYPE_CHECKING:
-    from stepwell.base import Installation
     from stepwell.files import Presets
     from stepwell.paper import Verdicts
 
@@ -29,11 +20,15 @@ _PACKAGE: Schema = (
     Quantity("version", head="version", none="missing", missing=True),
 )
 _NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="used for")
-_EXTRA: Schema = (_NAME, _USED_FOR, *quantities(present=bool, versions={str: str}, install=str))
-_HERE = Column("installed", lambda row: _versions(row))
+_EXTRA: Schema = (
+    _NAME,
+    _USED_FOR,
+    *base.quantities(present=bool, versions={str: str}, install=str),
+)
+_HERE = base.Column("installed", lambda row: _versions(row))
 _KERNELS: Schema = (
     Quantity("folder", read=lambda kept: str(kept.folder)),
-    *quantities(writable=bool, compiled=int),
+    *base.quantities(writable=bool, compiled=int),
     Quantity("size_MB", read=lambda kept: kept.size / 1e6, holds=float),
 )
 _TOOL: Schema = (
@@ -46,15 +41,15 @@ _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reaso
 
 # What is reported of an installation.
 DOCTOR: Schema = (
-    *quantities(
+    *base.quantities(
         ok=bool, python=str, system=str, cores=int | None, packages=[_PACKAGE], extras=[_EXTRA]
     ),
     Quantity("kernels", holds=_KERNELS, missing=True),
-    *quantities(tools=[_TOOL], broken=[_BROKEN]),
+    *base.quantities(tools=[_TOOL], broken=[_BROKEN]),
 )
 
 
-def installation_account(found: Installation, about: About) -> Account:
+def installation_account(found: base.Installation, about: About) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
     lacking = [one.install for one in found.extras if not one.present]
@@ -68,7 +63,7 @@ def installation_account(found: Installation, about: About) -> Account:
         facts=(
             Fact("Missing", ", ".join(missing)),
             Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
-            Fact("Stepwell", f"{__version__}, Python {found.python}, {found.system}"),
+            Fact("Stepwell", f"{base.__version__}, Python {found.python}, {found.system}"),
             Fact("Cores", str(found.cores or "")),
             Fact("Kernels", _kernel_words(kernels) if kernels else ""),
             Fact("Kept in", str(kernels.folder) if kernels else ""),
@@ -85,12 +80,12 @@ def installation_account(found: Installation, about: About) -> Account:
     )
 
 
-def _table(of: Schema, rows: Sequence[Any], columns: Columns = ()) -> RecordTable:
-    found = [record(of, one) for one in rows]
+def _table(of: Schema, rows: Sequence[Any], columns: base.Columns = ()) -> RecordTable:
+    found = [base.record(of, one) for one in rows]
     return RecordTable(columns or of, lambda: found, most=None)
 
 
-def _answer(found: Installation) -> str:
+def _answer(found: base.Installation) -> str:
     if found.ok:
         return "All packages that Stepwell needs are installed"
     return "Packages are missing" if found.missing else "Packages are broken"
@@ -121,14 +116,14 @@ PRESETS: Schema = (Quantity("presets", read=lambda found: found.items(), holds=[
 
 def presets_account(found: Presets, about: About) -> Account:
     """What is reported of the designs that come with Stepwell."""
-    rows = [record(_PRESET, one) for one in found.items()]
+    rows = [base.record(_PRESET, one) for one in found.items()]
     table = RecordTable(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
     return Account(
         found,
         "Designs that come with Stepwell",
         "presets/1",
         PRESETS,
-        answer=counted(len(found), "design"),
+        answer=base.counted(len(found), "design"),
         computed=False,
         sections=(Section("Names and titles", table),),
     )
@@ -152,7 +147,7 @@ PAPER: Schema = (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
 
 def verdicts_account(found: Verdicts, about: About) -> Account:
     """What is reported of verdicts."""
-    rows = [record(_CLAIM, one) for one in found]
+    rows = [base.record(_CLAIM, one) for one in found]
     reasons = [row for row in rows if row["reason"]]
     compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
     return Account(

@@ -2,34 +2,9 @@
 
 from typing import Any
 
+from stepwell.accounts import events, parts, words
 from stepwell.accounts.chain import actuator_schema
-from stepwell.accounts.events import (
-    elsewhere_section,
-    event_schema,
-    event_section,
-    landed,
-    landing_schema,
-    landing_words,
-)
 from stepwell.accounts.head import About, Shape, of_class
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Picture,
-    RecordTable,
-    Replay,
-    Section,
-    Text,
-)
-from stepwell.accounts.words import (
-    LONGEST_IN_A_LINE,
-    LONGEST_SPELLED_OUT,
-    assumed,
-    cells_of,
-    degenerate,
-    turning_points,
-)
 from stepwell.base import Quantity, Schema, amount, counted, quantities, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
@@ -40,11 +15,11 @@ def program_schema(shape: Shape) -> Schema:
         *quantities(arrives=str, strokes=int),
         Quantity("turning_points", shape.drive, holds=[float]),
         Quantity("sequence", read=_spelled),
-        Quantity("events", read="path.events", holds=[event_schema(shape)]),
+        Quantity("events", read="path.events", holds=[events.event_schema(shape)]),
         Quantity(
             "landings",
-            read=lambda one: landed(one.path.checked_landings, one.path.events),
-            holds=[landing_schema(shape)],
+            read=lambda one: events.landed(one.path.checked_landings, one.path.events),
+            holds=[events.landing_schema(shape)],
         ),
         Quantity("dissipated", "mJ", read="path.dissipated"),
         Quantity("turns", holds=[turn_schema(shape.drive)]),
@@ -71,7 +46,7 @@ def program_schema(shape: Shape) -> Schema:
 
 
 def _spelled(program: Program) -> str | None:
-    return str(program.sequence) if len(program.chain) <= LONGEST_SPELLED_OUT else None
+    return str(program.sequence) if len(program.chain) <= words.LONGEST_SPELLED_OUT else None
 
 
 def does_it(value: Program | Unreachable) -> bool:
@@ -81,12 +56,12 @@ def does_it(value: Program | Unreachable) -> bool:
     return value.arrives == value.target and value.hangs is None
 
 
-def unreachable_account(value: Unreachable, about: About) -> Account:
+def unreachable_account(value: Unreachable, about: About) -> parts.Account:
     """What is reported where there is no program."""
     proved = "This is proved." if value.proved else "A search found no way; that is no proof."
     if value.chain is None:
-        return Account(value, "Unreachable", answer=str(value), origin=proved)
-    return Account(
+        return parts.Account(value, "Unreachable", answer=str(value), origin=proved)
+    return parts.Account(
         value,
         value.chain.title or "Unreachable",
         "program/2",
@@ -96,37 +71,39 @@ def unreachable_account(value: Unreachable, about: About) -> Account:
     )
 
 
-def program_account(program: Program, about: About) -> Account:
+def program_account(program: Program, about: About) -> parts.Account:
     """What is reported of a program."""
     chain, path = program.chain, program.path
     shape, works = Shape.of(chain), does_it(program)
     strokes = counted(program.strokes, "stroke")
     ends = strokes if works else f"ends in {program.arrives} after {strokes}"
     landings = path.checked_landings
-    spelled = str(program.sequence) if len(chain) <= LONGEST_IN_A_LINE else ""
-    return Account(
+    spelled = str(program.sequence) if len(chain) <= words.LONGEST_IN_A_LINE else ""
+    return parts.Account(
         program,
         chain.title or "A stroke program",
         "program/2",
         program_schema(shape),
-        origin=f"A program from {program.start} to {program.target} for {cells_of(chain)}.",
+        origin=f"A program from {program.start} to {program.target} for {words.cells_of(chain)}.",
         answer=f"{program.start} to {program.target}: {ends}",
         facts=(
-            Fact("Turning points", turning_points(program.turning_points, chain)),
-            Fact("Slack", _slack(program) if works else ""),
-            Fact("States", spelled),
-            Fact("Dissipated", amount(path.dissipated, "J", 3)),
-            Fact("Landings", landing_words(landings)),
+            parts.Fact("Turning points", words.turning_points(program.turning_points, chain)),
+            parts.Fact("Slack", _slack(program) if works else ""),
+            parts.Fact("States", spelled),
+            parts.Fact("Dissipated", amount(path.dissipated, "J", 3)),
+            parts.Fact("Landings", events.landing_words(landings)),
         ),
-        warnings=[degenerate(path.degenerate, chain)],
+        warnings=[words.degenerate(path.degenerate, chain)],
         sections=(
-            Section("Path", Picture("program", "The program, and the motion of the cells")),
-            Section("Motion", Replay(chain.title)),
+            parts.Section(
+                "Path", parts.Picture("program", "The program, and the motion of the cells")
+            ),
+            parts.Section("Motion", parts.Replay(chain.title)),
             _turns(program),
-            event_section(chain, path.events, landings),
-            elsewhere_section(chain, path.events, landings),
-            Section("Method", Text(f"{program.reason}.", Level.CARD)),
-            assumed(chain),
+            events.event_section(chain, path.events, landings),
+            events.elsewhere_section(chain, path.events, landings),
+            parts.Section("Method", parts.Text(f"{program.reason}.", parts.Level.CARD)),
+            words.assumed(chain),
         ),
     )
 
@@ -139,7 +116,7 @@ def _slack(program: Program) -> str:
     return f"every turn may be off by {slack} at once"
 
 
-def _turns(program: Program) -> Section:
+def _turns(program: Program) -> parts.Section:
     # Where a turn can go back to is known of programs that were searched for.
     known = any(turn.branch for turn in program.turns)
     columns = turn_schema(Shape.of(program.chain).drive)
@@ -147,11 +124,11 @@ def _turns(program: Program) -> Section:
     def rows() -> list[dict[str, Any]]:
         return [{"turn": k} | record(columns, one) for k, one in enumerate(program.turns, 1)]
 
-    table = RecordTable(
+    table = parts.RecordTable(
         [Quantity("turn", head="turn"), *columns[: None if known else -1]],
         rows,
         "Anywhere in its tolerance interval each turn gives the same motion.",
         more="turns",
-        level=Level.CARD,
+        level=parts.Level.CARD,
     )
-    return Section("Turns: anywhere in its window each does the same", table)
+    return parts.Section("Turns: anywhere in its window each does the same", table)

@@ -5,28 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stepwell.accounts import events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
 from stepwell.accounts.changes import margin_schema, margin_section, margin_words, otherwise_words
-from stepwell.accounts.events import (
-    NOT_CHECKED,
-    elsewhere_section,
-    event_schema,
-    event_section,
-    landed,
-    landing_schema,
-    landing_words,
-)
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, Replay, Section, Text
-from stepwell.accounts.words import (
-    LONGEST_IN_A_LINE,
-    LONGEST_SPELLED_OUT,
-    assumed,
-    cells_of,
-    degenerate,
-    listed,
-    tie_notes,
-)
 from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
 from stepwell.base import Quantity, Schema, in_measure, number, quantities, read_off, record
 from stepwell.mechanism import Chain
@@ -52,21 +35,23 @@ def run_schema(shape: Shape) -> Schema:
         Quantity("pathway", read="cycle.pathway", holds=Pathway, missing=True),
         Quantity("loading_order", read="cycle.loading_order", holds=[int]),
         Quantity("unloading_order", read="cycle.unloading_order", holds=[int]),
-        Quantity("events", read="cycle.events", holds=[event_schema(shape)]),
+        Quantity("events", read="cycle.events", holds=[events.event_schema(shape)]),
         Quantity(
             "landings",
-            read=lambda run: landed(run.landings, run.cycle.events),
-            holds=[landing_schema(shape)],
+            read=lambda run: events.landed(run.landings, run.cycle.events),
+            holds=[events.landing_schema(shape)],
             missing=True,
         ),
         *read_off(cycle_schema(shape), "cycle"),
         Quantity("margin", holds=margin_schema(shape)),
-        Quantity("ties", read=lambda run: tie_notes(run.cycle.degenerate, run.chain), holds=[str]),
+        Quantity(
+            "ties", read=lambda run: words.tie_notes(run.cycle.degenerate, run.chain), holds=[str]
+        ),
     )
 
 
 def _spelled(cycle: Cycle) -> str | None:
-    return str(cycle.sequence) if len(cycle.chain) <= LONGEST_SPELLED_OUT else None
+    return str(cycle.sequence) if len(cycle.chain) <= words.LONGEST_SPELLED_OUT else None
 
 
 def cycle_schema(shape: Shape) -> Schema:
@@ -98,8 +83,8 @@ def cycle_account(cycle: Cycle, about: About) -> Account:
         f"Cycle of {chain.title}" if chain.title else "Cycle",
         answer=_answer(cycle),
         facts=cycle_facts(cycle),
-        warnings=[degenerate(cycle.degenerate, chain)],
-        sections=[event_section(chain, cycle.events, None)],
+        warnings=[words.degenerate(cycle.degenerate, chain)],
+        sections=[events.event_section(chain, cycle.events, None)],
     )
 
 
@@ -107,24 +92,24 @@ def run_account(run: Run, about: About) -> Account:
     """What is reported of a run."""
     cycle, margin, chain = run.cycle, run.margin, run.chain
     origin = f"Design file {about.source}" if about.source else "A design made in Python"
-    landings = landing_words(run.landings)
+    landings = events.landing_words(run.landings)
     tied = bool(cycle.degenerate)
     return Account(
         run,
         chain.title or about.source or "Untitled chain",
         "run/2",
         run_schema(Shape.of(chain)),
-        origin=f"{origin}. {cells_of(chain)}.",
+        origin=f"{origin}. {words.cells_of(chain)}.",
         answer=_answer(cycle),
         facts=(
             *cycle_facts(cycle),
             Fact("Margin", margin_words(margin)),
             Fact("Landings", landings),
         ),
-        warnings=[degenerate(cycle.degenerate, chain)],
+        warnings=[words.degenerate(cycle.degenerate, chain)],
         sections=(
-            event_section(chain, cycle.events, run.landings),
-            elsewhere_section(chain, cycle.events, run.landings),
+            events.event_section(chain, cycle.events, run.landings),
+            events.elsewhere_section(chain, cycle.events, run.landings),
             cell_section(chain),
             margin_section(
                 margin,
@@ -135,9 +120,9 @@ def run_account(run: Run, about: About) -> Account:
             _samples(run, tied),
             Section("Motion", Replay(chain.title, _NOT_PLAYED)),
             Section("Figures", *_pictures(chain)),
-            assumed(chain),
+            words.assumed(chain),
         ),
-        hints=[_CHECK] if landings == NOT_CHECKED else [],
+        hints=[_CHECK] if landings == events.NOT_CHECKED else [],
     )
 
 
@@ -172,7 +157,7 @@ def cycle_facts(cycle: Cycle) -> list[Fact]:
 
 
 def _order(chain: Chain, cells: Sequence[int]) -> str:
-    return listed([chain.names[cell] for cell in cells])
+    return words.listed([chain.names[cell] for cell in cells])
 
 
 def _samples(run: Run, tied: bool) -> Section:
@@ -218,12 +203,12 @@ def path_account(path: Path, about: About) -> Account:
     return Account(
         path,
         f"Path of {chain.title}" if chain.title else "Path",
-        answer=f"{' → '.join(turns[:LONGEST_IN_A_LINE])}"
-        f"{' → …' * (len(turns) > LONGEST_IN_A_LINE)} {points.sign}",
+        answer=f"{' → '.join(turns[: words.LONGEST_IN_A_LINE])}"
+        f"{' → …' * (len(turns) > words.LONGEST_IN_A_LINE)} {points.sign}",
         facts=[
             Fact("Dissipated", with_sign(lost, found[lost.key])),
             Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
         ],
-        warnings=[degenerate(path.degenerate, chain)],
-        sections=[event_section(chain, path.events, None)],
+        warnings=[words.degenerate(path.degenerate, chain)],
+        sections=[events.event_section(chain, path.events, None)],
     )

@@ -5,33 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Notes,
-    Picture,
-    RecordTable,
-    Row,
-    Section,
-    Text,
-    Warned,
-)
-from stepwell.base import (
-    Column,
-    Columns,
-    Quantity,
-    Schema,
-    counted,
-    number,
-    percent,
-    quantities,
-    read_off,
-    record,
-    rows_of,
-    to_unit,
-)
+from stepwell.base import Quantity, Schema
 from stepwell.robot import TRIAL
 
 if TYPE_CHECKING:
@@ -68,8 +45,8 @@ VARIED: Schema = (
     _end("from", "low"),
     _end("to", "high"),
 )
-_GAP: Schema = quantities(first=int, last=int, damaged=bool)
-_SHARE: Schema = quantities(times=int, of=int, low=float, high=float, share=float)
+_GAP: Schema = base.quantities(first=int, last=int, damaged=bool)
+_SHARE: Schema = base.quantities(times=int, of=int, low=float, high=float, share=float)
 _SCREEN: Schema = (
     Quantity("engine", read=lambda found: found.study.given["engine"]),
     Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
@@ -84,7 +61,9 @@ _OUTCOME: Schema = (
     Quantity("column", head="column"),
     Quantity("value", head="value"),
     Quantity("designs", head="designs", read="share.times", holds=int, left=False),
-    Quantity("share", head="fraction", read="share.share", holds=float, form=percent, left=False),
+    Quantity(
+        "share", head="fraction", read="share.share", holds=float, form=base.percent, left=False
+    ),
     Quantity("share_low", read=lambda one: one.share.low if one.sampled else None, holds=float),
     Quantity("share_high", read=lambda one: one.share.high if one.sampled else None, holds=float),
 )
@@ -99,17 +78,19 @@ _NUMBER: Schema = (
 _DECIDED: Schema = (
     Quantity("column"),
     Quantity("value", read=lambda one: one.value or None, missing=True),
-    *quantities(
+    *base.quantities(
         designs=int,
         floor=float,
-        influences=[(Quantity("parameter", read="name"), *quantities(share=float, trend=float))],
+        influences=[
+            (Quantity("parameter", read="name"), *base.quantities(share=float, trend=float))
+        ],
     ),
 )
 # A row for each number that decides a column.
-_DECIDING: Columns = (
+_DECIDING: base.Columns = (
     Quantity("column", head="column"),
     Quantity("parameter", head="parameter"),
-    Quantity("share", head="fraction of its variance", form=percent, left=False),
+    Quantity("share", head="fraction of its variance", form=base.percent, left=False),
     Quantity("trend", head="rank correlation", form="+.2f", left=False),
 )
 
@@ -129,22 +110,22 @@ STUDY: Schema = (
     Quantity("varied", holds=[VARIED]),
     Quantity("chunk", read="study.chunk", holds=int),
     Quantity("chunks", read="study.chunks", holds=int),
-    *quantities(done=int, finished=bool),
+    *base.quantities(done=int, finished=bool),
     Quantity("missing", read="gaps", holds=[_GAP]),
     Quantity("problems", holds={str: int}),
     Quantity("screen", read=_screen, holds=_SCREEN, missing=True),
-    *quantities(outcomes=[_OUTCOME], numbers=[_NUMBER], decided=[_DECIDED]),
+    *base.quantities(outcomes=[_OUTCOME], numbers=[_NUMBER], decided=[_DECIDED]),
 )
 
 
-def study_account(found: Status, about: About) -> Account:
+def study_account(found: Status, about: About) -> parts.Account:
     """What is reported of a study."""
     from stepwell.studies import gaps_text
 
     study, deciding = found.study, _deciding(found)
     missing = [gaps_text(found.gaps, study.count)] if found.gaps else []
-    designs = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
-    return Account(
+    designs = f"{study.what} of {base.counted(study.count, 'design')}, {study.designs.how}"
+    return parts.Account(
         found,
         study.subject.title or "A study",
         "study/1",
@@ -153,29 +134,29 @@ def study_account(found: Status, about: About) -> Account:
         seed=study.designs.seed,
         packages=("zarr",),
         facts=(
-            Fact("Study", designs),
-            Fact("Done", _done(found)),
-            Fact("Store", str(study.folder), Level.TERMINAL),
+            parts.Fact("Study", designs),
+            parts.Fact("Done", _done(found)),
+            parts.Fact("Store", str(study.folder), parts.Level.TERMINAL),
             *_screened(found),
         ),
         warnings=(
-            Warned("Missing designs", "", missing),
-            Warned(
+            parts.Warned("Missing designs", "", missing),
+            parts.Warned(
                 "Designs that could not be computed",
                 "",
-                [f"{counted(n, 'design')}: {kind}" for kind, n in found.problems.items()],
+                [f"{base.counted(n, 'design')}: {kind}" for kind, n in found.problems.items()],
             ),
         ),
         sections=(
-            Section(
+            parts.Section(
                 "Outcomes",
-                Picture("outcomes", "Outcomes over the parameters that decide them"),
+                parts.Picture("outcomes", "Outcomes over the parameters that decide them"),
                 _table(_OUTCOME, found, "outcomes", "The most frequent first.", "outcomes"),
             ),
-            Section(
+            parts.Section(
                 "Influence of each number",
-                Picture("influences", "Fraction of the variance that each number explains"),
-                RecordTable(
+                parts.Picture("influences", "Fraction of the variance that each number explains"),
+                parts.RecordTable(
                     _DECIDING,
                     lambda: deciding,
                     "The fraction of a column's variance that a number explains by itself, and "
@@ -184,18 +165,18 @@ def study_account(found: Status, about: About) -> Account:
                     more="numbers",
                 ),
             ),
-            Section("Range of each result", _table(_NUMBER, found, "numbers", "", "results")),
-            Section("Varied parameters", _table(VARIED, found, "varied", "", "parameters")),
-            Section("Assumptions", Notes(_assumed(found), Level.PAGE)),
+            parts.Section("Range of each result", _table(_NUMBER, found, "numbers", "", "results")),
+            parts.Section("Varied parameters", _table(VARIED, found, "varied", "", "parameters")),
+            parts.Section("Assumptions", parts.Notes(_assumed(found), parts.Level.PAGE)),
         ),
         hints=[] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"],
     )
 
 
-def _table(columns: Schema, found: Status, name: str, about: str, more: str) -> RecordTable:
+def _table(columns: Schema, found: Status, name: str, about: str, more: str) -> parts.RecordTable:
     rows = getattr(found, name)
-    return RecordTable(
-        columns, lambda: [record(columns, one) for one in rows], about, most=None, more=more
+    return parts.RecordTable(
+        columns, lambda: [base.record(columns, one) for one in rows], about, most=None, more=more
     )
 
 
@@ -227,17 +208,21 @@ def _answer(found: Status, deciding: Sequence[Mapping[str, Any]]) -> str:
     if deciding:
         first = deciding[0]
         of = f"the variance of {first['column']}"
-        return f"{first['parameter']} explains {percent(first['share'])} of {of}"
+        return f"{first['parameter']} explains {base.percent(first['share'])} of {of}"
     return ""
 
 
 def _share(share: Share, sampled: bool = True, of: str = "") -> str:
     """A fraction, of what, with its interval where the designs are a sample."""
-    ends = f" (95 % confidence {percent(share.low)} to {percent(share.high)})" if sampled else ""
-    return f"{percent(share.share)}{of}{ends}"
+    ends = (
+        f" (95 % confidence {base.percent(share.low)} to {base.percent(share.high)})"
+        if sampled
+        else ""
+    )
+    return f"{base.percent(share.share)}{of}{ends}"
 
 
-def _screened(found: Status) -> list[Fact]:
+def _screened(found: Status) -> list[parts.Fact]:
     """How a screen and what was computed agree."""
     of = found.screened
     if of is None:
@@ -245,9 +230,9 @@ def _screened(found: Status) -> list[Fact]:
     engine = found.study.given["engine"]
     kept = f"{engine} keeps {of.kept} of {of.designs}; {of.computed} were computed"
     return [
-        Fact("Screen", kept),
+        parts.Fact("Screen", kept),
         *(
-            Fact(name.capitalize(), f"{share.times} of {share.of} {among}: {_share(share)}")
+            parts.Fact(name.capitalize(), f"{share.times} of {share.of} {among}: {_share(share)}")
             for name, among in _AMONG.items()
             if (share := getattr(of, name))
         ),
@@ -282,12 +267,12 @@ def _assumed(found: Status) -> list[str]:
     return assumed
 
 
-def _trials(sweep: Sweep) -> Sequence[Row]:
+def _trials(sweep: Sweep) -> Sequence[parts.Row]:
     values = zip(*sweep.values.values(), strict=True) if sweep.values else [()] * len(sweep.trials)
-    return rows_of({"values": values, "trial": sweep.trials})
+    return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-_TRIAL: Schema = (Quantity("values", holds=[float]), *read_off(TRIAL, "trial"))
+_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(TRIAL, "trial"))
 # What is reported of a sweep over robots.
 SWEEP: Schema = (
     Quantity("keys", read=lambda sweep: list(sweep.values), holds=[str]),
@@ -295,17 +280,17 @@ SWEEP: Schema = (
 )
 
 
-def sweep_account(sweep: Sweep, about: About) -> Account:
+def sweep_account(sweep: Sweep, about: About) -> parts.Account:
     """What is reported of a sweep over robots."""
     failed = [one for one in sweep.trials if one.stopped]
-    count = counted(len(sweep.trials), "robot")
+    count = base.counted(len(sweep.trials), "robot")
     varied = [
-        Column(key, lambda row, k=k: number(row["values"][k], 6), True)
+        base.Column(key, lambda row, k=k: base.number(row["values"][k], 6), True)
         for k, key in enumerate(sweep.values)
     ]
-    why = Column("why it stopped", lambda row: row["stopped"])
-    first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
-    return Account(
+    why = base.Column("why it stopped", lambda row: row["stopped"])
+    first = f"{base.counted(len(failed), 'robot')} did not walk to the end. The first of these: "
+    return parts.Account(
         sweep,
         kind="sweep/1",
         schema=SWEEP,
@@ -315,23 +300,23 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
         seed=about.seeds.get("values"),
         packages=("mujoco",),
         warnings=(
-            Warned(
+            parts.Warned(
                 "Stopped early",
                 "The simulation of some robots ended before its time.",
                 [f"{first}{failed[0].stopped}"] if failed else [],
             ),
         ),
         sections=(
-            Section("Results", Picture("sweep", "What each robot does in a cycle")),
-            Section(
+            parts.Section("Results", parts.Picture("sweep", "What each robot does in a cycle")),
+            parts.Section(
                 "Robots",
-                RecordTable(
+                parts.RecordTable(
                     (*varied, *TRIAL),
                     "trials",
                     "One row for each robot.",
                     wide=[why] if failed else (),
                     more="robots",
-                    level=Level.CARD,
+                    level=parts.Level.CARD,
                 ),
             ),
         ),
@@ -345,7 +330,7 @@ _TIME_STEP: Schema = (
     Quantity("forces_off", "percent", read="off", form=".2f"),
     Quantity("jumps", "percent", "jumps", form=".1f"),
 )
-_DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
+_DEVIATION = base.Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
 
 
 # What is reported of a walk at several time steps.
@@ -355,12 +340,12 @@ CONVERGENCE: Schema = (
 )
 
 
-def convergence_account(found: Convergence, about: About) -> Account:
+def convergence_account(found: Convergence, about: About) -> parts.Account:
     """What is reported of a walk at several time steps."""
     rows = found.rows
-    steps = ", ".join(number(to_unit(row.time_step, "ms")) for row in rows)
+    steps = ", ".join(base.number(base.to_unit(row.time_step, "ms")) for row in rows)
     advance = [row.advance for row in rows]
-    return Account(
+    return parts.Account(
         found,
         kind="convergence/1",
         schema=CONVERGENCE,
@@ -370,19 +355,19 @@ def convergence_account(found: Convergence, about: About) -> Account:
         "the weight",
         packages=("mujoco",),
         sections=(
-            Section(
+            parts.Section(
                 "Time steps",
-                RecordTable(
+                parts.RecordTable(
                     (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4]),
                     "time_steps",
                     most=None,
                     more="time steps",
-                    level=Level.CARD,
+                    level=parts.Level.CARD,
                 ),
             ),
-            Section(
+            parts.Section(
                 "Definitions",
-                Text(
+                parts.Text(
                     "Force deviation: root mean square over samples of the ground reaction "
                     "forces against those at the smallest time step. Jumps: fraction of the "
                     "steps in which a ground reaction force changes by more than a fifth."

@@ -7,19 +7,9 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Notes,
-    Picture,
-    RecordTable,
-    Replay,
-    Row,
-    Section,
-    Warned,
-)
 from stepwell.accounts.robot import (
     FEET,
     PARAMETERS,
@@ -30,19 +20,7 @@ from stepwell.accounts.robot import (
     turn_words,
 )
 from stepwell.accounts.words import simulation_assumptions
-from stepwell.base import (
-    Column,
-    Quantity,
-    Schema,
-    amount,
-    counted,
-    number,
-    quantities,
-    read_off,
-    record,
-    rows_of,
-    to_unit,
-)
+from stepwell.base import Quantity, Schema
 from stepwell.files import digest, dumps
 
 if TYPE_CHECKING:
@@ -51,7 +29,7 @@ if TYPE_CHECKING:
 
 
 _SETTINGS: Schema = (
-    *quantities(time_step="ms", contact_time="ms"),
+    *base.quantities(time_step="ms", contact_time="ms"),
     Quantity("integrator", read=lambda settings: str(settings.integrator)),
     Quantity("linkage", read=lambda settings: str(settings.linkage)),
 )
@@ -60,11 +38,11 @@ WALKED: Schema = (
     Quantity("title", read="robot.title"),
     Quantity("cycles", holds=int),
     Quantity("period", "s", read="robot.drive.period"),
-    *quantities(duration="s", distance="mm", work="mJ"),
+    *base.quantities(duration="s", distance="mm", work="mJ"),
     Quantity("weight", "N", read="robot.weight"),
-    *quantities(cost_of_transport=float, stopped=str),
+    *base.quantities(cost_of_transport=float, stopped=str),
     Quantity("simulation", holds=_SETTINGS, read="settings"),
-    *read_off((PARAMETERS,), "robot"),
+    *base.read_off((PARAMETERS,), "robot"),
 )
 _CYCLES: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form="z.3f", holds=[float]),
@@ -73,13 +51,13 @@ _CYCLES: Schema = (
 )
 _LEG: Schema = (
     Quantity("name", head="leg"),
-    *quantities(gaits=[str], predicted_gait=str | None, slip="mm"),
+    *base.quantities(gaits=[str], predicted_gait=str | None, slip="mm"),
     FEET,
 )
 
 
-def _legs(walk: Walk) -> Sequence[Row]:
-    return rows_of(
+def _legs(walk: Walk) -> Sequence[parts.Row]:
+    return base.rows_of(
         {
             "name": walk.gaits,
             "gaits": walk.gaits.values(),
@@ -111,43 +89,55 @@ WALK: Schema = (
 )
 
 
-def walk_account(walk: Walk, about: About) -> Account:
+def walk_account(walk: Walk, about: About) -> parts.Account:
     """What is reported of a walk."""
     robot, mean = walk.robot, _mean(walk)
     title = robot.title or "A walk"
-    cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
+    cycles = f"{base.counted(walk.cycles, 'cycle')} of {base.amount(robot.drive.period, 's')}"
     after = " after the first" if walk.cycles > 1 else ""
-    return Account(
+    return parts.Account(
         walk,
         kind="walk/1",
         schema=WALK,
         title=title,
         origin="Simulated on a flat floor." if walk.arena is None else simulated_in(walk.arena),
-        answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",
+        answer=f"Walked {base.amount(walk.distance, 'm')} in {cycles}",
         packages=("mujoco",),
         facts=(
-            Fact("Duration", amount(walk.duration, "s")),
-            Fact("Advance per cycle", f"d/u_max {mean.advance:z.3f}{after}" * bool(walk.cycles)),
-            Fact("Turn per cycle", f"{turn_words(mean.turn)}{after}" * bool(walk.cycles)),
-            Fact("u_max", amount(robot.u_max, "m"), Level.TERMINAL),
-            Fact("Work per cycle", amount(mean.work, "J") * bool(walk.cycles), Level.TERMINAL),
+            parts.Fact("Duration", base.amount(walk.duration, "s")),
+            parts.Fact(
+                "Advance per cycle", f"d/u_max {mean.advance:z.3f}{after}" * bool(walk.cycles)
+            ),
+            parts.Fact("Turn per cycle", f"{turn_words(mean.turn)}{after}" * bool(walk.cycles)),
+            parts.Fact("u_max", base.amount(robot.u_max, "m"), parts.Level.TERMINAL),
+            parts.Fact(
+                "Work per cycle",
+                base.amount(mean.work, "J") * bool(walk.cycles),
+                parts.Level.TERMINAL,
+            ),
             transport(walk),
-            Fact("Comparison with statics", lambda: walk.comparison.text, Level.TERMINAL),
-            Fact("Foot depth", lambda: depth_words(robot, walk.comparison.depths), Level.TERMINAL),
+            parts.Fact(
+                "Comparison with statics", lambda: walk.comparison.text, parts.Level.TERMINAL
+            ),
+            parts.Fact(
+                "Foot depth",
+                lambda: depth_words(robot, walk.comparison.depths),
+                parts.Level.TERMINAL,
+            ),
             assumed(robot),
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", Replay(title)),
-            Section(
+            parts.Section("Motion", parts.Replay(title)),
+            parts.Section(
                 "Path, gait and contacts",
-                Picture("trajectory", "Path from above, and advance and turn of each cycle"),
-                Picture("gait", "Travels and states of the cells of every leg"),
-                Picture("contacts", "Contacts, actuator force and work"),
+                parts.Picture("trajectory", "Path from above, and advance and turn of each cycle"),
+                parts.Picture("gait", "Travels and states of the cells of every leg"),
+                parts.Picture("contacts", "Contacts, actuator force and work"),
             ),
-            Section(
+            parts.Section(
                 "Gaits",
-                RecordTable(
+                parts.RecordTable(
                     (_LEG[0], *_GAITS),
                     "legs",
                     "The states of the cells in a cycle, and how far the foot slips.",
@@ -156,18 +146,20 @@ def walk_account(walk: Walk, about: About) -> Account:
                     pick=_gaits,
                 ),
             ),
-            Section(
+            parts.Section(
                 "Cycles",
-                RecordTable(
+                parts.RecordTable(
                     (_CYCLE, *_CYCLES),
                     lambda: _cycles(walk),
                     "d/u_max is the advance over the largest step of the legs.",
                     more="cycles",
-                    level=Level.CARD,
+                    level=parts.Level.CARD,
                 ),
             ),
             parameter_section(robot),
-            Section("Assumptions", Notes(simulation_assumptions(walk), Level.PAGE)),
+            parts.Section(
+                "Assumptions", parts.Notes(simulation_assumptions(walk), parts.Level.PAGE)
+            ),
         ),
         hints=(SOURCES,),
     )
@@ -178,20 +170,20 @@ def simulated_in(arena: Arena) -> str:
     return f"Simulated in the arena: {arena.title or 'without a name'}."
 
 
-def transport(walk: Walk, level: Level = Level.CARD) -> Fact:
+def transport(walk: Walk, level: parts.Level = parts.Level.CARD) -> parts.Fact:
     """The cost of transport; none of a robot that got nowhere."""
     cost = walk.cost_of_transport
-    known = f"{number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
-    return Fact("Cost of transport", known, level)
+    known = f"{base.number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
+    return parts.Fact("Cost of transport", known, level)
 
 
-def stopped_early(walk: Walk) -> Warned:
+def stopped_early(walk: Walk) -> parts.Warned:
     """The warning of a run that did not go on to its end."""
     stopped = [walk.stopped] if walk.stopped else []
-    return Warned("Stopped early", "The simulation ended before its time.", stopped)
+    return parts.Warned("Stopped early", "The simulation ended before its time.", stopped)
 
 
-_CYCLE = Column("cycle", lambda row: str(row["cycle"]), True)
+_CYCLE = base.Column("cycle", lambda row: str(row["cycle"]), True)
 _GAITS = (
     Quantity("cycles", head="cycles"),
     Quantity("states", head="states"),
@@ -199,14 +191,14 @@ _GAITS = (
 )
 
 
-def _cycles(walk: Walk) -> list[Row]:
-    rows = rows_of(record(_CYCLES, walk))
+def _cycles(walk: Walk) -> list[parts.Row]:
+    rows = base.rows_of(base.record(_CYCLES, walk))
     return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
 
 
-def _gaits(legs: Sequence[Row]) -> list[Row]:
+def _gaits(legs: Sequence[parts.Row]) -> list[parts.Row]:
     """Equal gaits that follow each other in one row: their cycles from 1, and the gait."""
-    found: list[Row] = []
+    found: list[parts.Row] = []
     for leg in legs:
         first = 1
         for gait, same in groupby(leg["gaits"]):
@@ -217,7 +209,7 @@ def _gaits(legs: Sequence[Row]) -> list[Row]:
     return found
 
 
-_ANTENNA: Schema = quantities(name=str, leg=str, connected=bool)
+_ANTENNA: Schema = base.quantities(name=str, leg=str, connected=bool)
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
     Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
@@ -247,75 +239,81 @@ def _hash(arena: Arena) -> str | None:
 # What is reported of a way through an arena.
 MAZE: Schema = (
     Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
-    *quantities(start_seed=int | None, layout_seed=int | None),
-    *read_off(WALKED, "walk"),
+    *base.quantities(start_seed=int | None, layout_seed=int | None),
+    *base.read_off(WALKED, "walk"),
     Quantity("arena", read="arena.title"),
     Quantity("start", "mm", read="arena.start", holds=[float]),
     Quantity("heading", "deg", read="arena.heading"),
     Quantity("end", "mm", holds=[float], missing=True),
-    *quantities(outcome=str, limit="s"),
+    *base.quantities(outcome=str, limit="s"),
     Quantity("antennas", read="walk.robot.antennas", holds=[_ANTENNA]),
     Quantity("touched", read=lambda maze: maze.touched.items(), holds=[_TOUCHED]),
-    *quantities(contacts=[_CONTACT], changes=[_CHANGE]),
+    *base.quantities(contacts=[_CONTACT], changes=[_CHANGE]),
 )
 
 
-def maze_account(maze: Maze, about: About) -> Account:
+def maze_account(maze: Maze, about: About) -> parts.Account:
     """What is reported of a way through an arena."""
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
     title = robot.title or "A robot in an arena"
     touched = sum(time is not None for time in maze.touched.values())
     # With its lever off, an antenna moves no anchor.
     legs = {one.name: one.leg for one in robot.antennas if one.connected}
-    leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
+    leg = base.Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
 
-    return Account(
+    return parts.Account(
         maze,
         kind="maze/1",
         schema=MAZE,
         title=title,
         origin=simulated_in(arena),
-        answer=f"{maze.outcome} after {amount(maze.duration, 's')}",
+        answer=f"{maze.outcome} after {base.amount(maze.duration, 's')}",
         packages=("mujoco",),
         given={name: about.seeds.get(name) for name in ("start_seed", "layout_seed")},
         facts=(
-            Fact("Arena", arena.title, Level.TERMINAL),
-            Fact("Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)),
-            Fact("Antennas", _antennas(robot), Level.TERMINAL),
-            Fact("Distance", amount(walk.distance, "m"), Level.TERMINAL),
-            Fact("Cycles", str(walk.cycles), Level.TERMINAL),
-            Fact("End position", _end_words(maze), Level.TERMINAL),
-            transport(walk, Level.TERMINAL),
+            parts.Fact("Arena", arena.title, parts.Level.TERMINAL),
+            parts.Fact(
+                "Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)
+            ),
+            parts.Fact("Antennas", _antennas(robot), parts.Level.TERMINAL),
+            parts.Fact("Distance", base.amount(walk.distance, "m"), parts.Level.TERMINAL),
+            parts.Fact("Cycles", str(walk.cycles), parts.Level.TERMINAL),
+            parts.Fact("End position", _end_words(maze), parts.Level.TERMINAL),
+            transport(walk, parts.Level.TERMINAL),
             assumed(robot),
         ),
         warnings=(stopped_early(walk),),
         sections=(
-            Section("Motion", Replay(title)),
-            Section(
+            parts.Section("Motion", parts.Replay(title)),
+            parts.Section(
                 "Path",
-                Picture("maze", "Path from above"),
-                Picture("timeline", "Antennas, gaits and obstacles over time"),
+                parts.Picture("maze", "Path from above"),
+                parts.Picture("timeline", "Antennas, gaits and obstacles over time"),
             ),
-            Section(
+            parts.Section(
                 "Obstacles",
-                RecordTable(_TOUCHED, "touched", "When each was first touched.", most=None),
+                parts.RecordTable(_TOUCHED, "touched", "When each was first touched.", most=None),
             ),
-            Section(
+            parts.Section(
                 "Antenna contacts",
-                RecordTable((*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."),
+                parts.RecordTable(
+                    (*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."
+                ),
             ),
-            Section(
+            parts.Section(
                 "Gait changes",
-                RecordTable(
+                parts.RecordTable(
                     _CHANGE,
                     "changes",
                     "From which cycle on a leg has another gait.",
                     more="changes of gait",
-                    level=Level.CARD,
+                    level=parts.Level.CARD,
                 ),
             ),
             parameter_section(robot),
-            Section("Assumptions", Notes(simulation_assumptions(walk), Level.PAGE)),
+            parts.Section(
+                "Assumptions", parts.Notes(simulation_assumptions(walk), parts.Level.PAGE)
+            ),
         ),
         hints=(SOURCES,),
     )
@@ -330,5 +328,5 @@ def _antennas(robot: Robot) -> str:
 def _end_words(maze: Maze) -> str:
     if maze.end is None:
         return ""
-    x, y = (number(to_unit(one, "mm")) for one in maze.end)
+    x, y = (base.number(base.to_unit(one, "mm")) for one in maze.end)
     return f"({x}, {y}) mm"

@@ -6,18 +6,8 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from stepwell.accounts import parts
 from stepwell.accounts.head import CALIBRATED, About, Shape
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Part,
-    Picture,
-    RecordTable,
-    Section,
-    Text,
-    Warned,
-)
 from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, quantities, record
 from stepwell.mechanism import Chain
@@ -81,12 +71,12 @@ def sample_words(found: Yield | Survival) -> str:
     return f"{found.samples} samples with {tolerance_words(found.tolerances, found.chain)}"
 
 
-def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
+def counted_facts(found: Yield | Survival) -> tuple[parts.Fact, ...]:
     """The facts that yields and survivals share."""
     return (
-        Fact("Yield", yield_words(found)),
-        Fact("Successes", f"{found.successes} of {found.samples}", Level.PAGE),
-        Fact("Samples", sample_words(found)),
+        parts.Fact("Yield", yield_words(found)),
+        parts.Fact("Successes", f"{found.successes} of {found.samples}", parts.Level.PAGE),
+        parts.Fact("Samples", sample_words(found)),
     )
 
 
@@ -157,11 +147,11 @@ def _parts(found: Yield) -> list[tuple[str, float, float]] | None:
     return [*zip(table.parameters, table.first_order, table.total, strict=True)]
 
 
-def yield_account(found: Yield, about: About) -> Account:
+def yield_account(found: Yield, about: About) -> parts.Account:
     """What is reported of a yield."""
     chain = found.chain
     target = "target sequence" if found.states is None else "target states and no others"
-    return Account(
+    return parts.Account(
         value=found,
         kind="yield/2",
         schema=yield_schema(Shape.of(chain)),
@@ -169,35 +159,37 @@ def yield_account(found: Yield, about: About) -> Account:
         origin=f"{cells_of(chain)}.",
         answer=f"{percent(found.share)} of the samples reproduce the {target}",
         seed=found.seed,
-        facts=(Fact("Target", found.target), *counted_facts(found), critical_fact(found)),
+        facts=(parts.Fact("Target", found.target), *counted_facts(found), critical_fact(found)),
         warnings=(advised(found),),
         sections=(
-            Section(
+            parts.Section(
                 "Outcomes of the samples",
-                Picture("yield", OUTCOMES),
-                Picture("force-plane", FORCE_PLANE),
+                parts.Picture("yield", OUTCOMES),
+                parts.Picture("force-plane", FORCE_PLANE),
                 other_outcomes(found),
             ),
-            Section("Variance of the smallest gap, by part", *_sensitivities(found)),
+            parts.Section("Variance of the smallest gap, by part", *_sensitivities(found)),
             calibration(about),
             assumed(chain, found.assumptions),
         ),
     )
 
 
-def critical_fact(found: Yield) -> Fact:
+def critical_fact(found: Yield) -> parts.Fact:
     """The two cells whose order is reversed first."""
-    return Fact("Critical order", "" if found.critical is None else str(found.critical))
+    return parts.Fact("Critical order", "" if found.critical is None else str(found.critical))
 
 
-def advised(found: Yield) -> Warned:
+def advised(found: Yield) -> parts.Warned:
     """Why no sample reproduces the target, and what to ask for instead."""
-    return Warned("No sample reproduces the target", "", [found.advice] if found.advice else [])
+    return parts.Warned(
+        "No sample reproduces the target", "", [found.advice] if found.advice else []
+    )
 
 
-def other_outcomes(found: Yield) -> RecordTable:
+def other_outcomes(found: Yield) -> parts.RecordTable:
     """What the samples do that do not reproduce the target."""
-    return RecordTable(
+    return parts.RecordTable(
         [
             Column("other outcome", itemgetter("outcome")),
             Column("fraction", lambda row: percent(row["count"] / found.samples), True),
@@ -206,15 +198,15 @@ def other_outcomes(found: Yield) -> RecordTable:
         "Outcomes of the samples that do not reproduce the target, most frequent first.",
         most=_MOST_ROWS,
         more="outcomes",
-        level=Level.CARD,
+        level=parts.Level.CARD,
     )
 
 
-def _sensitivities(found: Yield) -> list[Part]:
+def _sensitivities(found: Yield) -> list[parts.Part]:
     rows = sorted(_parts(found) or (), key=itemgetter(2), reverse=True)
     agreed = _of_gap(found, "agreed")
     return [
-        RecordTable(
+        parts.RecordTable(
             _PART,
             lambda: [record(_PART, row) for row in rows],
             "The fraction of the variance of the smallest gap between two switching forces that "
@@ -222,7 +214,7 @@ def _sensitivities(found: Yield) -> list[Part]:
             most=_MOST_ROWS,
             more="parts",
         ),
-        Text(
+        parts.Text(
             ""
             if agreed is None
             else "The sign of the smallest gap agrees with the outcome that the engine computes "
@@ -245,10 +237,10 @@ def survival_schema(shape: Shape) -> Schema:
     )
 
 
-def survival_account(found: Survival, about: About) -> Account:
+def survival_account(found: Survival, about: About) -> parts.Account:
     """What is reported of a survival."""
     chain = found.chain
-    return Account(
+    return parts.Account(
         value=found,
         kind="survival/2",
         schema=survival_schema(Shape.of(chain)),
@@ -257,8 +249,8 @@ def survival_account(found: Survival, about: About) -> Account:
         answer=f"The program ends in {found.target} in {percent(found.share)} of the samples",
         seed=found.seed,
         facts=(
-            Fact("Target", f"{found.start} to {found.target} by the program"),
-            Fact("Turning points", turning_points(found.turning_points, chain)),
+            parts.Fact("Target", f"{found.start} to {found.target} by the program"),
+            parts.Fact("Turning points", turning_points(found.turning_points, chain)),
             *counted_facts(found),
         ),
         sections=(calibration(about), assumed(chain, found.assumptions)),

@@ -8,17 +8,8 @@ import typer
 
 from stepwell.accounts import account
 from stepwell.base import installation
-from stepwell.cli import options as completing
+from stepwell.cli import options as completing, screen
 from stepwell.cli.options import OUTPUT, ForceFile, Json, Output, free_file, grouped, local
-from stepwell.cli.screen import (
-    FAILED,
-    has_display,
-    progress,
-    report,
-    show_lines,
-    show_verbatim,
-    usable,
-)
 
 
 def presets(
@@ -32,7 +23,7 @@ def presets(
     """
     from stepwell import files
 
-    report(account(files.presets()), as_json)
+    screen.report(account(files.presets()), as_json)
 
 
 def new(
@@ -64,7 +55,7 @@ def new(
     free_file(file, force)
     files.write_atomic(file, files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
-    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
+    screen.show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
 @grouped
@@ -91,7 +82,7 @@ def paper(
     import stepwell.paper as claims
 
     output.free("paper")
-    with progress("claims") as tell:
+    with screen.progress("claims") as tell:
         found = claims.run(tell, everything=everything, data=data)
     output.report(account(found), everything=everything)
 
@@ -106,9 +97,9 @@ def validate(as_json: Json = False) -> None:
     """
     import stepwell.paper as claims
 
-    with progress("claims") as tell:
+    with screen.progress("claims") as tell:
         found = claims.validate(tell)
-    report(account(found), as_json)
+    screen.report(account(found), as_json)
 
 
 def schema(
@@ -132,11 +123,11 @@ def schema(
 
     if kind is None:
         names = (schema_of(one)["title"] for one in schema_kinds())
-        show_lines("Results, each with the version of its schema", "", *names)
+        screen.show_lines("Results, each with the version of its schema", "", *names)
         return
-    with usable("RESULT"):
+    with screen.usable("RESULT"):
         found = schema_of(kind)
-    show_verbatim(json.dumps(found, indent=2))
+    screen.show_verbatim(json.dumps(found, indent=2))
 
 
 def doctor(as_json: Json = False) -> None:
@@ -151,9 +142,9 @@ def doctor(as_json: Json = False) -> None:
     found = installation(
         {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
     )
-    report(account(found), as_json)
+    screen.report(account(found), as_json)
     if not found.ok:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(screen.FAILED)
 
 
 # Each opens its room when it is called: what is broken there is reported, and the rest examined.
@@ -176,4 +167,4 @@ def _opengl() -> str | None:
 
 
 def _display() -> str | None:
-    return "yes" if has_display() else None
+    return "yes" if screen.has_display() else None

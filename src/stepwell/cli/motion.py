@@ -9,30 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stepwell.cli import options, screen
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
-from stepwell.cli.options import (
-    OUTPUT,
-    Design,
-    ForceFile,
-    Json,
-    MobilityRatio,
-    Output,
-    Robust,
-    free_file,
-    grouped,
-    local,
-    read_chain,
-)
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
-from stepwell.cli.screen import (
-    answered,
-    progress,
-    report,
-    show_json,
-    show_lines,
-    show_verbatim,
-    usable,
-)
 
 if TYPE_CHECKING:
     from stepwell.base import Floats
@@ -40,8 +19,12 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
-@grouped
-def run(design: Design, mobility_ratio: MobilityRatio = None, output: Output = OUTPUT) -> None:
+@options.grouped
+def run(
+    design: options.Design,
+    mobility_ratio: options.MobilityRatio = None,
+    output: options.Output = options.OUTPUT,
+) -> None:
     """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
     The margin is the smallest change that gives another sequence. Snaps are checked for landings
@@ -54,21 +37,21 @@ def run(design: Design, mobility_ratio: MobilityRatio = None, output: Output = O
     from stepwell.accounts import About, account
     from stepwell.design import Run, margin
 
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("run", design=text)
-    with progress("following") as tell:
+    with screen.progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
-    with usable("--mobility-ratio"), progress("landings"):
+    with screen.usable("--mobility-ratio"), screen.progress("landings"):
         landings = (
             path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
         )
-    with progress("margin") as tell:
+    with screen.progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
     output.report(account(found, About(text, design)))
 
 
 def graph(
-    design: Design,
+    design: options.Design,
     drive: Drive = None,
     start: Annotated[
         str | None,
@@ -85,11 +68,11 @@ def graph(
             metavar="FILE",
             help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
             dir_okay=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = None,
-    force: ForceFile = False,
-    as_json: Json = False,
+    force: options.ForceFile = False,
+    as_json: options.Json = False,
 ) -> None:
     """Compute the transition graph of a chain with one actuator.
 
@@ -103,40 +86,40 @@ def graph(
     from stepwell import reports
     from stepwell.accounts import About, account
 
-    text, chain = read_chain(design)
-    free_file(out, force)
+    text, chain = options.read_chain(design)
+    options.free_file(out, force)
     if out is not None:
-        with usable("--out"):
+        with screen.usable("--out"):
             reports.checked_suffix(out)
-    with usable(design):
+    with screen.usable(design):
         implicit = chain.implicit_graph(drive_of(drive, chain))
     if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
-        with usable(design), progress("graph") as tell:
+        with screen.usable(design), screen.progress("graph") as tell:
             walked = implicit.walked(start, progress=tell)
-        report(account(walked, About(text, design)), as_json)
+        screen.report(account(walked, About(text, design)), as_json)
         return
-    with usable(design), progress("graph") as tell:
+    with screen.usable(design), screen.progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         reported = account(found, About(text, design))
     if out is not None:
-        with usable("--out"):
+        with screen.usable("--out"):
             reports.write_graph(found, out)
     if as_json:
-        show_json(reported.record, *([out] if out else []))
+        screen.show_json(reported.record, *([out] if out else []))
         return
-    report(reported, as_json)
+    screen.report(reported, as_json)
     if out:
-        show_lines("")
-        show_verbatim(f"Wrote {out}")
+        screen.show_lines("")
+        screen.show_verbatim(f"Wrote {out}")
 
 
-@grouped
+@options.grouped
 def program(
-    design: Design,
+    design: options.Design,
     start: From = None,
     target: Target = None,
-    robust: Robust = None,
-    output: Output = OUTPUT,
+    robust: options.Robust = None,
+    output: options.Output = options.OUTPUT,
 ) -> None:
     """Search the fewest turning points from one state to another.
 
@@ -151,7 +134,7 @@ def program(
     from stepwell.accounts import About, account
     from stepwell.sequences import Unreachable
 
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("program")
     try:
         if start or target:
@@ -162,14 +145,16 @@ def program(
         found, output = why, replace(output, out=None)
     reported = account(found, About(text, design))
     output.report(reported)
-    answered(reported.record["does_it"])
+    screen.answered(reported.record["does_it"])
 
 
 def animate(
-    design: Design,
+    design: options.Design,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.", callback=local),
+        typer.Option(
+            "--out", "-o", metavar="FILE.gif", help="The file to write.", callback=options.local
+        ),
     ] = Path("cycle.gif"),
     seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
     fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
@@ -182,7 +167,7 @@ def animate(
     ] = False,
     start: From = None,
     target: Target = None,
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Write a design in motion as a GIF.
 
@@ -192,14 +177,14 @@ def animate(
     """
     from stepwell import figures
 
-    free_file(out, force)
+    options.free_file(out, force)
     result = _motion(design, program, start, target)
     try:
-        with progress("frames") as tell:
+        with screen.progress("frames") as tell:
             figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    show_verbatim(f"Wrote {out}")
+    screen.show_verbatim(f"Wrote {out}")
 
 
 def _motion(design: str, program: bool, start: str | None, target: str | None) -> Cycle | Program:
@@ -233,9 +218,9 @@ _Parameter = Annotated[
 ]
 
 
-@grouped
+@options.grouped
 def map_(
-    design: Design,
+    design: options.Design,
     cell: Annotated[
         str,
         typer.Option(
@@ -247,7 +232,7 @@ def map_(
     y: _Axis = UP,
     across: _Parameter = None,
     up: _Parameter = None,
-    output: Output = OUTPUT,
+    output: options.Output = options.OUTPUT,
 ) -> None:
     """Compute the transition map over an anchor, or over two parameters.
 
@@ -266,9 +251,9 @@ def map_(
         transition_map,
     )
 
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("map")
-    with usable(design):
+    with screen.usable(design):
         if across is None and up is None:
             index = cell_of(chain, cell)
             designs = marks(chain, index)
@@ -287,9 +272,9 @@ def map_(
             nodes = partial(parameter_map, chain, across_axis, up_axis)
             curves = partial(parameter_boundaries, chain, across_axis, up_axis)
             designs = {"this design": (here_across, here_up)}
-        with progress("map") as tell:
+        with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
-        with progress("boundaries") as tell:
+        with screen.progress("boundaries") as tell:
             found = curves(progress=tell)
         reported = account(MapView(dataset, found, designs), About(text, design))
         output.report(reported)

@@ -10,48 +10,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stepwell.base import require
-from stepwell.cli import options as completing
-from stepwell.cli.options import (
-    OUTPUT,
-    Arena,
-    FilmedOutput,
-    Folder,
-    ForceFile,
-    Json,
-    Output,
-    Robot,
-    free_file,
-    grouped,
-    local,
-    read_robot,
-)
+from stepwell.cli import options, options as completing, screen
 from stepwell.cli.ranges import Range, read_range
-from stepwell.cli.screen import (
-    EXIT_CODES,
-    Progress,
-    has_display,
-    progress,
-    report,
-    show_table,
-    show_verbatim,
-    stopped,
-    subcommands,
-    usable,
-)
 
 if TYPE_CHECKING:
     import stepwell.robot as values
     from stepwell.simulation import Sweep
 
 
-commands = subcommands(
+commands = screen.subcommands(
     "Compute a robot's gait by statics, vary its numbers, or check its time step."
 )
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def show(robot: Robot, output: Output = OUTPUT) -> None:
+@commands.command(epilog=screen.EXIT_CODES)
+@options.grouped
+def show(robot: options.Robot, output: options.Output = options.OUTPUT) -> None:
     """List a robot's numbers with their sources, and predict its gait by statics.
 
     The prediction needs no simulation. With --out, drawings from above and the side, the
@@ -61,15 +35,15 @@ def show(robot: Robot, output: Output = OUTPUT) -> None:
     """
     from stepwell.accounts import About, account
 
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("robot show", robot=text)
     output.report(account(design.predict(), About(text, robot)))
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
+@commands.command(epilog=screen.EXIT_CODES)
+@options.grouped
 def sweep(
-    robot: Robot,
+    robot: options.Robot,
     ranges: Annotated[
         list[str],
         typer.Argument(
@@ -89,7 +63,7 @@ def sweep(
     seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
     cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
     *,
-    output: Folder,
+    output: options.Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its numbers, on all cores.
 
@@ -101,25 +75,25 @@ def sweep(
     """
     from stepwell.accounts import About, account
 
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
-    with usable("--out"), progress("robots", kept=kept) as tell:
+    with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
     output.report(account(result, About(text, robot, seeds=seeds)))
     _forget(keep)
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 def converge(
-    robot: Robot,
+    robot: options.Robot,
     cycles: Annotated[
         int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
     ] = 2,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
 
@@ -130,10 +104,10 @@ def converge(
     from stepwell import simulation as physics
     from stepwell.accounts import About, account
 
-    text, design = read_robot(robot)
-    with usable(robot), progress("walking") as tell:
+    text, design = options.read_robot(robot)
+    with screen.usable(robot), screen.progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    report(account(found, About(text, robot)), as_json)
+    screen.report(account(found, About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
@@ -189,7 +163,7 @@ def _swept(
     values: Mapping[str, Sequence[float]],
     cycles: int,
     keep: Path,
-    progress: Progress | None,
+    progress: screen.Progress | None,
 ) -> Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     from stepwell import files, simulation
@@ -221,14 +195,14 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
-@grouped
+@options.grouped
 def walk(
-    robot: Robot,
+    robot: options.Robot,
     cycles: Annotated[
         float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
     ] = 8,
     *,
-    output: FilmedOutput,
+    output: options.FilmedOutput,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
@@ -241,26 +215,28 @@ def walk(
     from stepwell import simulation
     from stepwell.accounts import About, account
 
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("walk", robot=text)
-    with usable(robot), progress("walking") as tell:
+    with screen.usable(robot), screen.progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
     found = account(result, About(text, robot))
     output.report(found)
-    stopped(result.stopped)
+    screen.stopped(result.stopped)
 
 
 def _list(wanted: bool) -> None:
     if wanted:
         from stepwell import files
 
-        show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
+        screen.show_table(
+            "Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1)
+        )
         raise typer.Exit
 
 
-@grouped
+@options.grouped
 def maze(
-    robot: Robot,
+    robot: options.Robot,
     arena: Annotated[
         str,
         typer.Argument(
@@ -284,7 +260,7 @@ def maze(
         bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
     ] = False,
     *,
-    output: FilmedOutput,
+    output: options.FilmedOutput,
     _: Annotated[
         bool,
         typer.Option(
@@ -304,16 +280,16 @@ def maze(
     from stepwell import files, simulation
     from stepwell.accounts import About, account
 
-    text, given = read_robot(robot)
+    text, given = options.read_robot(robot)
     design = _changed(given, disconnect, no_antennas)
     seeds = {"start_seed": start_seed, "layout_seed": layout_seed}
     output.free("maze")
     place = _jittered(files.load_arena(arena), start_seed, layout_seed)
-    with usable(robot), progress("walking") as tell:
+    with screen.usable(robot), screen.progress("walking") as tell:
         result = simulation.maze(design, place, limit=limit, progress=tell)
     found = account(result, About(text if design is given else design, robot, seeds=seeds))
     output.report(found)
-    stopped(result.walk.stopped)
+    screen.stopped(result.walk.stopped)
 
 
 def _changed(robot: values.Robot, disconnect: bool, bare: bool) -> values.Robot:
@@ -333,10 +309,10 @@ def _jittered(arena: values.Arena, start: int | None, layout: int | None) -> val
     from stepwell.robot import other_layout, other_start
 
     if layout is not None:
-        with usable("--layout-seed"):
+        with screen.usable("--layout-seed"):
             arena = other_layout(arena, layout)
     if start is not None:
-        with usable("--start-seed"):
+        with screen.usable("--start-seed"):
             arena = other_start(arena, start)
     return arena
 
@@ -348,7 +324,7 @@ NO_DISPLAY = (
 
 
 def export(
-    robot: Robot,
+    robot: options.Robot,
     out: Annotated[
         Path,
         typer.Option(
@@ -357,11 +333,11 @@ def export(
             metavar="FILE.xml",
             help="The file to write.",
             show_default=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = Path("robot.xml"),
-    arena: Arena = None,
-    force: ForceFile = False,
+    arena: options.Arena = None,
+    force: options.ForceFile = False,
 ) -> None:
     """Export a robot as MJCF, the format of MuJoCo.
 
@@ -372,16 +348,16 @@ def export(
     """
     from stepwell import files, simulation
 
-    free_file(out, force)
-    _, design = read_robot(robot)
+    options.free_file(out, force)
+    _, design = options.read_robot(robot)
     place = files.load_arena(arena) if arena is not None else None
-    with usable(robot):
+    with screen.usable(robot):
         text = simulation.mjcf(design, place)
     files.write_atomic(out, text)
-    show_verbatim(f"Wrote {out}")
+    screen.show_verbatim(f"Wrote {out}")
 
 
-def view(robot: Robot, arena: Arena = None) -> None:
+def view(robot: options.Robot, arena: options.Arena = None) -> None:
     """Simulate a robot in MuJoCo's viewer.
 
     The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
@@ -390,12 +366,12 @@ def view(robot: Robot, arena: Arena = None) -> None:
     """
     from stepwell import files
 
-    _, design = read_robot(robot)
+    _, design = options.read_robot(robot)
     place = files.load_arena(arena) if arena is not None else None
-    if not has_display():
+    if not screen.has_display():
         typer.echo(NO_DISPLAY, err=True)
         raise typer.Exit(1)
-    with usable(robot):
+    with screen.usable(robot):
         _show(design, place)
 
 

@@ -9,33 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli import options as completing
+from stepwell.cli import options, options as completing, screen
 from stepwell.cli.driving import own
-from stepwell.cli.options import (
-    Arena,
-    Design,
-    Force,
-    ForceFile,
-    free,
-    free_file,
-    local,
-    read_design,
-)
-from stepwell.cli.screen import (
-    WRITING,
-    Interrupted,
-    Progress,
-    at_terminal,
-    has_display,
-    progress,
-    show_lines,
-    show_table,
-    show_text,
-    show_title,
-    show_verbatim,
-    usable,
-    warn,
-)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,7 +29,7 @@ _KINDS = ("pdf", "svg", "png")
 
 
 def figure(
-    design: Design,
+    design: options.Design,
     panels: Annotated[
         str | None,
         typer.Option(
@@ -101,7 +76,12 @@ def figure(
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False, callback=local
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="The file to write.",
+            dir_okay=False,
+            callback=options.local,
         ),
     ] = None,
     kind: Annotated[
@@ -112,7 +92,7 @@ def figure(
             help="Of the file, if its name does not say; pdf by default.",
         ),
     ] = None,
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Plot a figure for a paper.
 
@@ -127,12 +107,12 @@ def figure(
     if "help" in (panels, width):
         _list()
         return
-    with usable("--width"):
+    with screen.usable("--width"):
         wide = figures.length(width or _USUAL)
-    with usable("--height"):
+    with screen.usable("--height"):
         high = None if height is None else figures.length(height)
     file = _file(out, kind)
-    free_file(file, force)
+    options.free_file(file, force)
     if design.startswith(_PAPER):
         drawn = _of_the_paper(
             design, {"--panels": panels, "--width": width, "--measured": measured}
@@ -151,10 +131,10 @@ def figure(
         )
     figures.save(drawn, file, dpi=figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
-    show_verbatim(f"Wrote {file}")
-    show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
+    screen.show_verbatim(f"Wrote {file}")
+    screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
     if size[1] > _TALLEST:
-        warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
+        screen.warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
 
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
@@ -164,7 +144,7 @@ def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     for option, value in others.items():
         if value:
             raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
-    with usable("DESIGN"):
+    with screen.usable("DESIGN"):
         return figure_of(name.removeprefix(_PAPER))
 
 
@@ -177,7 +157,7 @@ def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     read = files.loads(text, design).subject
     written = files.loads(text, design).program if not isinstance(read, Robot) else None
     program = None if written is None else own(text, design)
-    with usable("--panels"):
+    with screen.usable("--panels"):
         return reports.figure(read, _rows(panels), program=program, **how)
 
 
@@ -227,10 +207,10 @@ def _list() -> None:
         (name, "robot" if one.of is Robot else "chain", one.shows)
         for name, one in reports.PANELS.items()
     ]
-    show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
+    screen.show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
     widths = [(name, f"{one.width:g}", one.source) for name, one in figures.JOURNAL_WIDTHS.items()]
-    show_lines("")
-    show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
+    screen.show_lines("")
+    screen.show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
 
 
 _CYCLES = 8.0
@@ -245,7 +225,7 @@ def replay(
             autocompletion=completing.designs,
         ),
     ],
-    arena: Arena = None,
+    arena: options.Arena = None,
     cycles: Annotated[
         float | None,
         typer.Option(
@@ -256,9 +236,11 @@ def replay(
     ] = None,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.", callback=local),
+        typer.Option(
+            "--out", "-o", metavar="FILE.html", help="The file to write.", callback=options.local
+        ),
     ] = Path("replay.html"),
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Write a design in motion as one HTML page that plays anywhere.
 
@@ -275,26 +257,26 @@ def replay(
 
     if out.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
-    free_file(out, force)
-    text, found = read_design(design)
+    options.free_file(out, force)
+    text, found = options.read_design(design)
     if isinstance(found, Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
         result = own(text, design) if files.loads(text, design).program else found
-        with progress("margin") as tell:
+        with screen.progress("margin") as tell:
             content = page_of(result, progress=tell)
     else:
-        with usable(design), progress("walking") as tell:
+        with screen.usable(design), screen.progress("walking") as tell:
             run = _run(found, arena, cycles, tell)
-        with usable(design), progress("page"):
+        with screen.usable(design), screen.progress("page"):
             content = page_of(run)
     files.write_atomic(out, content)
-    show_lines(f"Wrote {out}")
+    screen.show_lines(f"Wrote {out}")
 
 
 def _run(
-    robot: values.Robot, arena: str | None, cycles: float | None, tell: Progress | None
+    robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Progress | None
 ) -> Walk | Maze:
     from stepwell import files
 
@@ -320,7 +302,7 @@ def studio(
         int | None,
         typer.Option(
             help="The port on this machine, 0 for any; by default 7473, where the browser finds "
-            "the last design again, or any free one.",
+            "the last design again, or any options.free one.",
             min=0,
             max=65535,
             show_default=False,
@@ -333,7 +315,7 @@ def studio(
             help="Where the page finds and keeps studies; by default a folder of your own data.",
             file_okay=False,
             show_default=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = None,
     demo: Annotated[
@@ -360,14 +342,14 @@ def studio(
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
-        show_verbatim(address)
+        screen.show_verbatim(address)
         if not no_open:
             webbrowser.open(address)
 
     try:
         room.serve(tables, port=port, studies=studies, opened=opened)
     except KeyboardInterrupt:
-        raise Interrupted("The studio has ended; an open page keeps its design.") from None
+        raise screen.Interrupted("The studio has ended; an open page keeps its design.") from None
 
 
 def demo(
@@ -375,12 +357,12 @@ def demo(
         Path,
         typer.Option(
             "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
-            file_okay=False, callback=local),
+            file_okay=False, callback=options.local),
     ] = Path("stepwell-demo"),
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Name the page and open no browser.")
     ] = False,
-    force: Force = False,
+    force: options.Force = False,
 ) -> None:  # fmt: skip
     """Run a seven-step demonstration, and write it as one HTML page.
 
@@ -392,28 +374,28 @@ def demo(
     """
     from stepwell import reports
 
-    free(out, "demo", force)
+    options.free(out, "demo", force)
     left_out = [telling for telling in reports.STEPS if not telling.can_be_told]
-    show_text(reports.OPENING)
+    screen.show_text(reports.OPENING)
     if left_out:
         titles = "; ".join(telling.title for telling in left_out)
-        show_text(
+        screen.show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
     told: list[tuple[reports.Telling, reports.StoryStep]] = []
     for telling in reports.STEPS:
         if telling in left_out:
             continue
-        show_title(f"{len(told) + 1}  {telling.title}")
-        with progress(telling.title) as tell:
+        screen.show_title(f"{len(told) + 1}  {telling.title}")
+        with screen.progress(telling.title) as tell:
             step = telling.make(tell)
         orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
-        show_lines(*step.told, *orders)
+        screen.show_lines(*step.told, *orders)
         told.append((telling, step))
-    with progress(WRITING) as tell:
+    with screen.progress(screen.WRITING) as tell:
         reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
-    show_text("All of it, moving, on one page:")
-    show_verbatim(str(page))
-    if not no_open and has_display() and at_terminal():
+    screen.show_text("All of it, moving, on one page:")
+    screen.show_verbatim(str(page))
+    if not no_open and screen.has_display() and screen.at_terminal():
         webbrowser.open(page.resolve().as_uri())

@@ -14,24 +14,14 @@ import typer
 
 from stepwell.accounts import account
 from stepwell.base import Measure
-from stepwell.cli import tolerances as parts
+from stepwell.cli import screen, tolerances as parts
 from stepwell.cli.options import Design, Folder, Group, Json, grouped, local, read_design
 from stepwell.cli.ranges import read_range
-from stepwell.cli.screen import (
-    EXIT_CODES,
-    FAILED,
-    progress,
-    report as show,
-    show_lines,
-    subcommands,
-    usable,
-    warn,
-)
 
 if TYPE_CHECKING:
     from stepwell.studies import Axis, Designs, Study, StudyEstimate
 
-commands = subcommands("Compute a parameter study on all cores; it can be resumed.")
+commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
 
 _Vary = Annotated[
     list[str] | None,
@@ -211,14 +201,14 @@ class _Drawn(Group):
         chosen = [name for name in ways if getattr(self, name) is not None]
         _refuse_two(chosen, bool(self.vary))
         if self.table is not None:
-            with usable("--table"):
+            with screen.usable("--table"):
                 return studies.read_table(self.table, subject)
         if isinstance(self, _Chosen) and self.built is not None:
             measure = getattr(subject, "measure", Measure.TRAVEL)
-            with usable("--built"):
+            with screen.usable("--built"):
                 return studies.Workshop(self.tolerances(measure), self.built, seed)
         count = self.sobol or self.latin or self.random or 0
-        with usable("--vary"):
+        with screen.usable("--vary"):
             axes = read_axes(self.vary or [], subject, drawn=bool(count))
             return studies.Space(axes, studies.How(chosen[0] if chosen else "grid"), count, seed)
 
@@ -249,20 +239,20 @@ def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
 
         _, subject = read_design(design)
         chosen = designs.of(subject, how.seed)
-        with usable(what):
+        with screen.usable(what):
             given = _given(own, subject)
             study = studies.asked(subject, what, chosen, out, given=given, chunk=how.chunk)
         if how.estimate:
             workers = cores() if how.workers is None else max(how.workers, 1)
             _show_estimate(studies.estimate(study, workers))
             return
-        with usable(design):
+        with screen.usable(design):
             begun = studies.begun(study)
         _resumed(begun, how, how.as_json)
 
     run.__annotations__ |= {"own": own, "designs": _Chosen if chains else _Drawn}
     run.__doc__ = doc
-    commands.command(what, epilog=EXIT_CODES)(grouped(run))
+    commands.command(what, epilog=screen.EXIT_CODES)(grouped(run))
 
 
 _GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
@@ -300,7 +290,7 @@ for _what, _doc in {
     )
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 @grouped
 def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     """Compute what is missing in a store.
@@ -312,7 +302,7 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     _resumed(opened(store), effort, as_json)
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 @grouped
 def extend(
     store: _There,
@@ -326,12 +316,12 @@ def extend(
     """
     from stepwell.studies import extended, opened
 
-    with usable("--count"):
+    with screen.usable("--count"):
         study = extended(opened(store), count)
     _resumed(study, effort, as_json)
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 def cancel(store: _There) -> None:
     """Stop all workers of a study after their current chunk; finished chunks are kept.
 
@@ -340,10 +330,10 @@ def cancel(store: _There) -> None:
     from stepwell.studies import cancel, opened
 
     cancel(opened(store))
-    show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
+    screen.show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 def status(store: _There, as_json: Json = False) -> None:
     """List the progress of a study, and its results so far.
 
@@ -352,12 +342,12 @@ def status(store: _There, as_json: Json = False) -> None:
     from stepwell import studies
 
     found = studies.status(store)
-    show(account(found), as_json)
+    screen.report(account(found), as_json)
     if any(gap.damaged for gap in found.gaps):
-        raise typer.Exit(FAILED)
+        raise typer.Exit(screen.FAILED)
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 def export(
     store: _There,
     out: Annotated[
@@ -403,18 +393,18 @@ def export(
         raise typer.BadParameter(f"{out}: must end in {ends}.", param_hint="--out")
     study = opened(store)
     if best and by:
-        with usable("--by"):
+        with screen.usable("--by"):
             table = study.best(best, by, partial=partial)
         table.to_csv(out, study.subject)
-        show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
+        screen.show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
         return
     write = study.to_parquet if out.suffix == ".parquet" else study.to_csv
     count = write(out, partial=partial)
     of = "" if count == study.count else f" of {study.count}"
-    show_lines(f"Written into {out}: {count}{of} designs.")
+    screen.show_lines(f"Written into {out}: {count}{of} designs.")
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 @grouped
 def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
     """Plot the results of a study on one page, and compute which number decides them.
@@ -444,7 +434,7 @@ def _resumed(study: Study, effort: Effort, as_json: bool) -> None:
             progress=tell,
             problems=kinds.update,
         )
-    show(account(found), as_json)
+    screen.report(account(found), as_json)
 
 
 def _warn_without_gpu() -> None:
@@ -452,7 +442,9 @@ def _warn_without_gpu() -> None:
 
     _, is_gpu = device()
     if not is_gpu:
-        warn("No GPU here: Warp screens on the processor, where --engine cpu is much faster.")
+        screen.warn(
+            "No GPU here: Warp screens on the processor, where --engine cpu is much faster."
+        )
 
 
 def _so_far(kinds: Mapping[str, int]) -> str:
@@ -476,7 +468,7 @@ def _given(options: Group, subject: Any) -> dict[str, Any]:
     from stepwell.studies import function_of
 
     if isinstance(options, _Call):
-        with usable("--function"):
+        with screen.usable("--function"):
             return function_of(options.function, subject)
     own = dict(vars(options))
     if own.get("engine") == "cpu":
@@ -496,7 +488,7 @@ def _show_estimate(found: StudyEstimate) -> None:
     took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
     if minutes > 120:
         took = f"{minutes / 60:.0f} h"
-    show_lines(
+    screen.show_lines(
         f"{found.designs} designs: about {took} on {counted(found.workers, 'core')} "
         f"({to_unit(found.each, 'ms'):.3g} ms each, from {found.sample} of them), and at most "
         f"{found.disk / 1e6:.3g} MB."
@@ -509,9 +501,9 @@ def going_on(store: Path, scheduler: str | None, note: Callable[[], str] = str) 
     from stepwell.studies import dashboard
 
     if scheduler is not None:
-        warn(f"Dask's dashboard: {dashboard(scheduler)}")
+        screen.warn(f"Dask's dashboard: {dashboard(scheduler)}")
     kept = f"what is done stays, and `stepwell sweep resume {store}` goes on"
-    with progress("chunks", kept=kept, note=note) as tell:
+    with screen.progress("chunks", kept=kept, note=note) as tell:
         yield tell
 
 

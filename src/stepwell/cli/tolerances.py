@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import (
-    ONE_BY_ONE,
-    QUICKLY,
-    USUAL_ANCHOR,
-    USUAL_STIFFNESS,
-    Measure,
-    from_unit,
-    to_unit,
-    told_in,
-)
+from stepwell import base
 from stepwell.cli.options import Group
 from stepwell.cli.screen import progress, usable, warn
 
@@ -57,7 +48,7 @@ class Sampling(Group):
         int | None,
         typer.Option(
             metavar="N",
-            help=f"How many mechanisms are made at random; {QUICKLY}, or {ONE_BY_ONE} "
+            help=f"How many mechanisms are made at random; {base.QUICKLY}, or {base.ONE_BY_ONE} "
             "where each is followed by the engine.",
             min=1,
         ),
@@ -77,7 +68,7 @@ class BandTolerances(Group):
             help="Anchor tolerance: radius of a uniform distribution [mm].",
             min=0,
         ),
-    ] = to_unit(USUAL_ANCHOR, "mm")
+    ] = base.to_unit(base.USUAL_ANCHOR, "mm")
     stiffness_tolerance: Annotated[
         float,
         typer.Option(
@@ -87,7 +78,7 @@ class BandTolerances(Group):
             min=0,
             max=24.9,
         ),
-    ] = to_unit(USUAL_STIFFNESS, "percent")
+    ] = base.to_unit(base.USUAL_STIFFNESS, "percent")
     rest_length_tolerance: Annotated[
         float,
         typer.Option(
@@ -101,19 +92,19 @@ class BandTolerances(Group):
     # Options of the groups below.
     lever_tolerance = friction = travel_tolerance = 0.0
 
-    def tolerances(self, measure: Measure = Measure.TRAVEL) -> Tolerances:
+    def tolerances(self, measure: base.Measure = base.Measure.TRAVEL) -> Tolerances:
         """The same in SI; friction is in the unit in which forces of the measure are shown."""
         from stepwell.design import Tolerances
 
-        _, factor = told_in(measure.force_unit)
+        _, factor = base.told_in(measure.force_unit)
         with usable("tolerances"):
             return Tolerances(
-                from_unit(self.anchor, "mm"),
-                from_unit(self.stiffness_tolerance, "percent"),
-                from_unit(self.rest_length_tolerance, "percent"),
-                from_unit(self.lever_tolerance, "mm"),
+                base.from_unit(self.anchor, "mm"),
+                base.from_unit(self.stiffness_tolerance, "percent"),
+                base.from_unit(self.rest_length_tolerance, "percent"),
+                base.from_unit(self.lever_tolerance, "mm"),
                 self.friction / factor,
-                from_unit(self.travel_tolerance, "percent"),
+                base.from_unit(self.travel_tolerance, "percent"),
             )
 
 

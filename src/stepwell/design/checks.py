@@ -10,18 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import (
-    REACH,
-    ByValue,
-    InputError,
-    Measure,
-    amount,
-    bisected,
-    brief,
-    number,
-    percent,
-    to_unit,
-)
+from stepwell import base
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
 from stepwell.design.plane import Method
@@ -67,7 +56,7 @@ def judged(*, does_it: bool, tied: bool, interval: tuple[float, float]) -> Verdi
 STRAIN = 5.0
 # What a hobby servo of 2 kg cm pulls on a horn of 10 mm [N], the air that a hand presses [Pa], and
 # what that servo turns [N m].
-PULLS = {Measure.TRAVEL: 20.0, Measure.VOLUME: 1e5, Measure.ANGLE: 0.2}
+PULLS = {base.Measure.TRAVEL: 20.0, base.Measure.VOLUME: 1e5, base.Measure.ANGLE: 0.2}
 _ANGLES = 91  # at which a band is measured, its ends and the middle included
 _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
@@ -91,7 +80,8 @@ def _oddities(chain: Chain, path: Path) -> Iterator[str]:
     pull = abs(path.peak_force)
     if pull > most:
         yield (
-            f"the actuator needs {amount(pull, unit)}: hobby drives give about {amount(most, unit)}"
+            f"the actuator needs {base.amount(pull, unit)}: "
+            f"hobby drives give about {base.amount(most, unit)}"
         )
     for name, cell in zip(chain.names, chain.cells, strict=True):
         if not isinstance(cell, Cell):
@@ -105,8 +95,8 @@ def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
     longest = _longest(cell, band)
     if band.rest_length > 0 and longest > (1.0 + STRAIN) * band.rest_length:
         yield (
-            f"a band of {name} is stretched to {number(longest / band.rest_length, 3)} times its "
-            f"rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
+            f"a band of {name} is stretched to {base.number(longest / band.rest_length, 3)} times "
+            f"its rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
         )
     for which, place in (("p", band.p), ("q", band.q)):
         box, edge = usual_box(cell.lever, which), _EDGE * cell.lever
@@ -114,8 +104,8 @@ def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
         inside = box.left - edge <= x <= box.right + edge
         if not (inside and box.bottom - edge <= y <= box.top + edge):
             yield (
-                f"anchor {which} of {name} at ({number(to_unit(x, 'mm'))}, "
-                f"{number(to_unit(y, 'mm'))}) mm lies outside the block of a usual build"
+                f"anchor {which} of {name} at ({base.number(base.to_unit(x, 'mm'))}, "
+                f"{base.number(base.to_unit(y, 'mm'))}) mm lies outside the block of a usual build"
             )
 
 
@@ -134,7 +124,7 @@ _GAIN = 0.005  # a smaller one is not worth a measurement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measurement(ByValue):
+class Measurement(base.ByValue):
     """A part that is worth being measured, and made or chosen as drawn.
 
     Attributes:
@@ -155,7 +145,7 @@ class Measurement(ByValue):
     after: float
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
 def measurement(found: Yield | Survival) -> Measurement | None:
@@ -194,7 +184,7 @@ _TRIED = 0.125 * 1.5 ** np.arange(17)
 _HALVINGS = 12
 _WAYS = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
 # Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
-_REACH = {"anchor": REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
+_REACH = {"anchor": base.REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
 
 
 class ProgramChange(Change):
@@ -254,7 +244,7 @@ def killer_of_program(program: Program, tolerances: Tolerances) -> Change | None
 
     for safe, tried in pairwise([0.0, *_TRIED.tolist()]):
         broken = [
-            (bisected(lambda size, way=way: holds(way, size), safe, tried, _HALVINGS)[1], way)
+            (base.bisected(lambda size, way=way: holds(way, size), safe, tried, _HALVINGS)[1], way)
             for way in ways
             if not holds(way, tried)
         ]
@@ -288,7 +278,7 @@ def _size(part: str, tolerances: Tolerances) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Check(ByValue):
+class Check(base.ByValue):
     """One verdict on a design, and what it rests on.
 
     Attributes:
@@ -364,7 +354,7 @@ def check(
     """
     if isinstance(target, Program):
         if target.chain != chain:
-            raise InputError("target: must be a program of this chain, and is one of another.")
+            raise base.InputError("target: must be a program of this chain, and is one of another.")
         return _of_program(target, tolerances, samples, seed, progress)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
@@ -414,7 +404,7 @@ def _told(
 ) -> Check:
     tied = bool(path.degenerate)
     verdict = judged(does_it=does_it, tied=tied, interval=found.interval)
-    low, high = map(percent, found.interval)
+    low, high = map(base.percent, found.interval)
     if not does_it:
         reason = f"the drawing itself does {short(does)}"
     elif verdict is Verdict.WORKS:

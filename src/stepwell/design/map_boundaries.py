@@ -9,19 +9,9 @@ from numpy.typing import ArrayLike
 
 from stepwell.base import Bools, Floats, InputError, Ints
 from stepwell.concave import Simple, end_forces
+from stepwell.design import plane
 from stepwell.design.maps import Axis, Progress, anchor, both, require_places
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcomes, Stability
-from stepwell.design.plane import (
-    RESOLVED,
-    Boundary,
-    BoundaryKind,
-    LevelCurve,
-    Method,
-    curves,
-    parted,
-    searched,
-    smoothed,
-)
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence
 
@@ -30,7 +20,7 @@ _SHORT = 4
 _NAMED = 3
 
 
-def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[BoundaryKind, str]:
+def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[plane.BoundaryKind, str]:
     """The kind of boundary between two sequences of one chain, and what changes across it.
 
     Cells that change places are named; sequences of up to four cells are written out.
@@ -38,18 +28,18 @@ def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[BoundaryK
     first, second = a.orders, b.orders
     both = f"{a} | {b}" if len(names) <= _SHORT else ""
     if first is None or second is None:
-        return BoundaryKind.PATHWAY, both or _parting(a, b)
+        return plane.BoundaryKind.PATHWAY, both or _parting(a, b)
     loading, unloading = (_swapped(first[k], second[k], names) for k in (0, 1))
     if loading == unloading:
         words = f"{loading} change places while loading and unloading"
     else:
         ways = (("loading", loading), ("unloading", unloading))
         words = ", ".join(f"{who} change places while {way}" for way, who in ways if who)
-    kind = BoundaryKind.PATHWAY
+    kind = plane.BoundaryKind.PATHWAY
     if not unloading:
-        kind = BoundaryKind.LOADING_ORDER
+        kind = plane.BoundaryKind.LOADING_ORDER
     elif not loading:
-        kind = BoundaryKind.UNLOADING_ORDER
+        kind = plane.BoundaryKind.UNLOADING_ORDER
     return kind, f"{words}: {both}" if both else words
 
 
@@ -90,7 +80,7 @@ def boundaries(
     y: ArrayLike,
     search: int = 61,
     progress: Progress | None = None,
-) -> tuple[Boundary, ...]:
+) -> tuple[plane.Boundary, ...]:
     """The curves between the regions of a `transition_map`: `parameter_boundaries` of its anchor.
 
     Args:
@@ -111,7 +101,7 @@ def boundaries(
 
 def parameter_boundaries(
     chain: Chain, x: Axis, y: Axis, *, search: int = 61, progress: Progress | None = None
-) -> tuple[Boundary, ...]:
+) -> tuple[plane.Boundary, ...]:
     """The curves between the regions of a map over two parameters.
 
     Where the closed form holds, the sequence changes exactly where two cells' F0 or F1 are equal,
@@ -156,13 +146,17 @@ def parameter_boundaries(
         return values
 
     def boundary(
-        kind: BoundaryKind, t: Floats, changes: str, error: float | None, sides: tuple[str, str]
-    ) -> Boundary:
-        method = Method.SEARCH if error is None else Method.EXACT
-        error = RESOLVED if error is None else error
-        return Boundary(kind, place(t), changes, method, error, names, units, sides)
+        kind: plane.BoundaryKind,
+        t: Floats,
+        changes: str,
+        error: float | None,
+        sides: tuple[str, str],
+    ) -> plane.Boundary:
+        method = plane.Method.SEARCH if error is None else plane.Method.EXACT
+        error = plane.RESOLVED if error is None else error
+        return plane.Boundary(kind, place(t), changes, method, error, names, units, sides)
 
-    found: list[Boundary] = []
+    found: list[plane.Boundary] = []
     grid = _square(search)
     for (a, b), t, error in _orders(outcomes, place, grid, progress):
         kind, changes = _change(outcomes, a, b)
@@ -171,7 +165,7 @@ def parameter_boundaries(
     for cell in outcomes.turned:
         for t, changes, error in _limits(outcomes, cell, place, grid):
             sides = _STATES[1], _STATES[2]
-            found.append(boundary(BoundaryKind.BISTABLE, t, changes, error, sides))
+            found.append(boundary(plane.BoundaryKind.BISTABLE, t, changes, error, sides))
     return tuple(found)
 
 
@@ -197,7 +191,7 @@ def _orders(
     sure = outcomes.closed_form(place(nodes))
     unproved = (sure.sequence == UNSOLVED).reshape(shape)
     label = outcomes.label(place(nodes), progress, sure).astype(np.int64).reshape(shape)
-    pieces = searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
+    pieces = plane.searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
     return found + [(sides, points, None) for sides, points in pieces]
 
 
@@ -238,7 +232,9 @@ def _limits(
         return [(points, states.words[k], error) for k, _, points, error in exact.curves()]
     words = f"{outcomes.chain.names[cell]} has two stable states on one side, one on the other"
     label = states(nodes).reshape(grid.shape[:2])
-    return [(points, words, None) for _, points in searched(ask, grid, label, ignore=IMPOSSIBLE)]
+    return [
+        (points, words, None) for _, points in plane.searched(ask, grid, label, ignore=IMPOSSIBLE)
+    ]
 
 
 class _Exact(Generic[K]):
@@ -260,7 +256,7 @@ class _Exact(Generic[K]):
     ):
         self._measure, self._kinds, self._function = measure, kinds, function
         self._label = label
-        self._levels: list[LevelCurve] = []
+        self._levels: list[plane.LevelCurve] = []
 
     def curves(self) -> list[tuple[K, tuple[int, int], Floats, float]]:
         """Which function, the labels on both sides, points, and how far they are off at most.
@@ -271,18 +267,18 @@ class _Exact(Generic[K]):
         grid = _square(_GRID)
         at = self._measure(grid.reshape(-1, 2))
         for k in self._kinds:
-            level = LevelCurve(lambda t, k=k: self._function(self._measure(t), k))
-            for line in curves(level, grid, self._function(at, k).reshape(_GRID, _GRID)):
-                smooth = smoothed(line, level.project, _SMOOTH)
+            level = plane.LevelCurve(lambda t, k=k: self._function(self._measure(t), k))
+            for line in plane.curves(level, grid, self._function(at, k).reshape(_GRID, _GRID)):
+                smooth = plane.smoothed(line, level.project, _SMOOTH)
 
-                def sides(t: Floats, level: LevelCurve = level) -> Ints:
+                def sides(t: Floats, level: plane.LevelCurve = level) -> Ints:
                     codes, t = self._sides(level, t)
                     # Where a curve before this one runs along with it, there it is told already.
                     for other in self._levels:
                         codes[other.distance(t) < _ASIDE] = -1
                     return codes
 
-                for code, points in parted(smooth, sides, level.project, _CUTS):
+                for code, points in plane.parted(smooth, sides, level.project, _CUTS):
                     if code >= 0 and np.max(np.ptp(points, axis=0)) > _SHORTEST:
                         error = float(np.max(level.distance(points)))
                         found.append((k, (code >> 32, code & 0xFFFFFFFF), points, error))
@@ -293,11 +289,11 @@ class _Exact(Generic[K]):
         """Which of (m, 2) places are on one of these curves."""
         on = np.zeros(len(t), np.bool_)
         for level in self._levels:
-            near = np.flatnonzero(level.distance(t) < 10 * RESOLVED)
+            near = np.flatnonzero(level.distance(t) < 10 * plane.RESOLVED)
             on[near] |= self._sides(level, t[near])[0] >= 0
         return on
 
-    def _sides(self, level: LevelCurve, t: Floats) -> tuple[Ints, Floats]:
+    def _sides(self, level: plane.LevelCurve, t: Floats) -> tuple[Ints, Floats]:
         """The labels on both sides of a level as one number, -1 where they do not differ.
 
         At the points of the level (m, 2) beside t, which come with them.
@@ -322,7 +318,7 @@ def _square(nodes: int) -> Floats:
     return np.stack(np.meshgrid(line, line), axis=-1)
 
 
-def _change(outcomes: Outcomes, a: int, b: int) -> tuple[BoundaryKind, str]:
+def _change(outcomes: Outcomes, a: int, b: int) -> tuple[plane.BoundaryKind, str]:
     if min(a, b) < 0:
-        return BoundaryKind.PATHWAY, f"{outcomes.meaning(a)} | {outcomes.meaning(b)}"
+        return plane.BoundaryKind.PATHWAY, f"{outcomes.meaning(a)} | {outcomes.meaning(b)}"
     return between(outcomes.sequences[a], outcomes.sequences[b], outcomes.chain.names)

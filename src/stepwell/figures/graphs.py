@@ -16,17 +16,9 @@ from matplotlib.patches import FancyBboxPatch, Polygon
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from stepwell.base import InputError, number
+from stepwell.figures import graph_layout
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.marks import plain
-from stepwell.figures.graph_layout import (
-    DOT,
-    FoldedGraph,
-    FoldedTransition,
-    Layout,
-    folded,
-    followed,
-    head,
-)
 from stepwell.mechanism import Cell
 
 if TYPE_CHECKING:
@@ -72,9 +64,9 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
             f"the graph has {count} states: at most {MOST_STATES} can be read in a figure. Export "
             f"it for Graphviz, or pass start= to graph() to see only what is reached from there."
         )
-    strokes = [] if program is None else followed(graph, program)
-    reduced = folded(graph, [stroke[-1] for stroke in strokes])
-    drawing = _Drawing(graph, reduced, Layout(reduced, graph.cells), strokes)
+    strokes = [] if program is None else graph_layout.followed(graph, program)
+    reduced = graph_layout.folded(graph, [stroke[-1] for stroke in strokes])
+    drawing = _Drawing(graph, reduced, graph_layout.Layout(reduced, graph.cells), strokes)
     key = drawing.key(program)
     wide, high = drawing.layout.width, drawing.layout.height
     columns = max(1, int(wide / _ENTRY))
@@ -96,8 +88,10 @@ def small_graph(graph: TransitionGraph, ax: Axes, width: float, height: float) -
     Returns:
         What its marks mean, for a legend.
     """
-    reduced = folded(graph)
-    drawing = _Drawing(graph, reduced, Layout(reduced, graph.cells, (width, height)), ())
+    reduced = graph_layout.folded(graph)
+    drawing = _Drawing(
+        graph, reduced, graph_layout.Layout(reduced, graph.cells, (width, height)), ()
+    )
     drawing.draw(ax)
     return drawing.key()
 
@@ -108,8 +102,8 @@ class _Drawing:
     def __init__(
         self,
         graph: TransitionGraph,
-        reduced: FoldedGraph,
-        layout: Layout,
+        reduced: graph_layout.FoldedGraph,
+        layout: graph_layout.Layout,
         strokes: Sequence[Sequence[str]],
     ):
         self.reduced, self.layout, self.strokes = reduced, layout, strokes
@@ -139,7 +133,7 @@ class _Drawing:
             for pair in pairwise(label for label in stroke if label in shown)
         }
 
-    def _draw_way(self, ax: Axes, way: FoldedTransition) -> None:
+    def _draw_way(self, ax: Axes, way: graph_layout.FoldedTransition) -> None:
         curve = self.layout.curve(way)
         known = way.source in self.reachable
         colour = style.direction_colour(way.direction)
@@ -152,7 +146,7 @@ class _Drawing:
         look = {"color": colour, "linewidth": _BOLD if bold else _THIN, "linestyle": dash}
         look |= {"solid_capstyle": "butt", "dash_capstyle": "butt"}
         ax.plot(*curve.T, **look, zorder=level, gid=gid)
-        tip = head(curve, 1.5 + 0.5 * bold)
+        tip = graph_layout.head(curve, 1.5 + 0.5 * bold)
         ax.add_patch(Polygon(tip, facecolor=colour, linewidth=0, zorder=level + 0.5))
         if way.snaps:
             look = style.hollow(3.2 if bold else 2.6, colour, markeredgewidth=0.9, gid="snaps")
@@ -163,7 +157,15 @@ class _Drawing:
         known = label in self.reachable
         if "-" in label and not self.layout.named:
             colour = style.INK if known else style.FAINT
-            ax.plot(x, y, "o", markersize=2 * DOT / 25.4 * 72, color=colour, zorder=8, gid="half")
+            ax.plot(
+                x,
+                y,
+                "o",
+                markersize=2 * graph_layout.DOT / 25.4 * 72,
+                color=colour,
+                zorder=8,
+                gid="half",
+            )
             return
         name, boxed = self.layout.name(label), "-" not in label
         if boxed:

@@ -14,28 +14,8 @@ from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
-from stepwell.figures.common import sheet
+from stepwell.figures.common import sheet, style
 from stepwell.figures.common.legends import Label, beside
-from stepwell.figures.common.style import (
-    BLACK,
-    BLUE,
-    COLUMN,
-    FAINT,
-    GREEN,
-    INK,
-    LOADING,
-    ORANGE,
-    PAGE,
-    PATHWAY,
-    PURPLE,
-    SKY,
-    UNLOADING,
-    VERMILLION,
-    YELLOW,
-    on_white,
-    pale,
-    styled,
-)
 from stepwell.figures.common.words import literal, sequence_words
 from stepwell.figures.map_parts import PLACES, Key, Row, badge, between, name_regions
 from stepwell.sequences import Pathway
@@ -58,7 +38,16 @@ _NUMBERED = 25.0
 _ALONG = np.array([0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82, 0.1, 0.9])
 # Between the names of a design and of a region [pt].
 _CLEAR = 5.0
-_SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
+_SHADES = (
+    style.ORANGE,
+    style.SKY,
+    style.YELLOW,
+    style.GREEN,
+    style.PURPLE,
+    "#8F8F8F",
+    style.BLUE,
+    style.VERMILLION,
+)
 _PARTS = {
     "p.x": "$p_x$",
     "p.y": "$p_y$",
@@ -74,9 +63,9 @@ _PARTS = {
 }
 # By the kind of boundary: colour and line, as loading and unloading have them everywhere.
 _LINES: dict[str, tuple[str, LineStyleType]] = {
-    "LOADING_ORDER": (LOADING, "-"),
-    "UNLOADING_ORDER": (UNLOADING, (0, (3.2, 1.6))),
-    "BISTABLE": (INK, (0, (3, 1.5))),
+    "LOADING_ORDER": (style.LOADING, "-"),
+    "UNLOADING_ORDER": (style.UNLOADING, (0, (3.2, 1.6))),
+    "BISTABLE": (style.INK, (0, (3, 1.5))),
 }
 _EDGE = "bistable up to here"
 _IN_TWO_LINES = {
@@ -89,7 +78,7 @@ _EMPTY_NAMES = {"impossible": "no mechanism", "unsolved": "no answer"}
 
 
 _PATHWAYS = {pathway.value: pathway for pathway in Pathway}
-_DESIGN: dict[str, Any] = {"markersize": 4.6, "color": BLACK, "zorder": 8, "clip_on": False}
+_DESIGN: dict[str, Any] = {"markersize": 4.6, "color": style.BLACK, "zorder": 8, "clip_on": False}
 _DESIGN |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
 
 
@@ -111,7 +100,7 @@ class _Region(NamedTuple):
     shade: ColorType
 
 
-@styled
+@style.styled
 def transition_map(
     dataset: Dataset,
     boundaries: Iterable[Boundary] = (),
@@ -183,8 +172,8 @@ class _Layout(NamedTuple):
 
 def _lay_out(rows: Sequence[Row], aspect: float) -> _Layout:
     # A long key stands beside the map; a short one, which would leave the page empty, below it.
-    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
-    page = sheet.page_width(PAGE if long else COLUMN)
+    long = Key(rows, style.PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
+    page = sheet.page_width(style.PAGE if long else style.COLUMN)
     if page < sheet.BESIDE:
         side = min(page - 18.0, _WIDEST)
         key = Key(rows, page - 6.0)
@@ -222,7 +211,7 @@ def _draw_designs(
         dots.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
     names = beside(ax, marks, keep_clear=[*taken, *dots])
     for text in names:
-        text.set_bbox(on_white(0.12, 0.8))
+        text.set_bbox(style.on_white(0.12, 0.8))
     clear = _CLEAR * sheet.root(ax).dpi / 72
     return dots + [text.get_window_extent().padded(clear) for text in names]
 
@@ -292,15 +281,15 @@ def _shades(names: Sequence[str], parts: Sequence[Bools]) -> list[ColorType]:
     """A pale colour for each region, no two neighbours with the same one if that can be."""
     from scipy import ndimage
 
-    if all(name in PATHWAY for name in names):
-        return [pale(PATHWAY[name]) for name in names]
+    if all(name in style.PATHWAY for name in names):
+        return [style.pale(style.PATHWAY[name]) for name in names]
     chosen: list[int] = []
     for i, part in enumerate(parts):
         wide = np.asarray(ndimage.binary_dilation(part), bool)
         near = [chosen[j] for j in range(i) if np.any(wide & parts[j])]
         counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
         chosen.append(min(counts)[2])
-    return [pale(_SHADES[k]) for k in chosen]
+    return [style.pale(_SHADES[k]) for k in chosen]
 
 
 def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
@@ -313,7 +302,7 @@ def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
         found.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
     # Limits of bistability come last, and need no number.
     return [
-        _Curves("" if words == _EDGE else str(k), words, _LINES.get(kind, (INK, "-")), points)
+        _Curves("" if words == _EDGE else str(k), words, _LINES.get(kind, (style.INK, "-")), points)
         for k, ((words, kind), points) in enumerate(found.items(), 1)
     ]
 
@@ -403,7 +392,7 @@ def _draw_hatches(ax: Axes, places: tuple[Floats, Floats], monostable: NDArray[n
     if np.any(monostable):
         look = {"colors": "none", "hatches": ["////"]}
         hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
-        hatches.set(edgecolor=FAINT, linewidth=0.0)
+        hatches.set(edgecolor=style.FAINT, linewidth=0.0)
 
 
 def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:

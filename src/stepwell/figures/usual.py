@@ -8,18 +8,12 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError, of_kind
 from stepwell.design import Boundary, Design
+from stepwell.figures import measured
 from stepwell.figures.cells.cell_curves import element_curve, unit_cell_force
 from stepwell.figures.cells.force_plane import force_plane
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.graphs import machines, transition_graph
 from stepwell.figures.maps import transition_map
-from stepwell.figures.measured import (
-    band_laws,
-    calibration,
-    measured_forces,
-    measured_pairs,
-    recording,
-)
 from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
@@ -111,24 +105,28 @@ def _chain(chain: Chain, **options: Any) -> Figure:
 
 
 def _band_test(test: BandTest, **options: Any) -> Figure:
-    return band_laws(test, **{"choice": choose_law(test)} | options)
+    return measured.band_laws(test, **{"choice": choose_law(test)} | options)
 
 
 def _band_fit(found: BandFit, **options: Any) -> Figure:
-    return band_laws(found.test, found.choice, **options)
+    return measured.band_laws(found.test, found.choice, **options)
 
 
 def _comparison(found: Comparison) -> Figure:
-    return measured_forces(found.cells) if found.cells else measured_pairs(found.pairs)
+    return (
+        measured.measured_forces(found.cells)
+        if found.cells
+        else measured.measured_pairs(found.pairs)
+    )
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": machines,
     "BandFit": _band_fit,
     "BandTest": _band_test,
-    "Calibration": calibration,
+    "Calibration": measured.calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),
-    "CellTest": lambda test: measured_forces([test]),
+    "CellTest": lambda test: measured.measured_forces([test]),
     "Chain": _chain,
     "Comparison": _comparison,
     "Cycle": overview,
@@ -138,11 +136,11 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Margin": margins,
     "Maze": maze,
     "MemoryReading": lambda reading, **options: transition_graph(reading.graph, **options),
-    "PairTest": lambda test: measured_pairs([test]),
+    "PairTest": lambda test: measured.measured_pairs([test]),
     "Path": force_stroke,
     "Prediction": prediction,
     "Program": stroke_program,
-    "Recording": recording,
+    "Recording": measured.recording,
     "Robot": robot_drawing,
     "Sweep": sweep,
     "TransitionGraph": transition_graph,

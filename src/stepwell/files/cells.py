@@ -8,24 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
+from stepwell import mechanism
 from stepwell.base import Floats, InputError, Measure, StepwellError, told_in
 from stepwell.files.schema import chain as chain_schema, elements as element_schema
 from stepwell.files.schema.keys import field_of, fields, key_of, si, slip_text, written
 from stepwell.files.text import Written, array, inline, lines, parsed, value_text
-from stepwell.mechanism import (
-    LIBRARY,
-    Band,
-    Cell,
-    Chain,
-    Cubic,
-    Element,
-    Load,
-    Sheet,
-    Slip,
-    SlipError,
-    Table,
-    value,
-)
 
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
 _NEAR = 1e-9
@@ -33,7 +20,7 @@ _NEAR = 1e-9
 _BESIDE = 1e-6
 
 
-def element_of(keys: element_schema.ElementKeys) -> Element:
+def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
     """The element that a table describes.
 
     Raises:
@@ -51,22 +38,22 @@ def element_of(keys: element_schema.ElementKeys) -> Element:
         if form == "table":
             options["noise"] = _of_measure(keys, "noise", given.measure)
         make = {
-            "table": Element.from_table,
-            "points": Element.from_points,
-            "curve": Element.from_curve,
+            "table": mechanism.Element.from_table,
+            "points": mechanism.Element.from_points,
+            "curve": mechanism.Element.from_curve,
         }
         element = make[form](x, y, **options)
     elif form in element_schema.LibraryKeys.model_fields:
-        element = LIBRARY[form.replace("_", "-")].make(**fields(given))
+        element = mechanism.LIBRARY[form.replace("_", "-")].make(**fields(given))
     elif form == "sheets":
-        element = Element(_sheets(given), stops, measure=given[0].measure)
+        element = mechanism.Element(_sheets(given), stops, measure=given[0].measure)
         _refuse_lost(element)
     else:
-        element = Element.side_by_side([element_of(part) for part in given])
+        element = mechanism.Element.side_by_side([element_of(part) for part in given])
     return with_options(element, keys)
 
 
-def with_options(element: Element, keys: element_schema.ElementKeys) -> Element:
+def with_options(element: mechanism.Element, keys: element_schema.ElementKeys) -> mechanism.Element:
     """An element with what the table says beside its curve."""
     measure = element.measure
     options: dict[str, Any] = {"name": keys.name}
@@ -95,11 +82,11 @@ def _of_measure(keys: element_schema.ElementKeys, word: str, measure: Measure) -
     return None if number is None else si(right, number)
 
 
-def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
+def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.Sheet, ...]:
     measure = tables[0].measure
     if any(one.measure is not measure for one in tables):
         raise InputError("sheets: all must be of one kind of travel.")
-    found: list[Sheet] = []
+    found: list[mechanism.Sheet] = []
     for k, one in enumerate(tables):
         joints = np.array([float(x) for x in getattr(one, element_schema.JOINTS[measure])])
         cubics = np.array([[float(c) for c in row] for row in one.cubics_SI])
@@ -107,7 +94,7 @@ def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
         rows.setflags(write=False)
         _refuse_gaps(rows, joints, f"sheets[{k}].cubics_SI")
         below, above = (None if n is None else n - 1 for n in (one.below, one.above))
-        sheet = Sheet(rows, float(joints[-1]), below, above)
+        sheet = mechanism.Sheet(rows, float(joints[-1]), below, above)
         _refuse_turns(sheet, joints, f"sheets[{k}].cubics_SI")
         found.append(sheet)
     return tuple(found)
@@ -134,9 +121,9 @@ def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
             )
 
 
-def _refuse_turns(sheet: Sheet, joints: Floats, where: str) -> None:
+def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
     """Raise ValueError where force or stiffness turn within a cubic: the engine needs it cut."""
-    cut = Sheet.of(sheet.rows, sheet.end).rows[:, 0]
+    cut = mechanism.Sheet.of(sheet.rows, sheet.end).rows[:, 0]
     # A cut may come out a little beside the joint where it was made.
     after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
     off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
@@ -148,7 +135,7 @@ def _refuse_turns(sheet: Sheet, joints: Floats, where: str) -> None:
         )
 
 
-def _refuse_lost(element: Element) -> None:
+def _refuse_lost(element: mechanism.Element) -> None:
     """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
     unit, factor = told_in(element.measure.travel_unit)
     for k, sheet in enumerate(element.sheets):
@@ -167,12 +154,12 @@ def _refuse_lost(element: Element) -> None:
                 )
 
 
-def element_lines(element: Element) -> list[str]:
+def element_lines(element: mechanism.Element) -> list[str]:
     """The keys of a [[chain.cell]] table, without its name."""
     return lines(_written(element))
 
 
-def _written(element: Element) -> Written:
+def _written(element: mechanism.Element) -> Written:
     """A table or points where they give this very element again, else its cubics."""
     options = _options(element)
     wanted = element.renamed("")
@@ -188,7 +175,7 @@ def _written(element: Element) -> Written:
     return keys
 
 
-def _options(element: Element) -> Written:
+def _options(element: mechanism.Element) -> Written:
     low, high = element.stopped
     keys: Written = {}
     if low or high:
@@ -202,7 +189,7 @@ def _options(element: Element) -> Written:
     return keys
 
 
-def _as_columns(element: Element) -> Iterator[Written]:
+def _as_columns(element: mechanism.Element) -> Iterator[Written]:
     """Tables and points that may give the element's curve; the roundest numbers first."""
     sheet, *others = element.sheets
     if others or element.error_band:
@@ -215,7 +202,7 @@ def _as_columns(element: Element) -> Iterator[Written]:
     for form, chosen in (("points", every), ("table", new), ("table", every)):
         if bent is (form == "table"):
             x = np.append(rows[chosen, 0], sheet.end)
-            y = np.append(rows[chosen, 1], value(rows, np.array(sheet.end)))
+            y = np.append(rows[chosen, 1], mechanism.value(rows, np.array(sheet.end)))
             # The last force is computed: with fewer digits it may be the one that was given.
             largest = math.floor(math.log10(element.largest_force / element.force_scale))
             for digits in (12, 14, 15, 16, 17):
@@ -230,7 +217,7 @@ def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
     }
 
 
-def _sheet(sheet: Sheet, measure: Measure) -> Written:
+def _sheet(sheet: mechanism.Sheet, measure: Measure) -> Written:
     key = element_schema.JOINTS[measure]
     keys = {
         key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
@@ -242,7 +229,7 @@ def _sheet(sheet: Sheet, measure: Measure) -> Written:
     return keys
 
 
-def _reads_as(keys: Written, wanted: Element) -> bool:
+def _reads_as(keys: Written, wanted: mechanism.Element) -> bool:
     try:
         tables = parsed("\n".join(lines(keys)), "", "")
         return element_of(element_schema.ElementKeys.model_validate(tables)) == wanted
@@ -266,7 +253,7 @@ class Shared(NamedTuple):
 
 def cells_of(
     tables: Sequence[chain_schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
-) -> tuple[Cell | Element, ...]:
+) -> tuple[mechanism.Cell | mechanism.Element, ...]:
     """The cells of a list; `problems` gets a line for all that is wrong with each."""
     cells = [
         (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
@@ -275,13 +262,15 @@ def cells_of(
     return tuple(cell for cell in cells if cell)
 
 
-def chain_of(cells: Sequence[Cell | Element], keys: chain_schema.ChainKeys, title: str) -> Chain:
+def chain_of(
+    cells: Sequence[mechanism.Cell | mechanism.Element], keys: chain_schema.ChainKeys, title: str
+) -> mechanism.Chain:
     """The chain of these cells, with its actuator.
 
     Raises:
         ValueError: cells that are no chain, or an actuator in the units of another one.
     """
-    rigid = Chain(cells, title=title)
+    rigid = mechanism.Chain(cells, title=title)
     right = chain_schema.ACTUATORS[rigid.measure]
     for key in chain_schema.ACTUATORS.values():
         stiffness = getattr(keys, key)
@@ -291,12 +280,12 @@ def chain_of(cells: Sequence[Cell | Element], keys: chain_schema.ChainKeys, titl
                 f"{rigid.measure.force}, so it must be {right}."
             )
     stiffness = getattr(keys, right)
-    return rigid if stiffness is None else Chain(cells, si(right, stiffness), title)
+    return rigid if stiffness is None else mechanism.Chain(cells, si(right, stiffness), title)
 
 
 def _element(
     shared: Shared, keys: chain_schema.OneCellKeys, where: str, problems: list[str]
-) -> Element | None:
+) -> mechanism.Element | None:
     before = len(problems)
     inside = getattr(keys, "inside", None)
     cells = () if inside is None else cells_of(inside, shared, f"{where}.inside", problems)
@@ -305,7 +294,7 @@ def _element(
     try:
         if inside is None:
             return element_of(keys)
-        return with_options(Element.from_chain(Chain(cells)), keys)
+        return with_options(mechanism.Element.from_chain(mechanism.Chain(cells)), keys)
     except StepwellError as error:
         problems += [f"{where}: {line}" for line in str(error).split("\n")]
         return None
@@ -313,7 +302,7 @@ def _element(
 
 def _cell(
     shared: Shared, keys: chain_schema.OneCellKeys, where: str, problems: list[str]
-) -> Cell | None:
+) -> mechanism.Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
@@ -327,11 +316,11 @@ def _cell(
     values = shared.cell | fields(keys, left_out=["p_mm", "q_mm", "band", "bands", "load_N"])
     try:
         if keys.load_N is not None:
-            values["load"] = Load.constant(float(keys.load_N))
+            values["load"] = mechanism.Load.constant(float(keys.load_N))
         elif keys.load_mm_N is not None:
-            values["load"] = Load(*zip(*values["load"], strict=True))
-        return Cell(tuple(map(_band, tables)), **values)
-    except SlipError as error:
+            values["load"] = mechanism.Load(*zip(*values["load"], strict=True))
+        return mechanism.Cell(tuple(map(_band, tables)), **values)
+    except mechanism.SlipError as error:
         for slip in error.slips:
             band = None if slip.band is None else tables[slip.band]
             at = f"{where}.bands[{slip.band}]" if keys.bands and band else where
@@ -342,7 +331,7 @@ def _cell(
         return None
 
 
-def _key(slip: Slip, cell: chain_schema.OneCellKeys, band: dict[str, Any] | None) -> str:
+def _key(slip: mechanism.Slip, cell: chain_schema.OneCellKeys, band: dict[str, Any] | None) -> str:
     """The key of a cell, or of its band, that holds a size."""
     if slip.name.startswith("load."):
         constant = slip.name == "load.force" and cell.load_N is not None
@@ -373,15 +362,17 @@ def merged(
     return band
 
 
-def _band(keys: dict[str, Any]) -> Band:
+def _band(keys: dict[str, Any]) -> mechanism.Band:
     values = {field_of(key): si(key, value) for key, value in keys.items()}
     table, shape = values.pop("table", ()), values.pop("shape", ())
     cubic = values.pop("a2", None), values.pop("a3", None)
     if shape:
-        values["law"] = Table(*zip(*shape, strict=True))
+        values["law"] = mechanism.Table(*zip(*shape, strict=True))
     elif cubic != (None, None):
-        values["law"] = Cubic(*(number or 0.0 for number in cubic))
+        values["law"] = mechanism.Cubic(*(number or 0.0 for number in cubic))
     elif table:
-        measured = Band.from_table(values["p"], values["q"], 0.0, *zip(*table, strict=True))
+        measured = mechanism.Band.from_table(
+            values["p"], values["q"], 0.0, *zip(*table, strict=True)
+        )
         values |= {"law": measured.law, "stiffness": measured.stiffness}
-    return Band(**values)
+    return mechanism.Band(**values)

@@ -9,7 +9,7 @@ from typing import Any, get_args
 from stepwell.base import Measure
 from stepwell.files.cells import merged
 from stepwell.files.schema import chain as schema, elements
-from stepwell.files.schema.keys import ENDS, Within, field_of, unit_of, written
+from stepwell.files.schema.keys import ENDS, Keys, Within, field_of, unit_of, written
 from stepwell.mechanism import LIBRARY, Band, Cell, Element
 
 Table = Mapping[str, Any]
@@ -124,7 +124,7 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
     yield from _keys(path, elements.ElementKeys, numbers)
 
 
-def _keys(path: Path, table: type[schema.Keys], defaults: Table) -> Iterator[KnownKey]:
+def _keys(path: Path, table: type[Keys], defaults: Table) -> Iterator[KnownKey]:
     """The keys of a table of which a default is known."""
     for key, field in table.model_fields.items():
         if key not in defaults:

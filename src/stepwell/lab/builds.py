@@ -7,25 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import (
-    Bools,
-    ByValue,
-    Floats,
-    InputError,
-    Ints,
-    StepwellError,
-    Vec2,
-    brief,
-    percent,
-    to_unit,
-)
+from stepwell import base
 from stepwell.design import Draws, Parameter, parameters
 from stepwell.lab.recordings.curve import from_zero
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle
 
-WAYS: tuple[Vec2, ...] = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+WAYS: tuple[base.Vec2, ...] = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 _COUNTS = {1: "one hole", 2: "two holes", 3: "three holes"}
 
 
@@ -56,7 +45,7 @@ class Holes:
         """The share of wrong holes among those drawn: of all cells about one."""
         return 1.0 / (1.0 + len(self.anchors))
 
-    def shifts(self, even: Floats) -> Floats:
+    def shifts(self, even: base.Floats) -> base.Floats:
         """(cells, 2) by how much q of each cell is off [m], for numbers (cells,) from 0 to 1."""
         found = np.zeros((len(even), 2))
         wrong = even < self._drawn
@@ -64,7 +53,7 @@ class Holes:
         found[wrong] = self.apart * np.array(WAYS)[way]
         return found
 
-    def price(self, even: Floats) -> float:
+    def price(self, even: base.Floats) -> float:
         """By how much less likely these holes are than they are drawn: minus the logarithm."""
         off = 2.0 * self.chance  # of two anchors either
         wrong = int(np.sum(even < self._drawn))
@@ -72,7 +61,7 @@ class Holes:
         dear = math.log(self._drawn / off) if wrong else 0.0
         return wrong * dear + right * math.log((1.0 - self._drawn) / (1.0 - off))
 
-    def moved(self, chain: Chain, shifts: Floats) -> Chain:
+    def moved(self, chain: Chain, shifts: base.Floats) -> Chain:
         """A chain with its anchors in other holes."""
         for anchor, (dx, dy) in zip(self.anchors, shifts.tolist(), strict=True):
             if dx or dy:
@@ -81,7 +70,7 @@ class Holes:
 
 
 @dataclass(frozen=True, eq=False)
-class WrongHole(ByValue):
+class WrongHole(base.ByValue):
     """An anchor that may be one hole off.
 
     Attributes:
@@ -91,15 +80,15 @@ class WrongHole(ByValue):
     """
 
     anchor: Parameter
-    was: Vec2
-    to: Vec2
+    was: base.Vec2
+    to: base.Vec2
     share: float
 
     def __str__(self):
         return f"{named(self.anchor)} is {way_in_words(self.was, self.to, 1)}"
 
     def __repr__(self):
-        return f"WrongHole({self}: {percent(self.share)})"
+        return f"WrongHole({self}: {base.percent(self.share)})"
 
 
 def outer_anchors(chain: Chain) -> tuple[Parameter, ...]:
@@ -107,7 +96,7 @@ def outer_anchors(chain: Chain) -> tuple[Parameter, ...]:
     return tuple(one for one in parameters(chain) if one.part == "q")
 
 
-def place_of(anchor: Parameter, chain: Chain) -> Vec2:
+def place_of(anchor: Parameter, chain: Chain) -> base.Vec2:
     """Where the first band has an anchor [m]."""
     x, y = np.asarray(anchor.value(chain), float).tolist()
     return x, y
@@ -119,7 +108,7 @@ def named(anchor: Parameter) -> str:
     return f"{part} of {cell}"
 
 
-def way_in_words(was: Vec2, to: Vec2, holes: int) -> str:
+def way_in_words(was: base.Vec2, to: base.Vec2, holes: int) -> str:
     """How far from one place to another, in holes; along x q goes outwards, away from its block."""
     dx, dy = to[0] - was[0], to[1] - was[1]
     if abs(dx) > abs(dy):
@@ -150,7 +139,7 @@ class Pull(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Observed(ByValue):
+class Observed(base.ByValue):
     """What a build did when it was pulled out and let back once.
 
     Args:
@@ -174,13 +163,13 @@ class Observed(ByValue):
 
     def __post_init__(self):
         if self.sequence is None and self.out is None and self.back is None and not self.pulls:
-            raise InputError(
+            raise base.InputError(
                 "nothing was seen: give the states, strokes of snaps, or forces on the way."
             )
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name in ("ruler", "scale") and not 0 < value < math.inf:
-                raise InputError(f"{field.name} = {value}: must be > 0, as doubts are.")
+                raise base.InputError(f"{field.name} = {value}: must be > 0, as doubts are.")
 
     @property
     def numbers(self) -> int:
@@ -209,10 +198,10 @@ class Observed(ByValue):
         return total
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
-def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> Floats:
+def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
     """Forces of the model [N] where some were read."""
     stroke, force = cycle.path.stroke, cycle.path.force
     top = int(np.argmax(stroke))
@@ -235,9 +224,9 @@ def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
     if not _REACH * full <= reached <= (1.0 + _REACH) * full:
         raise LabError(
             recording.source,
-            f"its stroke is {to_unit(reached, 'mm'):.4g} mm and that of the design "
-            f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design was "
-            "tested.",
+            f"its stroke is {base.to_unit(reached, 'mm'):.4g} mm and that of the design "
+            f"{base.to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this "
+            "design was tested.",
         )
     edges = np.linspace(0.0, full, _PLACES + 1)
     found: list[Pull] = []
@@ -277,10 +266,10 @@ class Population:
     """
 
     built: list[Chain]
-    misfits: Floats
-    shifts: Floats
+    misfits: base.Floats
+    shifts: base.Floats
     before: list[Chain]
-    weights: Floats
+    weights: base.Floats
     share: float
     few: bool
 
@@ -363,7 +352,7 @@ class _Crowd:
         self.made: list[_Tried] = []
         self.far = 1.0  # of a step, over the spread of the builds
 
-    def tried(self, row: Floats) -> _Tried:
+    def tried(self, row: base.Floats) -> _Tried:
         """The build of one row, and how badly it fits what was seen."""
         self.tell()
         parts, holes = self.draws.columns, self.holes
@@ -373,16 +362,16 @@ class _Crowd:
             if holes.columns:
                 chain = holes.moved(chain, holes.shifts(row[parts:]))
             return _Tried(chain, self.observed.misfit(chain.cycle()), price)
-        except StepwellError:
+        except base.StepwellError:
             return _Tried(None, math.inf, price)
 
-    def shifts(self) -> Floats:
+    def shifts(self) -> base.Floats:
         """Where wrong holes have moved the anchors of each build (n, anchors, 2) [m]."""
         if not self.holes.columns:
             return np.zeros((len(self.even), len(self.holes.anchors), 2))
         return np.array([self.holes.shifts(row[self.draws.columns :]) for row in self.even])
 
-    def begin(self, n: int) -> Bools:
+    def begin(self, n: int) -> base.Bools:
         """Draw until enough fit; which of all fit."""
         fits = np.zeros(0, bool)
         for _ in range(_ROUNDS):
@@ -394,7 +383,7 @@ class _Crowd:
                 break
         return fits
 
-    def take(self, places: Ints) -> None:
+    def take(self, places: base.Ints) -> None:
         """Go on with the builds at these places; one may be there several times."""
         self.even, self.made = self.even[places], [self.made[k] for k in places]
 
@@ -413,7 +402,7 @@ class _Crowd:
                     taken += 1
             self.far = min(max(self.far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
 
-    def neighbours(self, spread: Floats) -> Floats:
+    def neighbours(self, spread: base.Floats) -> base.Floats:
         """A place near each build; some anchors hook into another hole."""
         n, columns = len(self.even), self.holes.columns
         step = self.far * spread * self.random.standard_normal(self.even.shape)
@@ -426,7 +415,7 @@ class _Crowd:
         return there
 
 
-def _more(misfits: Floats, most: float) -> float:
+def _more(misfits: base.Floats, most: float) -> float:
     """By how much more what was seen may count for half of them to stay."""
 
     def kept(more: float) -> float:
@@ -442,7 +431,7 @@ def _more(misfits: Floats, most: float) -> float:
     return max(low, 1e-6)
 
 
-def _chosen(weights: Floats, random: np.random.Generator) -> Ints:
+def _chosen(weights: base.Floats, random: np.random.Generator) -> base.Ints:
     """As many of each as its weight says, by even steps from a random start."""
     n = len(weights)
     steps = (np.arange(n) + random.random()) / n
@@ -450,7 +439,7 @@ def _chosen(weights: Floats, random: np.random.Generator) -> Ints:
     return np.minimum(places, n - 1)
 
 
-def _within(even: Floats) -> Floats:
+def _within(even: base.Floats) -> base.Floats:
     """Numbers brought back between 0 and 1 as by mirrors there."""
     folded = np.mod(even, 2.0)
     return np.where(folded > 1.0, 2.0 - folded, folded)

@@ -9,30 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, need
+from stepwell.lab import fit_model, fit_samples
 from stepwell.lab.bands.halves import student
 from stepwell.lab.comparison import TIED, correlations
-from stepwell.lab.fit_model import (
-    LAWS,
-    Model,
-    SnapPrediction,
-    force,
-    late,
-    law_of,
-    number,
-    numbers_of,
-    order_of,
-    rows,
-    snap_of,
-)
-from stepwell.lab.fit_samples import (
-    Prepared,
-    Sample,
-    Weighing,
-    compliance,
-    geometry_of,
-    rubber_name,
-    weigh,
-)
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
@@ -106,15 +85,15 @@ class Calibration(ByValue, Drawn):
 
     law: str
     parameters: tuple[FittedParameter, ...]
-    samples: tuple[Sample, ...] = field(repr=False)
+    samples: tuple[fit_samples.Sample, ...] = field(repr=False)
     fit_error: Floats = field(repr=False)
     left_out_error: Floats = field(repr=False)
     correlations: Floats = field(repr=False)
     reference: float
     shape: Law = field(repr=False)
-    weighing: Weighing | None = None
+    weighing: fit_samples.Weighing | None = None
     compliance: float = math.nan
-    snaps: tuple[SnapPrediction, ...] = field(repr=False, default=())
+    snaps: tuple[fit_model.SnapPrediction, ...] = field(repr=False, default=())
     pairs: tuple[PairTest, ...] = field(repr=False, default=())
     notes: tuple[str, ...] = field(repr=False, default=())
 
@@ -163,7 +142,7 @@ class Calibration(ByValue, Drawn):
 
         The loss on the way back is not in it: a band of a mechanism has one law.
         """
-        k = self[rubber_name(bands, in_pair)].value
+        k = self[fit_samples.rubber_name(bands, in_pair)].value
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
     def applied(self, chain: Chain, bands: int | None = None) -> Chain:
@@ -223,13 +202,13 @@ class Calibration(ByValue, Drawn):
         return bands * float(band.tension(band.length(0.0, lever)))
 
     @property
-    def _model(self) -> Model:
+    def _model(self) -> fit_model.Model:
         given = 0.0 if math.isnan(self.compliance) else self.compliance
-        return Model(self.values, self.shape, self.weighing, given)
+        return fit_model.Model(self.values, self.shape, self.weighing, given)
 
-    def force(self, sample: Sample) -> Floats:
+    def force(self, sample: fit_samples.Sample) -> Floats:
         """F of the model [N] along a sample."""
-        return force(self.values, rows([sample], self._model.given), self.shape)
+        return fit_model.force(self.values, fit_model.rows([sample], self._model.given), self.shape)
 
     def snap_error(self, name: str = "left_out") -> float:
         """Mean distance of the snaps that were seen and predicted [m]; NaN for none.
@@ -255,7 +234,7 @@ class Calibration(ByValue, Drawn):
         model = self._model
         found: list[float] = []
         for sample in self.samples:
-            told = force(self.values, rows([sample], model.given), self.shape)
+            told = fit_model.force(self.values, fit_model.rows([sample], model.given), self.shape)
             found.append(float(told @ sample.force) / float(told @ told))
         return float(np.std(found, ddof=1)) if len(found) >= _FEW else math.nan
 
@@ -328,7 +307,7 @@ class Calibration(ByValue, Drawn):
 
 
 def calibrate(
-    data: Prepared,
+    data: fit_samples.Prepared,
     law: str | None = None,
     *,
     reference: float = 28.5,
@@ -363,7 +342,7 @@ def calibrate(
     Source: delete-one-group jackknife, Quenouille 1956, Tukey 1958.
     """
     samples = data.samples
-    known = [*LAWS, *data.tables]
+    known = [*fit_model.LAWS, *data.tables]
     if law is not None and law not in known:
         raise LabError("law", f"{law!r}: must be one of {', '.join(known)}.")
     folds = sorted({sample.fold for sample in samples})
@@ -373,7 +352,7 @@ def calibrate(
             f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    given = compliance(data.pairs)
+    given = fit_samples.compliance(data.pairs)
     laws = known if law is None else [law]
     done, total = 0, len(laws) * len(folds)
     found: list[_Fit] = []
@@ -387,7 +366,7 @@ def calibrate(
         found.append(fit)
     best = min(found, key=lambda one: float(np.mean(one.errors[1])))
     fitted, left_out = best.errors
-    weighing = weigh(data.pairs)
+    weighing = fit_samples.weigh(data.pairs)
     return Calibration(
         best.law,
         best.parameters(),
@@ -409,11 +388,16 @@ class _Fit:
     """The fit of one law to everything, and to everything but one geometry."""
 
     def __init__(
-        self, data: Prepared, law: str, folds: list[Geometry], given: float, reference: float
+        self,
+        data: fit_samples.Prepared,
+        law: str,
+        folds: list[Geometry],
+        given: float,
+        reference: float,
     ):
         self.data, self.law, self.given, self.reference = data, law, given, reference
-        self.names = numbers_of(data.samples, law)
-        self.rows = rows(data.samples, given)
+        self.names = fit_model.numbers_of(data.samples, law)
+        self.rows = fit_model.rows(data.samples, given)
         self.fold = np.concatenate([np.full(len(s.way), folds.index(s.fold)) for s in data.samples])
         self.folds, self.left = folds, {}
         self.whole, self.jacobian = self._fitted(np.ones(len(self.fold), bool), None)
@@ -424,16 +408,16 @@ class _Fit:
 
     def shape(self, numbers: Floats) -> Law:
         """The law of a band with some of the fitted numbers."""
-        return law_of(self.law, self._named(numbers), self.data.tables)
+        return fit_model.law_of(self.law, self._named(numbers), self.data.tables)
 
     @cached_property
     def errors(self) -> tuple[Floats, Floats]:
         """RMSE of each sample in k r, fitted and left out."""
-        whole = force(self._named(self.whole), self.rows, self.shape(self.whole))
+        whole = fit_model.force(self._named(self.whole), self.rows, self.shape(self.whole))
         out = np.zeros(len(whole))
         for k, fold in enumerate(self.folds):
             mine, numbers = self.fold == k, self.left[fold]
-            out[mine] = force(self._named(numbers), self.rows, self.shape(numbers))[mine]
+            out[mine] = fit_model.force(self._named(numbers), self.rows, self.shape(numbers))[mine]
         ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
 
         def rmse(model: Floats) -> Floats:
@@ -452,21 +436,23 @@ class _Fit:
         scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
         wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
         return tuple(
-            FittedParameter(name, number(name).unit, *map(float, row))
+            FittedParameter(name, fit_model.number(name).unit, *map(float, row))
             for name, *row in zip(
                 self.names, self.whole, self.whole - wide, self.whole + wide, strict=True
             )
         )
 
-    def predict(self, test: PairTest, weighing: Weighing | None) -> SnapPrediction:
+    def predict(
+        self, test: PairTest, weighing: fit_samples.Weighing | None
+    ) -> fit_model.SnapPrediction:
         """Snaps and order of a pair, from all curves and from those of the other geometries."""
         series = test.series
-        fold = geometry_of(series.chain.levers[-1])
+        fold = fit_samples.geometry_of(series.chain.levers[-1])
         each = {name: self._snap(test, numbers, weighing) for name, numbers in self.left.items()}
-        fitted, _ = snap_of(
+        fitted, _ = fit_model.snap_of(
             *self._asked(test, self.whole, weighing), self._missed(test, self.whole, True)
         )
-        left_out, steep = snap_of(
+        left_out, steep = fit_model.snap_of(
             *self._asked(test, self.left[fold], weighing),
             self._missed(test, self.left[fold], False),
         )
@@ -482,8 +468,8 @@ class _Fit:
         measured, spread, count = test.snap_strokes
         scatter = 0.0 if math.isnan(spread) else spread**2 / count
         plain = test.snaps_predicted[0] if test.snaps_predicted else math.nan
-        order = order_of(*self._asked(test, self.left[fold], weighing))
-        return SnapPrediction(
+        order = fit_model.order_of(*self._asked(test, self.left[fold], weighing))
+        return fit_model.SnapPrediction(
             series.name,
             fold,
             measured,
@@ -512,9 +498,11 @@ class _Fit:
         as many bands in the same direction.
         """
         series, found = test.series, [[] for _ in test.series.chain.cells]
-        gaps = self.rows.force - force(self._named(numbers), self.rows, self.shape(numbers))
+        gaps = self.rows.force - fit_model.force(
+            self._named(numbers), self.rows, self.shape(numbers)
+        )
         ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
-        fold = geometry_of(series.chain.levers[-1])
+        fold = fit_samples.geometry_of(series.chain.levers[-1])
         for sample, gap in zip(self.data.samples, np.split(gaps, ends), strict=True):
             alike = sample.in_pair and (sample.bands, sample.unloading) == (
                 series.bands,
@@ -526,17 +514,17 @@ class _Fit:
         return [float(np.mean(one)) if one else 0.0 for one in found]
 
     def _snap(
-        self, test: PairTest, numbers: Floats, weighing: Weighing | None
+        self, test: PairTest, numbers: Floats, weighing: fit_samples.Weighing | None
     ) -> tuple[float, float]:
-        return snap_of(*self._asked(test, numbers, weighing))
+        return fit_model.snap_of(*self._asked(test, numbers, weighing))
 
     def _asked(
-        self, test: PairTest, numbers: Floats, weighing: Weighing | None
-    ) -> tuple[Model, PairTest, float]:
+        self, test: PairTest, numbers: Floats, weighing: fit_samples.Weighing | None
+    ) -> tuple[fit_model.Model, PairTest, float]:
         values = self._named(numbers)
-        model = Model(values, self.shape(numbers), weighing, self.given)
+        model = fit_model.Model(values, self.shape(numbers), weighing, self.given)
         bands = test.series.bands
-        return model, test, bands * values[rubber_name(bands, in_pair=True)]
+        return model, test, bands * values[fit_samples.rubber_name(bands, in_pair=True)]
 
     def _named(self, numbers: Floats) -> dict[str, float]:
         return dict(zip(self.names, numbers.tolist(), strict=True))
@@ -545,15 +533,15 @@ class _Fit:
         """Values of the numbers, and the Jacobian by their typical sizes."""
         from scipy.optimize import least_squares
 
-        limits = np.array([number(name)[1:] for name in self.names])
+        limits = np.array([fit_model.number(name)[1:] for name in self.names])
         first, low, high, size = limits.T
         data = self.rows.where(use)
 
         def residual(x: Floats) -> Floats:
             # Per band, so that double bands do not count double.
             values = self._named(x)
-            gaps = (force(values, data, self.shape(x)) - data.force) / data.bands
-            return np.concatenate([gaps, _HANDOVER * late(values, data)])
+            gaps = (fit_model.force(values, data, self.shape(x)) - data.force) / data.bands
+            return np.concatenate([gaps, _HANDOVER * fit_model.late(values, data)])
 
         inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
         found = least_squares(

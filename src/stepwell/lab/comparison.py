@@ -7,18 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    Floats,
-    Quantity,
-    Schema,
-    __version__,
-    brief,
-    need,
-    record,
-    write_csv,
-)
+from stepwell import base
 from stepwell.lab.cell_test import CellTest, cell_test
 from stepwell.lab.pair_test import PairTest, pair_tests
 from stepwell.lab.recordings.curve import rms
@@ -32,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(ByValue, Drawn):
+class Comparison(base.ByValue, base.Drawn):
     """What a batch of recordings shows.
 
     Attributes:
@@ -59,7 +48,7 @@ class Comparison(ByValue, Drawn):
 
     def to_xarray(self) -> "xr.Dataset":
         """Measured and model force over "row", a row for every stroke of every series."""
-        need("tables")
+        base.need("tables")
         import xarray as xr
 
         series, (stroke, force, model, inside) = self._columns()
@@ -72,7 +61,7 @@ class Comparison(ByValue, Drawn):
                 "judged": ("row", inside, {"long_name": "whether it counts"}),
             },
             {"series": [test.series.name for test in self.tests]},
-            {"source": f"stepwell {__version__}, lab.compare"},
+            {"source": f"stepwell {base.__version__}, lab.compare"},
         )
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
@@ -80,13 +69,13 @@ class Comparison(ByValue, Drawn):
         series, (stroke, force, model, inside) = self._columns()
         names = [test.series.name for test in self.tests]
         columns = [
-            (Quantity("series"), [names[number] for number in series]),
-            (Quantity("stroke", "mm"), stroke),
-            (Quantity("measured", "N"), force),
-            (Quantity("model", "N"), model),
-            (Quantity("judged"), inside.astype(int)),
+            (base.Quantity("series"), [names[number] for number in series]),
+            (base.Quantity("stroke", "mm"), stroke),
+            (base.Quantity("measured", "N"), force),
+            (base.Quantity("model", "N"), model),
+            (base.Quantity("judged"), inside.astype(int)),
         ]
-        write_csv(file, columns, 6)
+        base.write_csv(file, columns, 6)
 
     def _columns(self) -> tuple[Any, list[Any]]:
         """A row for every stroke of every series: the number of its series, and `_rows`."""
@@ -147,7 +136,7 @@ _LOW, _HIGH, _SIZE = (0.1, 0.0), (1e4, 0.1), (10.0, 0.005)
 
 
 @dataclass(frozen=True, eq=False)
-class Refit(ByValue):
+class Refit(base.ByValue):
     """The two numbers of a design's bands that bring its force nearest to its recordings.
 
     Attributes:
@@ -173,19 +162,19 @@ class Refit(ByValue):
 
     def record(self) -> dict[str, Any]:
         """As JSON can hold it."""
-        return record(_REFIT, self)
+        return base.record(_REFIT, self)
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
-_REFIT: Schema = (
-    Quantity("stiffness", "N/m"),
-    Quantity("rest_length", "mm"),
-    Quantity("rms_before", "N", read="before"),
-    Quantity("rms_after", "N", read="after"),
-    Quantity("correlation"),
-    Quantity("not_told_apart", read="tied"),
+_REFIT: base.Schema = (
+    base.Quantity("stiffness", "N/m"),
+    base.Quantity("rest_length", "mm"),
+    base.Quantity("rms_before", "N", read="before"),
+    base.Quantity("rms_after", "N", read="after"),
+    base.Quantity("correlation"),
+    base.Quantity("not_told_apart", read="tied"),
 )
 
 
@@ -194,8 +183,8 @@ class _Points:
     """What is fitted of one series."""
 
     unloading: bool
-    stroke: Floats
-    force: Floats
+    stroke: base.Floats
+    force: base.Floats
 
 
 def refit(comparison: Comparison) -> Refit:
@@ -229,7 +218,7 @@ def refit(comparison: Comparison) -> Refit:
         )
     points = [_points(test) for test in comparison.tests]
 
-    def gap(x: Floats) -> Floats:
+    def gap(x: base.Floats) -> base.Floats:
         model = _with_bands(chain, float(x[0]), float(x[1]))
         return np.concatenate(
             [predicted_force(model, p.unloading, p.stroke) - p.force for p in points]
@@ -278,7 +267,7 @@ def _with_bands(chain: Chain, stiffness: float, rest_length: float) -> Chain:
     )
 
 
-def correlations(jacobian: Floats) -> Floats:
+def correlations(jacobian: base.Floats) -> base.Floats:
     """(m, m) correlations of fitted numbers, from the Jacobian (n, m) of the residuals."""
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))

@@ -10,19 +10,7 @@ import numpy as np
 
 from stepwell.base import ByValue, InputError, StepwellError, Vec2, check, number, percent, to_unit
 from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
-from stepwell.lab.builds import (
-    STEPS,
-    WAYS,
-    Holes,
-    Observed,
-    Population,
-    WrongHole,
-    named,
-    outer_anchors,
-    place_of,
-    population,
-    way_in_words,
-)
+from stepwell.lab import builds
 from stepwell.lab.recordings.recording import LabError
 from stepwell.mechanism import Chain
 
@@ -55,8 +43,8 @@ class AnchorMove(ByValue):
 
     def __str__(self):
         dx, dy = (number(to_unit(b - a, "mm")) for a, b in zip(self.was, self.to, strict=True))
-        words = way_in_words(self.was, self.to, self.holes)
-        return f"{named(self.anchor)} {words}, by ({dx}, {dy}) mm"
+        words = builds.way_in_words(self.was, self.to, self.holes)
+        return f"{builds.named(self.anchor)} {words}, by ({dx}, {dy}) mm"
 
     def __repr__(self):
         return f"AnchorMove({self})"
@@ -158,16 +146,16 @@ def best_moves(
 
 def moves_of(chain: Chain) -> int:
     """How many moves of one anchor and of two there are to be tried."""
-    steps = len(WAYS) * len(outer_anchors(chain))
+    steps = len(builds.WAYS) * len(builds.outer_anchors(chain))
     paired = min(steps, _PAIRED)
     return MOST_HOLES * steps + paired * (paired - 1) // 2
 
 
 def _steps(drawing: Chain, hole: float, holes: int) -> list[AnchorMove]:
     found: list[AnchorMove] = []
-    for anchor in outer_anchors(drawing):
-        was = place_of(anchor, drawing)
-        for x, y in WAYS:
+    for anchor in builds.outer_anchors(drawing):
+        was = builds.place_of(anchor, drawing)
+        for x, y in builds.WAYS:
             to = was[0] + holes * hole * x, was[1] + holes * hole * y
             found.append(AnchorMove(anchor, was, to, holes))
     return found
@@ -275,7 +263,7 @@ class AsBuilt(ByValue):
     """
 
     drawing: Chain = field(repr=False)
-    seen: Observed
+    seen: builds.Observed
     target: str
     tolerances: Tolerances
     wider: float
@@ -288,7 +276,7 @@ class AsBuilt(ByValue):
     moves: tuple[Move, ...]
     hole: float
     chance: float = WRONG_HOLE
-    wrong: tuple[WrongHole, ...] = ()
+    wrong: tuple[builds.WrongHole, ...] = ()
 
     @property
     def advice(self) -> str:
@@ -311,7 +299,7 @@ class AsBuilt(ByValue):
 
 def as_built(
     drawing: Chain,
-    seen: Observed,
+    seen: builds.Observed,
     tolerances: Tolerances = FIRST_BUILD,
     *,
     target: str | None = None,
@@ -356,7 +344,7 @@ def as_built(
     sequence = str(drawing.cycle().sequence) if target is None else checked_cycle(target, last)
     if seen.sequence is not None:
         checked_cycle(seen.sequence, last, "seen")
-    done, total = 0, samples * (1 + 4 * STEPS) + moves_of(drawing)
+    done, total = 0, samples * (1 + 4 * builds.STEPS) + moves_of(drawing)
 
     def tell() -> None:
         nonlocal done
@@ -364,15 +352,15 @@ def as_built(
         if progress is not None:
             progress(done, max(done, total))
 
-    holes = Holes(outer_anchors(drawing), hole, wrong_hole)
+    holes = builds.Holes(builds.outer_anchors(drawing), hole, wrong_hole)
     wider = 1.0
     while True:
         given = _wide(tolerances, wider, drawing)
-        found = population(Draws(drawing, given, seed), holes, seen, samples, tell)
+        found = builds.population(Draws(drawing, given, seed), holes, seen, samples, tell)
         if (found is not None and _agrees(found, seen)) or wider >= _MOST_WIDE:
             break
         wider *= 2.0
-        total += samples * (1 + 4 * STEPS)
+        total += samples * (1 + 4 * builds.STEPS)
     if found is None:
         raise LabError(
             "what was seen",
@@ -406,14 +394,14 @@ def as_built(
     )
 
 
-def _agrees(found: Population, seen: Observed) -> bool:
+def _agrees(found: builds.Population, seen: builds.Observed) -> bool:
     """Whether enough builds move as was seen, with strokes and forces within their doubts."""
     if found.few:
         return False
     return float(np.mean(found.misfits)) <= _AGREE * seen.numbers
 
 
-def _misfit(chain: Chain, seen: Observed) -> float:
+def _misfit(chain: Chain, seen: builds.Observed) -> float:
     try:
         return seen.misfit(chain.cycle())
     except StepwellError:
@@ -432,20 +420,22 @@ def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
     return replace(found, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
 
 
-def _wrong(drawing: Chain, holes: Holes, found: Population) -> tuple[WrongHole, ...]:
+def _wrong(
+    drawing: Chain, holes: builds.Holes, found: builds.Population
+) -> tuple[builds.WrongHole, ...]:
     """Anchors in wrong holes among builds that agree, the likeliest first."""
-    wrong: list[WrongHole] = []
+    wrong: list[builds.WrongHole] = []
     for i, anchor in enumerate(holes.anchors):
-        was = place_of(anchor, drawing)
+        was = builds.place_of(anchor, drawing)
         ways, counts = np.unique(found.shifts[:, i], axis=0, return_counts=True)
         for (dx, dy), count in zip(ways.tolist(), counts.tolist(), strict=True):
             if (dx or dy) and count >= _RARE * len(found.shifts):
                 to = was[0] + dx, was[1] + dy
-                wrong.append(WrongHole(anchor, was, to, count / len(found.shifts)))
+                wrong.append(builds.WrongHole(anchor, was, to, count / len(found.shifts)))
     return tuple(sorted(wrong, key=lambda one: -one.share))
 
 
-def _known(drawing: Chain, builds: Population) -> tuple[Known, ...]:
+def _known(drawing: Chain, builds: builds.Population) -> tuple[Known, ...]:
     found: list[Known] = []
     for one in parameters(drawing):
         if one.part not in _PARTS:

@@ -7,25 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism
 from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.fit_samples import Sample, Weighing
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
 from stepwell.lab.series import Geometry
-from stepwell.mechanism import (
-    Band,
-    Cell,
-    Chain,
-    Cubic,
-    Law,
-    Linear,
-    Load,
-    Table,
-    band_force,
-    band_length,
-    length_slope,
-    sine_at,
-)
 from stepwell.statics import EventKind
 
 
@@ -87,12 +74,14 @@ def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
     ]
 
 
-def law_of(law: str, values: Mapping[str, float], tables: Mapping[str, Table]) -> Law:
+def law_of(
+    law: str, values: Mapping[str, float], tables: Mapping[str, mechanism.Table]
+) -> mechanism.Law:
     """The law of a band by its name and its fitted numbers."""
     if law in tables:
         return tables[law]
-    found = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
-    return found if found.a2 or found.a3 else Linear()
+    found = mechanism.Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
+    return found if found.a2 or found.a3 else mechanism.Linear()
 
 
 @dataclass(frozen=True)
@@ -175,7 +164,7 @@ def late(values: Mapping[str, float], data: Rows) -> Floats:
     return way_of_cell(values, data, data.begins)[~np.isnan(data.begins)]
 
 
-def force(values: Mapping[str, float], data: Rows, law: Law) -> Floats:
+def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats:
     """F of every row [N].
 
     While a band gets longer than ever before in the motion its tension is that of the law; once it
@@ -185,23 +174,23 @@ def force(values: Mapping[str, float], data: Rows, law: Law) -> Floats:
     full = 2.0 * data.lever * data.sin_limit
     way = np.clip(way_of_cell(values, data, data.way), 0.0, full)
     travel = np.where(data.direction > 0, way, full - way)
-    sine = sine_at(travel, data.lever, data.sin_limit)
+    sine = mechanism.sine_at(travel, data.lever, data.sin_limit)
     cosine = np.sqrt(1.0 - sine**2)
-    length = band_length(sine, cosine, data.dx, data.dy, data.lever)
-    slope = length_slope(sine, cosine, length, data.dx, data.dy)
+    length = mechanism.band_length(sine, cosine, data.dx, data.dy, data.lever)
+    slope = mechanism.length_slope(sine, cosine, length, data.dx, data.dy)
     # The band is longest where the lever points along d, or where it has come nearest to that.
     limit = np.arcsin(data.sin_limit)
     theta, along = np.arcsin(sine), np.arctan2(data.dy, data.dx)
     low = np.where(data.direction > 0, -limit, theta)
     high = np.where(data.direction > 0, theta, limit)
     nearest = np.clip(along, low, high)
-    longest = band_length(np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever)
+    longest = mechanism.band_length(np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever)
     kept = 1.0 - values["loss"] * (1.0 - np.exp(-(longest - length) / values["loss_length"]))
     k = sum(values[name] * one for name, one in data.rubber.items())
-    band = Band((0.0, 0.0), (1.0, 0.0), 1.0, values["rest_length"], law)
+    band = mechanism.Band((0.0, 0.0), (1.0, 0.0), 1.0, values["rest_length"], law)
     tension = data.bands * k * band.tension(length) * kept
     rubbing = values["friction"] + values.get("joints", 0.0) * tension
-    return band_force(tension, slope) + data.direction * rubbing
+    return mechanism.band_force(tension, slope) + data.direction * rubbing
 
 
 # The force is read before a snap over this stroke [m]; it falls no slower than so [N/m].
@@ -221,7 +210,7 @@ class Model:
     """
 
     values: Mapping[str, float]
-    law: Law
+    law: mechanism.Law
     weighing: Weighing | None
     given: float
 
@@ -243,7 +232,9 @@ class Model:
         """Of the block between two cells [N]; 0 where nothing tells it."""
         return 0.0 if self.weighing is None else self.weighing.weight
 
-    def applied(self, chain: Chain, stiffness: Callable[[Cell], float]) -> Chain:
+    def applied(
+        self, chain: mechanism.Chain, stiffness: Callable[[mechanism.Cell], float]
+    ) -> mechanism.Chain:
         """A chain with these bands, and with this weight and friction where they are known.
 
         Args:
@@ -259,10 +250,10 @@ class Model:
             cells=[self._cell(cell, stiffness(cell), cell is not cells[-1]) for cell in cells],
         )
 
-    def _cell(self, cell: Cell, stiffness: float, inner: bool) -> Cell:
+    def _cell(self, cell: mechanism.Cell, stiffness: float, inner: bool) -> mechanism.Cell:
         total = sum(band.stiffness for band in cell.bands)
         bands = [
-            Band(
+            mechanism.Band(
                 band.p,
                 band.q,
                 stiffness * band.stiffness / total,
@@ -275,7 +266,7 @@ class Model:
         tension = sum((band.tension(band.length(theta, cell.lever)) for band in bands), 0.0 * theta)
         joints = self.values.get("joints")
         friction = cell.friction if joints is None else joints * float(np.mean(tension))
-        load = Load.constant(self.weight) if inner and self.weight else cell.load
+        load = mechanism.Load.constant(self.weight) if inner and self.weight else cell.load
         return replace(
             cell, band=bands[0] if len(bands) == 1 else bands, load=load, friction=friction
         )
@@ -358,7 +349,7 @@ def snap_of(
         chain = replace(
             chain,
             cells=[
-                replace(one, load=Load.constant(load)) if k == i else one
+                replace(one, load=mechanism.Load.constant(load)) if k == i else one
                 for k, one in enumerate(chain.levers)
             ],
         )

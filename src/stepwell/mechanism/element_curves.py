@@ -7,20 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure, check, require, told_in
-from stepwell.mechanism.cubics import (
-    Force,
-    along,
-    cubic,
-    cubic_area,
-    end_of,
-    integral,
-    monotone,
-    signs,
-    straight,
-    through,
-    value,
-    with_integrals,
-)
+from stepwell.mechanism import cubics
 from stepwell.mechanism.phase import Sheet
 
 if TYPE_CHECKING:
@@ -35,7 +22,7 @@ def points(
 ) -> tuple[Floats, float]:
     """Rows and end of straight lines between points."""
     x, y = checked(travel, force, measure, 2)
-    return straight(x, y), float(x[-1])
+    return cubics.straight(x, y), float(x[-1])
 
 
 def table(
@@ -44,16 +31,21 @@ def table(
     """Rows and end of a smooth curve through points, and how far they lie from it at most."""
     x, y = checked(travel, force, measure, _LEAST_POINTS)
     if noise is None:
-        return through(x, y), float(x[-1]), 0.0
+        return cubics.through(x, y), float(x[-1]), 0.0
     deviation = check.positive("noise", noise, measure.force_unit)
     rows = _smoothed(x, y, deviation)
-    band = float(np.max(np.abs(y - value(rows, x))))
+    band = float(np.max(np.abs(y - cubics.value(rows, x))))
     _refuse_noise(rows, float(x[-1]), deviation, measure)
     return rows, float(x[-1]), band
 
 
 def law(
-    force: Force, low: float, high: float, kinks: Sequence[float], accuracy: float, measure: Measure
+    force: cubics.Force,
+    low: float,
+    high: float,
+    kinks: Sequence[float],
+    accuracy: float,
+    measure: Measure,
 ) -> tuple[Floats, float]:
     """Rows and end of a law between two travels."""
     unit = measure.travel_unit
@@ -62,7 +54,7 @@ def law(
         raise InputError(f"high = {high!r} {unit}: must be above low = {low!r} {unit}.")
     if not 1e-13 <= accuracy <= 1e-2:
         raise InputError(f"accuracy = {accuracy!r}: must be from 1e-13 to 0.01.")
-    return along(force, low, high, accuracy, kinks), high
+    return cubics.along(force, low, high, accuracy, kinks), high
 
 
 def checked(
@@ -117,12 +109,12 @@ def _smoothed(x: Floats, y: Floats, noise: float) -> Floats:
     keep = np.diff(pieces.x) > 0.0
     rows = np.zeros((int(np.sum(keep)), 6))
     rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]
-    return with_integrals(rows)
+    return cubics.with_integrals(rows)
 
 
 def _refuse_noise(rows: Floats, end: float, noise: float, measure: Measure) -> None:
     """Raise ValueError where a snap of the curve is no larger than its noise."""
-    forces, rises = signs(monotone(rows, end), end)
+    forces, rises = cubics.signs(cubics.monotone(rows, end), end)
     # Forces where it turns, ends included; a fall between two of them is a snap.
     turns = [0, *(k for k in range(1, len(rises)) if rises[k] != rises[k - 1]), len(rises)]
     drops = [forces[a] - forces[b] for a, b in pairwise(turns)]
@@ -158,12 +150,12 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
         way = slice(a, b + 1)
         up = heading[a] > 0
         s, f = (x[way], y[way]) if up else (x[way][::-1], y[way][::-1])
-        rows = through(s, f)
-        work = end_of(rows, float(s[-1]))[2]
+        rows = cubics.through(s, f)
+        work = cubics.end_of(rows, float(s[-1]))[2]
         # The energy goes on continuously along the arc, unstable stretches included.
         begin = energy if up else energy - work
         energy += work if up else -work
-        found.append((unstable == 0, up, with_integrals(rows, begin), float(s[-1])))
+        found.append((unstable == 0, up, cubics.with_integrals(rows, begin), float(s[-1])))
     return _linked(found, measure)
 
 
@@ -209,11 +201,11 @@ def _landing(
     """The next stable stretch along the arc that holds this travel; None at the curve's end."""
     if not 0 <= k + step < len(stretches):
         return None
-    here = float(integral(stretches[k][2], np.array(at)))
+    here = float(cubics.integral(stretches[k][2], np.array(at)))
     j = k + step
     while 0 <= j < len(stretches):
         stable, _, rows, end = stretches[j]
-        if stable and rows[0, 0] <= at <= end and float(integral(rows, np.array(at))) < here:
+        if stable and rows[0, 0] <= at <= end and float(cubics.integral(rows, np.array(at))) < here:
             return j
         j += step
     unit, factor = told_in(measure.travel_unit)
@@ -331,8 +323,8 @@ def _sum(curves: list[Floats], low: float, high: float) -> Floats:
         at = np.clip(np.searchsorted(curve[:, 0], middles, side="right") - 1, 0, len(curve) - 1)
         x = rows[:, 0] - curve[at, 0]
         c0, c1, c2, c3 = (curve[at, j] for j in range(1, 5))
-        value, slope, bend = cubic(x, c0, c1, c2, c3)
-        area = cubic_area(x, c0, c1, c2, c3, curve[at, 5])
+        value, slope, bend = cubics.cubic(x, c0, c1, c2, c3)
+        area = cubics.cubic_area(x, c0, c1, c2, c3, curve[at, 5])
         rows[:, 1:] += np.column_stack([value, slope, bend / 2.0, c3, area])
     return rows
 

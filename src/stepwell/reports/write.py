@@ -12,18 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stepwell import base
 from stepwell.accounts import About, Account, FigurePair, Image, account, page
-from stepwell.base import (
-    InputError,
-    Quantity,
-    StepwellError,
-    csv_text,
-    have,
-    need,
-    of_kind,
-    told_in,
-    write_atomic,
-)
 from stepwell.files import dumps, staged_folder
 from stepwell.studio import embedded
 
@@ -123,9 +113,9 @@ def write(
         OSError: the folder cannot be written; nothing has changed.
     """
     found = result if isinstance(result, Account) else account(result, about)
-    place = of_kind(_CONTENTS, found.value)
+    place = base.of_kind(_CONTENTS, found.value)
     if place is None:
-        raise InputError(
+        raise base.InputError(
             f"{type(found.value).__name__}: must be one of {', '.join(_CONTENTS)}. Write the whole "
             "result that it is a part of, such as the `Run` of a `Cycle`; a graph by `write_graph`."
         )
@@ -138,7 +128,7 @@ def _written(
     found: Account, contents: Contents, folder: Folder, progress: Progress | None, force: bool
 ) -> tuple[str, ...]:
     # A page needs no figures: where they cannot be drawn, it stands without them.
-    draws = {**contents.draws, **contents.on_page} if have("figures") else {}
+    draws = {**contents.draws, **contents.on_page} if base.have("figures") else {}
     drawn = {name: draw() for name, draw in draws.items()}
     pictures = {name: _drawn(figure, draws[name]) for name, figure in drawn.items()}
     files: dict[str, Content] = {
@@ -153,7 +143,7 @@ def _written(
     with staged_folder(folder, contents.command, found.record, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):
             if isinstance(content, str):
-                write_atomic(draft / name, content)
+                base.write_atomic(draft / name, content)
             else:
                 content(draft / name)
             if progress is not None:
@@ -168,7 +158,7 @@ def _motion(found: Account, contents: Contents) -> str:
         return ""
     try:
         return embedded(contents.motion(), found.title)
-    except StepwellError:
+    except base.StepwellError:
         return ""
 
 
@@ -207,9 +197,9 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a map as CSV: curve, kind and both parameters, a row for every point."""
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
-        units = [told_in(unit) for unit in boundary.units]
+        units = [base.told_in(unit) for unit in boundary.units]
         names = [
-            Quantity(name, "" if unit == "1" else unit).key
+            base.Quantity(name, "" if unit == "1" else unit).key
             for name, (unit, _) in zip(boundary.parameters, units, strict=True)
         ]
         head = ["curve", "kind", *names]
@@ -219,7 +209,7 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
             (str(number), kind, f"{x * across:.9g}", f"{y * up:.9g}")
             for x, y in boundary.points.tolist()
         ]
-    return csv_text(head, rows)
+    return base.csv_text(head, rows)
 
 
 def checked_suffix(file: str | os.PathLike[str]) -> str:
@@ -231,12 +221,12 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
     """
     suffix = Path(file).suffix.lower()
     if suffix not in (*FIGURES, *EXPORTS):
-        raise InputError(
+        raise base.InputError(
             f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
             f"{', '.join(EXPORTS)} for other programs."
         )
     if suffix in FIGURES:
-        need("figures")
+        base.need("figures")
     return suffix
 
 
@@ -260,4 +250,4 @@ def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
     else:
         from stepwell import sequences
 
-        write_atomic(file, getattr(sequences, EXPORTS[suffix])(graph))
+        base.write_atomic(file, getattr(sequences, EXPORTS[suffix])(graph))

@@ -7,24 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from stepwell import statics
 from stepwell.base import Floats, InputError, amount, most, problem
 from stepwell.mechanism import Chain, Element, Sheet, through
 from stepwell.sequences.passages import Passage, SmoothRun, passages_of, state_of
-from stepwell.statics import (
-    Configuration,
-    DrivenChain,
-    EventKind,
-    Landing,
-    Path,
-    Segment,
-    SegmentKind,
-    Tie,
-    drive_range,
-    path,
-    problem_of,
-    read_state,
-    standing,
-)
 
 Drive = str | float | None
 
@@ -59,7 +45,7 @@ def refuse_friction(chain: Chain) -> None:
 
 def checked_state(chain: Chain, name: str, state: str) -> str:
     """The state, if the chain can have it; raises ValueError otherwise."""
-    read_state(chain, name, state)
+    statics.read_state(chain, name, state)
     return state
 
 
@@ -71,15 +57,15 @@ _ROUNDING = 1e-14
 _BEYOND = 0.1
 
 # The snap that ends a passage, and place and drive after it; None where the drive ends.
-After = tuple[Segment, Configuration, float] | None
+After = tuple[statics.Segment, statics.Configuration, float] | None
 
 
 @dataclass(frozen=True, slots=True)
 class Exit:
     """The snap at an end of a branch, and the branch that it leads to."""
 
-    snap: Segment
-    place: Configuration  # after it
+    snap: statics.Segment
+    place: statics.Configuration  # after it
     branch: int
 
 
@@ -94,7 +80,7 @@ class Branch:
     """
 
     sections: tuple[SmoothRun, ...]
-    begin: Configuration
+    begin: statics.Configuration
     drive: float
 
     @property
@@ -122,7 +108,7 @@ class Branch:
         return outside[min(outside)]
 
 
-def reach(chain: Chain, known: DrivenChain | None = None) -> tuple[float, float]:
+def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float, float]:
     """The drives between which a chain is looked at [m], or [N] under force control.
 
     A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that
@@ -132,7 +118,7 @@ def reach(chain: Chain, known: DrivenChain | None = None) -> tuple[float, float]
         chain: what is driven.
         known: the problem that it sets, where it is at hand.
     """
-    low, high = drive_range(chain, known)
+    low, high = statics.drive_range(chain, known)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
     if chain.actuator_stiffness > 0 and any(len(cell.laws) > 1 for cell in chain.elements):
         more += sum(cell.full_travel for cell in chain.elements if len(cell.laws) > 1) / 2.0
@@ -162,16 +148,16 @@ class Branches:
     def __init__(self, chain: Chain):
         self.chain = chain
         self._rigid = math.isinf(chain.actuator_stiffness)
-        self._problem = problem_of(chain)
+        self._problem = statics.problem_of(chain)
         self.range = reach(chain, self._problem)
         stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
         self.slip = drive_slip(self.range[1] - self.range[0], stroke)
-        self.ties: dict[Tie, None] = {}
+        self.ties: dict[statics.Tie, None] = {}
         self._stretches = chain.stretches
         self._levers = not chain.elements
         self._branches: list[Branch] = []
         self._after: dict[tuple[int, int], After] = {}
-        self._landings: dict[tuple[int, int, float], Landing] = {}
+        self._landings: dict[tuple[int, int, float], statics.Landing] = {}
         self._where: dict[str, list[int]] = {}
         self._passages: dict[tuple[int, ...], tuple[Passage, After]] = {}
 
@@ -181,7 +167,7 @@ class Branches:
     def __len__(self) -> int:
         return len(self._branches)
 
-    def at(self, place: Configuration, drive: float) -> int:
+    def at(self, place: statics.Configuration, drive: float) -> int:
         """Number of the branch on which the chain stands there."""
         state = state_of(self._stretches, place)
         known = self._known(state, drive)
@@ -212,7 +198,7 @@ class Branches:
         snap, place, drive = after
         return Exit(snap, place, self.at(place, drive))
 
-    def landing(self, number: int, direction: int, ratio: float) -> Landing:
+    def landing(self, number: int, direction: int, ratio: float) -> statics.Landing:
         """Whether the snap at an end of a branch lands there for all mobilities within a ratio.
 
         Of several that follow one another at once the first that does not hold, if there is one.
@@ -224,16 +210,18 @@ class Branches:
             branch, onto = self[number], self[exit_.branch]
             # Past this snap, and not as far as the next.
             past = (exit_.snap.drive[1] + (onto.high if direction > 0 else onto.low)) / 2.0
-            found = path(self.chain, [branch.drive, past], start=branch.begin).landings(ratio)
+            found = statics.path(self.chain, [branch.drive, past], start=branch.begin).landings(
+                ratio
+            )
             self._landings[key] = next((one for one in found if not one.holds), found[0])
         return self._landings[key]
 
-    def vertex(self, state: str) -> tuple[Configuration, float] | None:
+    def vertex(self, state: str) -> tuple[statics.Configuration, float] | None:
         """Configuration and drive of a state such as "010", or None where it is no equilibrium.
 
         Of all places in that state the one of the force that is nearest to none.
         """
-        return standing(self.chain, self._problem, state)
+        return statics.standing(self.chain, self._problem, state)
 
     def all_from(
         self, numbers: list[int], progress: Callable[[int, int], None] | None = None
@@ -296,20 +284,22 @@ class Branches:
                 return number
         return None
 
-    def _key(self, place: Configuration, drive: float, direction: int) -> tuple[int, ...]:
+    def _key(self, place: statics.Configuration, drive: float, direction: int) -> tuple[int, ...]:
         least = _SAME * self.chain.full_stroke
         travels = (round(s / least) for s in place.travel)
         return (*travels, *place.sheet, round(drive / self.slip), direction)
 
-    def _passage(self, place: Configuration, drive: float, direction: int) -> tuple[Passage, After]:
+    def _passage(
+        self, place: statics.Configuration, drive: float, direction: int
+    ) -> tuple[Passage, After]:
         key = self._key(place, drive, direction)
         if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]
-            found = path(self.chain, [drive, end], start=place)
+            found = statics.path(self.chain, [drive, end], start=place)
             self._keep(found, direction)
         return self._passages[key]
 
-    def _keep(self, found: Path, direction: int) -> None:
+    def _keep(self, found: statics.Path, direction: int) -> None:
         """Write down every passage of a run: the later ones begin where a snap ended."""
         for tie in found.degenerate:
             self.ties.setdefault(tie)
@@ -341,20 +331,20 @@ def windows(
     inner = turning_points[1:-1]
     if any(cell.friction > 0 for cell in chain.cells):
         return [(point, point) for point in inner]
-    begin: str | Configuration = start
+    begin: str | statics.Configuration = start
     limits = reach(chain)
     found: list[tuple[float, float]] = []
     for before, point in pairwise(turning_points[:-1]):
         rises = point > before
         end = max(point, limits[1]) if rises else min(point, limits[0])
-        whole = path(chain, [before, end], start=begin)
-        snaps = [event.drive for event in whole.events if event.kind is EventKind.SNAP]
+        whole = statics.path(chain, [before, end], start=begin)
+        snaps = [event.drive for event in whole.events if event.kind is statics.EventKind.SNAP]
         done = [drive for drive in snaps if (drive <= point) == rises or drive == point]
         ahead = [drive for drive in snaps if drive not in done]
         last = done[-1] if done else before
         next_ = ahead[0] if ahead else whole.turning_points[-1]
         found.append((min(last, next_), max(last, next_)))
-        begin = path(chain, [before, point], start=begin).end_configuration
+        begin = statics.path(chain, [before, point], start=begin).end_configuration
     return found
 
 
@@ -408,19 +398,19 @@ def _curve(branches: Branches, number: int) -> tuple[Floats, Floats, float]:
 
 def _points(
     chain: Chain, branch: Branch, turns: list[float]
-) -> tuple[list[tuple[float, float]], Configuration]:
+) -> tuple[list[tuple[float, float]], statics.Configuration]:
     """(stroke, force) on the way through these strokes, up to a snap, and where it ends."""
-    found = path(chain, turns, start=branch.begin)
+    found = statics.path(chain, turns, start=branch.begin)
     points, travels, sheets = [(turns[0], found.start_force)], [*found.start], [*found.start_sheet]
     for segment in found.segments():
-        if segment.kind is SegmentKind.SNAP:
+        if segment.kind is statics.SegmentKind.SNAP:
             break
         for cell, travel in zip(segment.cells, segment.after, strict=True):
             travels[cell] = travel
         point = segment.drive[1], segment.force[1]
         if point != points[-1]:
             points.append(point)
-    return points, Configuration(tuple(travels), tuple(sheets))
+    return points, statics.Configuration(tuple(travels), tuple(sheets))
 
 
 def _ramped(u: Floats, width: float) -> Floats:

@@ -8,29 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from stepwell import statics
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, amount, to_unit
 from stepwell.mechanism import Cell, Chain, Element, phase_at
-from stepwell.statics import (
-    FOUND,
-    LOST,
-    PEAK,
-    SNAPS,
-    STEPS_DOWN,
-    STEPS_UP,
-    STROKE_DOWN,
-    STROKE_UP,
-    TIES,
-    Designs,
-    Event,
-    EventKind,
-    Path,
-    SegmentKind,
-    StaticsError,
-    Tie,
-    full_cycle,
-    full_cycles,
-    stacked,
-)
 
 _DIGITS = frozenset("0123456789")
 
@@ -164,7 +144,7 @@ def pathway_of(sequence: Sequence) -> Pathway | None:
 _AT_STOP = 0.01
 
 
-def arrival(path: Path) -> str:
+def arrival(path: statics.Path) -> str:
     """The state in which a path ends, such as "010"; - for a cell in transit between phases.
 
     A cell counts as in a phase within a hundredth of its travel.
@@ -181,7 +161,7 @@ def _nearest(cell: Cell | Element, travel: float, sheet: int) -> str:
     return phase_at(tuple((s, a - slip, b + slip) for s, a, b in cell.stretches), sheet, travel)
 
 
-def sequence_of(path: Path) -> Sequence:
+def sequence_of(path: statics.Path) -> Sequence:
     """Every state with all cells in a phase that the path visits, in order.
 
     A path that starts in transit begins with the first vertex it reaches.
@@ -220,7 +200,7 @@ class Cycle(ByValue, Drawn):
         path: the way through the equilibria, with its certificates.
     """
 
-    path: Path
+    path: statics.Path
 
     @property
     def chain(self) -> Chain:
@@ -238,19 +218,19 @@ class Cycle(ByValue, Drawn):
         return pathway_of(self.sequence)
 
     @property
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[statics.Event, ...]:
         """Every switch and snap in order."""
         return self.path.events
 
     @cached_property
-    def snaps(self) -> tuple[Event, ...]:
+    def snaps(self) -> tuple[statics.Event, ...]:
         """The snaps alone."""
-        return tuple(e for e in self.events if e.kind is EventKind.SNAP)
+        return tuple(e for e in self.events if e.kind is statics.EventKind.SNAP)
 
     @cached_property
-    def switches(self) -> tuple[Event, ...]:
+    def switches(self) -> tuple[statics.Event, ...]:
         """The arrivals in another phase outside of snaps; a stop is one."""
-        return tuple(e for e in self.events if e.kind is EventKind.SWITCH)
+        return tuple(e for e in self.events if e.kind is statics.EventKind.SWITCH)
 
     @property
     def dissipated(self) -> float:
@@ -263,7 +243,7 @@ class Cycle(ByValue, Drawn):
         return self.path.peak_force
 
     @property
-    def degenerate(self) -> tuple[Tie, ...]:
+    def degenerate(self) -> tuple[statics.Tie, ...]:
         """Where the model cannot tell two outcomes apart, with advice; empty if nowhere."""
         return self.path.degenerate
 
@@ -306,7 +286,7 @@ def cycle(
     progress: Callable[[float, float], None] | None = None,
 ) -> Cycle:
     """Load a chain fully and unload it, once. All else as for `Chain.cycle`."""
-    return Cycle(full_cycle(chain, prefer=prefer, progress=progress))
+    return Cycle(statics.full_cycle(chain, prefer=prefer, progress=progress))
 
 
 # Instead of the number of a sequence: no such chain, and one that the engine cannot follow.
@@ -332,13 +312,13 @@ class Cycles(ByValue):
     @property
     def tied(self) -> Ints:
         """(m,) of each design, how many ties decide what it does."""
-        return np.nan_to_num(self.found[:, TIES]).astype(np.int64)
+        return np.nan_to_num(self.found[:, statics.TIES]).astype(np.int64)
 
 
 def cycles_of(
     build: Callable[[int], Chain],
     count: int,
-    designs: Designs | None = None,
+    designs: statics.Designs | None = None,
     progress: Progress | None = None,
 ) -> Cycles:
     """Load every design fully and unload it, once: all in one call, and one by one what is left.
@@ -351,15 +331,15 @@ def cycles_of(
     """
     if progress is not None:
         progress(0, count)
-    number, found = np.full(count, _ASK), np.full((count, FOUND), np.nan)
+    number, found = np.full(count, _ASK), np.full((count, statics.FOUND), np.nan)
     sequences: dict[Sequence, int] = {}
     which = np.arange(count)
     if designs is None:
         chains = {i: chain for i in range(count) if (chain := _built(build, i)) is not None}
         number[[i not in chains for i in range(count)]] = IMPOSSIBLE
-        designs, which = stacked([*chains.values()]), np.array([*chains], np.int64)
+        designs, which = statics.stacked([*chains.values()]), np.array([*chains], np.int64)
     if designs is not None and len(which):
-        followed = full_cycles(designs, progress)
+        followed = statics.full_cycles(designs, progress)
         number[which], found[which] = (
             _numbered(followed.visited, designs, sequences),
             followed.found,
@@ -373,7 +353,7 @@ def cycles_of(
             continue
         try:
             result = cycle(chain)
-        except (StaticsError, ValueError):
+        except (statics.StaticsError, ValueError):
             number[i] = UNSOLVED
             continue
         number[i] = sequences.setdefault(result.sequence, len(sequences))
@@ -381,7 +361,7 @@ def cycles_of(
     return Cycles(tuple(sequences), number, found)
 
 
-def _numbered(rows: Ints, designs: Designs, sequences: dict[Sequence, int]) -> list[int]:
+def _numbered(rows: Ints, designs: statics.Designs, sequences: dict[Sequence, int]) -> list[int]:
     """The number of each design's sequence, new ones added; _ASK where it was not followed.
 
     `rows` (m, V) are the states visited, as of `Followed`.
@@ -405,19 +385,19 @@ def _built(build: Callable[[int], Chain], i: int) -> Chain | None:
         return None
 
 
-def _sequence(codes: list[int], designs: Designs) -> Sequence:
+def _sequence(codes: list[int], designs: statics.Designs) -> Sequence:
     cells = designs.cells.shape[1]
     return Sequence.parse(">".join(f"{code:0{cells}d}" for code in codes if code >= 0))
 
 
 def _found(result: Cycle) -> Floats:
     """The same of one cycle."""
-    found = np.full(FOUND, np.nan)
-    found[SNAPS], found[TIES] = len(result.snaps), len(result.degenerate)
-    found[PEAK], found[LOST] = result.peak_force, result.dissipated
+    found = np.full(statics.FOUND, np.nan)
+    found[statics.SNAPS], found[statics.TIES] = len(result.snaps), len(result.degenerate)
+    found[statics.PEAK], found[statics.LOST] = result.peak_force, result.dissipated
     for snap in reversed(result.snaps):
-        found[STROKE_UP if snap.direction > 0 else STROKE_DOWN] = snap.stroke
-    found[STEPS_UP], found[STEPS_DOWN] = snapping_steps(result)
+        found[statics.STROKE_UP if snap.direction > 0 else statics.STROKE_DOWN] = snap.stroke
+    found[statics.STEPS_UP], found[statics.STEPS_DOWN] = snapping_steps(result)
     return found
 
 
@@ -431,7 +411,7 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
     counts = {1: 0, -1: 0}
     snapped = 0
     for segment in result.path.segments():
-        if segment.kind is SegmentKind.SNAP:
+        if segment.kind is statics.SegmentKind.SNAP:
             snapped = segment.direction
         moved = zip(segment.cells, segment.after, segment.sheets_after, strict=True)
         for cell, travel, sheet in moved:

@@ -11,19 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
 from stepwell.mechanism import Cell, Chain, Element
+from stepwell.sequences import transition_graph
 from stepwell.sequences.branches import Branches, checked_state
 from stepwell.sequences.nodes import Digits, StateNodes, States, Transition, TransitionKind
-from stepwell.sequences.transition_graph import (
-    TransitionGraph,
-    about,
-    measure_of,
-    no_start,
-    require_as_many,
-)
 from stepwell.statics import problem_of, travel_in
 
 
-def preisach(chain: Chain, fields: Relays, start: str | None = None) -> TransitionGraph:
+def preisach(
+    chain: Chain, fields: Relays, start: str | None = None
+) -> transition_graph.TransitionGraph:
     """The force-controlled graph of concave cells and elements: a Preisach set of relays.
 
     A prescribed force is a dead load: λ and the energy of a cell ask for no other cell's travel, so
@@ -73,7 +69,9 @@ def preisach(chain: Chain, fields: Relays, start: str | None = None) -> Transiti
     elements = "cells" if chain.elements else "concave cells"
     method = f"closed form: {elements} under a prescribed force are independent relays"
     ways = (*falls.ways, *rises.ways)
-    return TransitionGraph(nodes, target, number, ways, **about(chain), start=start, method=method)
+    return transition_graph.TransitionGraph(
+        nodes, target, number, ways, **transition_graph.about(chain), start=start, method=method
+    )
 
 
 def _narrow(count: int) -> type[np.signedinteger[Any]]:
@@ -170,9 +168,11 @@ def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: s
     seen = front = np.array([code])
     falls, rises = both
     if falls.force[falls.first_of(front)] > rises.force[rises.first_of(front)]:
-        raise InputError(no_start(chain, start))
+        raise InputError(transition_graph.no_start(chain, start))
     while len(front):
-        require_as_many(len(seen), "relays", "the reached states are as many as those of")
+        transition_graph.require_as_many(
+            len(seen), "relays", "the reached states are as many as those of"
+        )
         after = np.unique(
             np.concatenate([front + flips.shift[flips.first_of(front)] for flips in both])
         )
@@ -210,7 +210,7 @@ _TIE = 1e-9
 _BEYOND = 0.1
 
 
-def switching_fields(graph: TransitionGraph) -> Floats:
+def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
     """The switching fields of a graph whose cells are hysterons.
 
     Args:
@@ -275,7 +275,7 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     return np.column_stack(columns) + let_go / stiffness
 
 
-def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGraph:
+def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> transition_graph.TransitionGraph:
     """The transition graph of interacting hysterons, by the rule of those who study them.
 
     From a state that stands, a rising drive flips the cell at 0 of least field, when it reaches
@@ -298,7 +298,7 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
     Source: van Hecke 2021, Phys. Rev. E 104, 054608; Teunisse and van Hecke 2025.
     """
     fields = _checked(fields)
-    measure = measure_of(unit)
+    measure = transition_graph.measure_of(unit)
     if unit not in ("", measure.force_unit, measure.travel_unit):
         others = [si for one in Measure for si in (one.force_unit, one.travel_unit)][2:]
         raise InputError(
@@ -324,7 +324,7 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
         for flipped, at in zip(at_1[begin] != at_1[landed], drive[begin].tolist(), strict=True):
             cells = tuple(np.flatnonzero(flipped).tolist())
             ways.append(Transition(TransitionKind.SNAP, direction, at, cells, math.nan))
-    return TransitionGraph(
+    return transition_graph.TransitionGraph(
         nodes,
         target,
         number,

@@ -8,32 +8,14 @@ from decimal import Decimal
 from functools import cached_property
 from itertools import islice
 
+from stepwell import concave
 from stepwell.base import ByValue, InputError, require
-from stepwell.concave import (
-    Relays,
-    garden_states,
-    ideals,
-    landings,
-    levels,
-    relays,
-    standing_states,
-    sub_loops,
-    switches,
-)
 from stepwell.mechanism import Chain
+from stepwell.sequences import transition_graph
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.fields import Travels, heat_of
 from stepwell.sequences.nodes import Node, Transition, TransitionKind
 from stepwell.sequences.passages import order_kept
-from stepwell.sequences.transition_graph import (
-    TransitionGraph,
-    about,
-    graph,
-    listable,
-    node_of,
-    overdrawn,
-    way_on,
-)
 from stepwell.statics import Tie
 
 
@@ -64,12 +46,12 @@ class ByBranches:
     def standing(self) -> int:
         """How many states stand with every cell in a phase, at one force."""
         windows = [[(p.force_low, p.force_high) for p in cell] for cell in self.chain.phases]
-        return standing_states(levels(windows, 0.0))
+        return concave.standing_states(concave.levels(windows, 0.0))
 
     @cached_property
     def reached(self) -> int | None:
         """How many of these are reached from the first one, where one cycle proves it."""
-        fields = relays(self.chain)
+        fields = concave.relays(self.chain)
         if fields is None or not fields.equal or not math.isinf(self.chain.actuator_stiffness):
             return None
         return _ideals(fields) if order_kept(self.chain, fields).only_ideals else None
@@ -77,11 +59,11 @@ class ByBranches:
     def node(self, label: str) -> Node:
         """The node of that label."""
         number, k = self._find(label)
-        return node_of(label, self._branches[number].sections[k], number)
+        return transition_graph.node_of(label, self._branches[number].sections[k], number)
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
         """Where the drive leads from a node."""
-        way = way_on(self._branches, *self._find(label), direction)
+        way = transition_graph.way_on(self._branches, *self._find(label), direction)
         return None if way is None else (self._label(way[0]), way[1])
 
     def _find(self, label: str) -> tuple[int, int]:
@@ -94,7 +76,9 @@ class ByBranches:
             )
         place = self._branches.vertex(checked_state(self.chain, "state", label))
         if place is None:
-            raise InputError(f"state = {label!r}: is no equilibrium: {overdrawn(self.chain)}.")
+            raise InputError(
+                f"state = {label!r}: is no equilibrium: {transition_graph.overdrawn(self.chain)}."
+            )
         number = self._branches.at(*place)
         found = number, self._branches[number].find(label, place[1])
         self._label(found)
@@ -111,9 +95,9 @@ class ByBranches:
         return self._labels[section]
 
 
-def _ideals(fields: Relays) -> int | None:
-    known = switches(levels(fields.windows, fields.slip))
-    return None if known is None else ideals(known)
+def _ideals(fields: concave.Relays) -> int | None:
+    known = concave.switches(concave.levels(fields.windows, fields.slip))
+    return None if known is None else concave.ideals(known)
 
 
 class ByFields:
@@ -129,11 +113,13 @@ class ByFields:
     method = "switching fields: cells under a prescribed force do not feel each other"
     ties: tuple[Tie, ...] = ()
 
-    def __init__(self, chain: Chain, fields: Relays):
+    def __init__(self, chain: Chain, fields: concave.Relays):
         self.chain = chain
         self._windows = fields.windows
-        self._levels = levels(self._windows, fields.slip)
-        self._ways = {way: [landings(cell, way) for cell in self._levels] for way in (+1, -1)}
+        self._levels = concave.levels(self._windows, fields.slip)
+        self._ways = {
+            way: [concave.landings(cell, way) for cell in self._levels] for way in (+1, -1)
+        }
         self._travels = Travels(chain)
         self._ends = Branches(chain).range
         self._last = chain.last_state
@@ -142,7 +128,7 @@ class ByFields:
     @cached_property
     def standing(self) -> int:
         """How many states stand at some force."""
-        return standing_states(self._levels)
+        return concave.standing_states(self._levels)
 
     @cached_property
     def transitions(self) -> int:
@@ -152,19 +138,19 @@ class ByFields:
     @cached_property
     def gardens(self) -> int:
         """How many states no other leads to."""
-        return garden_states(self._levels)
+        return concave.garden_states(self._levels)
 
     @cached_property
     def reached(self) -> int | None:
         """How many states are reached from the first one; None where a cell passes a phase by."""
-        relays = switches(self._levels)
-        return None if relays is None else ideals(relays)
+        relays = concave.switches(self._levels)
+        return None if relays is None else concave.ideals(relays)
 
     @cached_property
     def sub_loops(self) -> int | None:
         """How many sub-loops are reached from the first state; None likewise."""
-        relays = switches(self._levels)
-        return None if relays is None else sub_loops(relays)
+        relays = concave.switches(self._levels)
+        return None if relays is None else concave.sub_loops(relays)
 
     def node(self, label: str) -> Node:
         """The state as a node."""
@@ -206,7 +192,9 @@ class ByFields:
         phases = tuple(map(int, label))
         own = [cell[k] for cell, k in zip(self._levels, phases, strict=True)]
         if max(low for low, _ in own) > min(high for _, high in own):
-            raise InputError(f"state = {label!r}: is no equilibrium: {overdrawn(self.chain)}.")
+            raise InputError(
+                f"state = {label!r}: is no equilibrium: {transition_graph.overdrawn(self.chain)}."
+            )
         return phases
 
     def _is_state(self, label: str) -> bool:
@@ -286,7 +274,7 @@ class ImplicitGraph(ByValue):
     def _ways(self) -> ByFields | ByBranches:
         # Under a force fields may tie: no cell feels which of two goes first.
         by_force = self.chain.actuator_stiffness == 0
-        fields = relays(self.chain, ties=True) if by_force else None
+        fields = concave.relays(self.chain, ties=True) if by_force else None
         return ByBranches(self.chain) if fields is None else ByFields(self.chain, fields)
 
     @property
@@ -302,7 +290,7 @@ class ImplicitGraph(ByValue):
     @property
     def actuator(self) -> str:
         """What drives it, as in `TransitionGraph.actuator`."""
-        return str(about(self.chain)["actuator"])
+        return str(transition_graph.about(self.chain)["actuator"])
 
     @property
     def unit(self) -> str:
@@ -331,7 +319,7 @@ class ImplicitGraph(ByValue):
     @property
     def is_listable(self) -> bool:
         """Whether the limits let `listed` begin with every state."""
-        return listable(self.chain)
+        return transition_graph.listable(self.chain)
 
     @property
     def zero(self) -> str:
@@ -465,9 +453,9 @@ class ImplicitGraph(ByValue):
 
     def listed(
         self, start: str | None = None, *, progress: Callable[[int, int], None] | None = None
-    ) -> TransitionGraph:
+    ) -> transition_graph.TransitionGraph:
         """The same graph listed. All else as for `Chain.graph`."""
-        return graph(self.chain, start=start, progress=progress)
+        return transition_graph.graph(self.chain, start=start, progress=progress)
 
     def __repr__(self):
         return f"ImplicitGraph({self.cells} cells driven by {self.actuator})"

@@ -7,19 +7,7 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    Quantity,
-    Schema,
-    Shown,
-    StepwellError,
-    amount,
-    brief,
-    percent_at_most,
-    told_in,
-    write_csv,
-)
+from stepwell import base
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
@@ -49,18 +37,18 @@ class ProgramMethod(StrEnum):
     GIVEN = "as it was given"
 
 
-def turn_schema(unit: str) -> Schema:
+def turn_schema(unit: str) -> base.Schema:
     """What is reported of a turning point; `unit` is that of the drive."""
     return (
-        Quantity("drive", unit, "at"),
-        Quantity("low", unit, "from"),
-        Quantity("high", unit, "to"),
-        Quantity("branch", head="can go back to", holds=[str]),
+        base.Quantity("drive", unit, "at"),
+        base.Quantity("low", unit, "from"),
+        base.Quantity("high", unit, "to"),
+        base.Quantity("branch", head="can go back to", holds=[str]),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Turn(ByValue):
+class Turn(base.ByValue):
     """A turning point, and how far off it may be.
 
     Attributes:
@@ -82,11 +70,11 @@ class Turn(ByValue):
         return min(self.drive - self.low, self.high - self.drive)
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
 @dataclass(frozen=True, eq=False)
-class Program(ByValue, Drawn):
+class Program(base.ByValue, base.Drawn):
     """The shortest list of turning points from one state to another.
 
     Attributes:
@@ -196,13 +184,13 @@ class Program(ByValue, Drawn):
         if not self.landings:
             return self.method
         if self.hangs is not None:
-            at = amount(self.hangs.event.drive, self.chain.drive_unit, 4)
+            at = base.amount(self.hangs.event.drive, self.chain.drive_unit, 4)
             return f"{self.method}; the snap at {at} {str(self.hangs).rstrip('.')}"
         sampled = [one for one in self.landings if one.proof is None]
         proved = len(self.landings) - len(sampled)
         ways = [f"{proved} proved"] if proved else []
         if sampled:
-            most = percent_at_most(max(one.bound for one in sampled))
+            most = base.percent_at_most(max(one.bound for one in sampled))
             ways.append(
                 f"in {len(sampled)} at most {most} of mobilities lead elsewhere (95 % confidence)"
             )
@@ -233,12 +221,12 @@ class Program(ByValue, Drawn):
             *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
             ("end", self.end, self.low, self.high),
         ]
-        schema = Quantity("what"), *turn_schema(told_in(self.chain.drive_unit)[0])[:3]
-        write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
+        schema = base.Quantity("what"), *turn_schema(base.told_in(self.chain.drive_unit)[0])[:3]
+        base.write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
 
     def __str__(self):
-        told, factor = told_in(self.chain.drive_unit)
-        unit = Quantity("drive", told).sign
+        told, factor = base.told_in(self.chain.drive_unit)
+        unit = base.Quantity("drive", told).sign
         # A billionth of the way is rounding, and no place to stand.
         least = 1e-9 * max(map(abs, self.turning_points))
         shown = (0.0 if abs(point) < least else point for point in self.turning_points)
@@ -256,7 +244,7 @@ class Program(ByValue, Drawn):
         return f"Program({self})"
 
 
-class Unreachable(Shown, StepwellError, ValueError):
+class Unreachable(base.Shown, base.StepwellError, ValueError):
     """The actuator cannot bring the chain to the state that was asked for.
 
     Attributes:

@@ -11,18 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    InputError,
-    Quantity,
-    __version__,
-    brief,
-    need,
-    require,
-    write_atomic,
-    write_csv,
-)
+from stepwell import base
 from stepwell.kernels import cores
 from stepwell.robot import TRIAL, Robot
 from stepwell.simulation.engine import SimulatedRun
@@ -38,7 +27,7 @@ CHUNK = 500  # steps at a time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trial(ByValue):
+class Trial(base.ByValue):
     """What one robot of a sweep did.
 
     Attributes:
@@ -69,11 +58,11 @@ class Trial(ByValue):
         )
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sweep(ByValue, Drawn):
+class Sweep(base.ByValue, base.Drawn):
     """What many robots did.
 
     Attributes:
@@ -86,7 +75,7 @@ class Sweep(ByValue, Drawn):
 
     def to_xarray(self) -> "xr.Dataset":
         """One row a trial, with units."""
-        need("tables")
+        base.need("tables")
         import xarray as xr
 
         columns: dict[str, xr.Variable] = {
@@ -111,16 +100,19 @@ class Sweep(ByValue, Drawn):
         *numbers, gaits, stopped = TRIAL
         columns = [
             *(
-                (Quantity(name), [repr(float(v)) for v in given])
+                (base.Quantity(name), [repr(float(v)) for v in given])
                 for name, given in self.values.items()
             ),
             *((q, self._all(q)) for q in numbers),
-            *((Quantity(f"gait_{i + 1}"), [g[i] for g in self._all(gaits)]) for i in range(legs)),
+            *(
+                (base.Quantity(f"gait_{i + 1}"), [g[i] for g in self._all(gaits)])
+                for i in range(legs)
+            ),
             (stopped, self._all(stopped)),
         ]
-        write_csv(path, columns, 6)
+        base.write_csv(path, columns, 6)
 
-    def _all(self, quantity: Quantity) -> list[Any]:
+    def _all(self, quantity: base.Quantity) -> list[Any]:
         return [quantity.of(trial) for trial in self.trials]
 
     def __repr__(self):
@@ -163,9 +155,9 @@ def sweep(
     settings = settings or Settings()
     values = dict(values or {})
     if cycles < 1:
-        raise InputError(f"cycles = {cycles}: must be >= 1.")
+        raise base.InputError(f"cycles = {cycles}: must be >= 1.")
     _require_one_a_robot(values, len(robots))
-    require("robots", len(robots), "these are")
+    base.require("robots", len(robots), "these are")
     threads = threads or cores()
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
     found: dict[int, Trial] = kept.trials() if kept is not None else {}
@@ -186,7 +178,7 @@ def sweep(
 def _require_one_a_robot(values: Mapping[str, Sequence[float]], robots: int) -> None:
     for name, numbers in values.items():
         if len(numbers) != robots:
-            raise InputError(
+            raise base.InputError(
                 f"values[{name!r}] has {len(numbers)} numbers: must have {robots}, one a robot."
             )
 
@@ -239,18 +231,20 @@ class _Kept:
         settings: Settings,
     ):
         self.folder = Path(folder)
-        text = repr((__version__, cycles, settings, [_fingerprint(robot) for robot in robots]))
+        text = repr((base.__version__, cycles, settings, [_fingerprint(robot) for robot in robots]))
         self.request = hashlib.sha256(text.encode()).hexdigest()
         self.folder.mkdir(parents=True, exist_ok=True)
         note = self.folder / "sweep.json"
         if note.exists():
             if json.loads(note.read_text("utf-8")).get("request") != self.request:
-                raise InputError(
+                raise base.InputError(
                     f"{self.folder} holds another sweep (other robots, cycles or settings); name "
                     f"another folder, or remove this one."
                 )
         else:
-            write_atomic(note, json.dumps({"request": self.request, "robots": len(robots)}) + "\n")
+            base.write_atomic(
+                note, json.dumps({"request": self.request, "robots": len(robots)}) + "\n"
+            )
 
     def trials(self) -> dict[int, Trial]:
         found: dict[int, Trial] = {}
@@ -261,7 +255,7 @@ class _Kept:
 
     def add(self, trials: Mapping[int, Trial]) -> None:
         record = {number: asdict(trial) for number, trial in trials.items()}
-        write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
+        base.write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
 
 
 def _fingerprint(robot: Robot) -> str:

@@ -7,18 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    Floats,
-    InputError,
-    Quantity,
-    Schema,
-    __version__,
-    need,
-    variables,
-    write_netcdf,
-)
+from stepwell import base
 from stepwell.robot import Arena, Robot, gait, states
 from stepwell.simulation.engine import RunSamples, SimulatedRun
 from stepwell.simulation.model import obstacle_names
@@ -33,29 +22,29 @@ if TYPE_CHECKING:
 LOADED = 0.02  # a foot that carries more than this [N] stands
 _MEAN = "mean since the sample before"
 _CARRIED = f"that the floor carries, {_MEAN}"
-SAMPLES: Schema = (
-    Quantity("x", "mm", doc="body's origin, along the start's x axis"),
-    Quantity("y", "mm", doc="body's origin, to the left"),
-    Quantity("z", "mm", doc="body's origin, above the floor"),
-    Quantity("yaw", "deg", doc="heading"),
-    Quantity("pitch", "deg", doc="nose down"),
-    Quantity("roll", "deg", doc="right side down"),
-    Quantity("command", "mm", doc="stroke wanted"),
-    Quantity("stroke", "mm", doc="stroke reached"),
-    Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
-    Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
-    Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
-    Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
-    Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
-    Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
-    Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
-    Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
-    Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
+SAMPLES: base.Schema = (
+    base.Quantity("x", "mm", doc="body's origin, along the start's x axis"),
+    base.Quantity("y", "mm", doc="body's origin, to the left"),
+    base.Quantity("z", "mm", doc="body's origin, above the floor"),
+    base.Quantity("yaw", "deg", doc="heading"),
+    base.Quantity("pitch", "deg", doc="nose down"),
+    base.Quantity("roll", "deg", doc="right side down"),
+    base.Quantity("command", "mm", doc="stroke wanted"),
+    base.Quantity("stroke", "mm", doc="stroke reached"),
+    base.Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
+    base.Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
+    base.Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
+    base.Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
+    base.Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
+    base.Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
+    base.Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
+    base.Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
+    base.Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
 )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Walk(ByValue, Drawn):
+class Walk(base.ByValue, base.Drawn):
     """What a robot did while its actuator went out and back.
 
     Forces of what touches are means over the time since the sample before, for they pass within
@@ -84,24 +73,24 @@ class Walk(ByValue, Drawn):
     robot: Robot
     settings: Settings
     arena: Arena | None
-    time: Floats
-    x: Floats
-    y: Floats
-    z: Floats
-    yaw: Floats
-    pitch: Floats
-    roll: Floats
-    command: Floats
-    stroke: Floats
-    travel: Floats
-    foot_height: Floats
-    foot_force: Floats
-    foot_speed: Floats
-    support_force: Floats
-    actuator_force: Floats
-    antenna: Floats
-    touch: Floats
-    obstacle_force: Floats
+    time: base.Floats
+    x: base.Floats
+    y: base.Floats
+    z: base.Floats
+    yaw: base.Floats
+    pitch: base.Floats
+    roll: base.Floats
+    command: base.Floats
+    stroke: base.Floats
+    travel: base.Floats
+    foot_height: base.Floats
+    foot_force: base.Floats
+    foot_speed: base.Floats
+    support_force: base.Floats
+    actuator_force: base.Floats
+    antenna: base.Floats
+    touch: base.Floats
+    obstacle_force: base.Floats
     stopped: str
     _samples: RunSamples = field(repr=False)
     # What is computed when it is first asked for.
@@ -110,7 +99,7 @@ class Walk(ByValue, Drawn):
     )
 
     @property
-    def positions(self) -> Floats:
+    def positions(self) -> base.Floats:
         """(n, nq) of the joints of its model, in MuJoCo's order and units."""
         return self._samples.positions
 
@@ -129,7 +118,7 @@ class Walk(ByValue, Drawn):
         return max(0, int(last) - self._first)
 
     @property
-    def starts(self) -> Floats:
+    def starts(self) -> base.Floats:
         """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
 
         Empty for a walk without a whole cycle.
@@ -156,7 +145,7 @@ class Walk(ByValue, Drawn):
             ValueError: no such leg, or no such cycle.
         """
         if not 0 <= cycle < self.cycles:
-            raise InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
+            raise base.InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
         return gait(self._share(leg)[begin : end + 1])
 
@@ -167,12 +156,12 @@ class Walk(ByValue, Drawn):
             ValueError: no such leg, or a walk that was over before it began.
         """
         if len(self.time) == 0:
-            raise InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
+            raise base.InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
         sample = min(int(np.searchsorted(self.time, time)), len(self.time) - 1)
         return states(self._share(leg)[sample : sample + 1])[0]
 
     @property
-    def advance(self) -> Floats:
+    def advance(self) -> base.Floats:
         """(cycles,) displacement along the heading at each cycle's start, over u_max [1].
 
         u_max is the largest step that the legs can make: the travel of their stepping cells.
@@ -180,12 +169,12 @@ class Walk(ByValue, Drawn):
         return self._displacement()[0]
 
     @property
-    def sideways(self) -> Floats:
+    def sideways(self) -> base.Floats:
         """(cycles,) displacement to the left of that heading, over u_max [1]."""
         return self._displacement()[1]
 
     @property
-    def turn(self) -> Floats:
+    def turn(self) -> base.Floats:
         """(cycles,) rotation to the left [rad]."""
         return np.diff(self._at_starts(self.yaw))
 
@@ -208,7 +197,7 @@ class Walk(ByValue, Drawn):
         return self.work / carried if carried > 0 else float("inf")
 
     @property
-    def slip(self) -> Floats:
+    def slip(self) -> base.Floats:
         """(legs,) how far each foot slid while it carried weight, per cycle [m]."""
         loaded = self.foot_force > LOADED
         slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
@@ -228,7 +217,7 @@ class Walk(ByValue, Drawn):
 
     def to_xarray(self) -> "xr.Dataset":
         """The samples with their units, for xarray, NetCDF or Zarr."""
-        need("tables")
+        base.need("tables")
         import xarray as xr
 
         coordinates = {
@@ -243,13 +232,13 @@ class Walk(ByValue, Drawn):
         }
         attributes = {
             "title": self.robot.title,
-            "stepwell": __version__,
+            "stepwell": base.__version__,
             "stopped": self.stopped,
             "time_step_s": self.settings.time_step,
             "integrator": str(self.settings.integrator),
             "linkage": str(self.settings.linkage),
         }
-        return xr.Dataset(variables(SAMPLES, self, "time"), coordinates, attributes)
+        return xr.Dataset(base.variables(SAMPLES, self, "time"), coordinates, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write the samples as NetCDF; the file appears whole or not at all.
@@ -261,9 +250,9 @@ class Walk(ByValue, Drawn):
         # Readers of NetCDF 3 take a dimension of length 0, of antennas or obstacles that are
         # none, for an unlimited one and stumble.
         empty = [name for name, size in data.sizes.items() if not size and name != "time"]
-        write_netcdf(path, data.drop_dims(empty))
+        base.write_netcdf(path, data.drop_dims(empty))
 
-    def _share(self, name: str) -> Floats:
+    def _share(self, name: str) -> base.Floats:
         """(n, cells) travel of each cell of a leg over its full travel [1]."""
         leg = self.robot.leg(name)
         full = leg.chain.full_travels
@@ -280,11 +269,11 @@ class Walk(ByValue, Drawn):
         """When the run ended [s]; the last sample may be a little earlier."""
         return float(self.time[-1]) if self.stopped else self._samples.end
 
-    def _at_starts(self, values: Floats) -> Floats:
+    def _at_starts(self, values: base.Floats) -> base.Floats:
         """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
         return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
 
-    def _displacement(self) -> tuple[Floats, Floats]:
+    def _displacement(self) -> tuple[base.Floats, base.Floats]:
         dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
         yaw = self._at_starts(self.yaw)[:-1]
         most = self.robot.u_max
@@ -320,9 +309,9 @@ def walk(
     far. All else as for `Robot.walk`.
     """
     if not cycles > 0:
-        raise InputError(f"cycles = {cycles}: must be > 0.")
+        raise base.InputError(f"cycles = {cycles}: must be > 0.")
     if start is not None and start.stopped:
-        raise InputError(f"start: must not have ended early. {start.stopped}")
+        raise base.InputError(f"start: must not have ended early. {start.stopped}")
     settings = settings or Settings()
     run = SimulatedRun(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
@@ -338,7 +327,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
     """The readings of a run by their names."""
     data, where = samples.data, samples.where
 
-    def read(*names: str) -> Floats:
+    def read(*names: str) -> base.Floats:
         chosen = [data[:, where[name]] for name in names]
         return np.concatenate(chosen, axis=1) if chosen else np.empty((len(data), 0))
 
@@ -380,7 +369,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
     )
 
 
-def _angles(attitude: Floats) -> tuple[Floats, Floats, Floats]:
+def _angles(attitude: base.Floats) -> tuple[base.Floats, base.Floats, base.Floats]:
     """Yaw, pitch and roll [rad] from (n, 4) quaternions."""
     w, x, y, z = attitude.T
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))

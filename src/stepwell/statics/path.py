@@ -9,23 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    Floats,
-    InputError,
-    Ints,
-    Measure,
-    Quantity,
-    Schema,
-    check,
-    in_measure,
-    need,
-    to_unit,
-    told_in,
-    variables,
-    write_csv,
-)
+from stepwell import base
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain
 from stepwell.statics.events import (
@@ -37,14 +21,7 @@ from stepwell.statics.events import (
     phase_changes,
     segments_of,
 )
-from stepwell.statics.following import log as logged
-from stepwell.statics.following.certificate import (
-    EQUILIBRIUM,
-    FORCE_SLACK,
-    Samples,
-    count_samples,
-    sample,
-)
+from stepwell.statics.following import certificate, log as logged
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import InertialLanding, inertial_landing
 from stepwell.statics.landed import Landing, landings
@@ -63,7 +40,7 @@ _MOST_CHECKED = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Path(ByValue, Drawn):
+class Path(base.ByValue, base.Drawn):
     """A chain's way through its equilibria, with every event and a certificate at every point.
 
     Between events the arrays hold `points` samples a branch; events are exact whatever the
@@ -90,10 +67,10 @@ class Path(ByValue, Drawn):
     _log: logged.Log = field(repr=False)
 
     @cached_property
-    def _samples(self) -> Samples:
+    def _samples(self) -> certificate.Samples:
         problem = self._problem
-        size, cells = int(count_samples(self._log, self.points)), len(self.chain)
-        samples = Samples(
+        size, cells = int(certificate.count_samples(self._log, self.points)), len(self.chain)
+        samples = certificate.Samples(
             drive=np.empty(size),
             travel=np.empty((size, cells)),
             sheet=np.zeros((size, cells), np.int64),
@@ -106,17 +83,17 @@ class Path(ByValue, Drawn):
         )
         start = np.array(self.start), np.array(self.start_sheet), self._start_force
 
-        def fill(effort: Ints) -> int:
+        def fill(effort: base.Ints) -> int:
             limited = problem._replace(effort=effort)
-            return sample(limited, self._log, *start, self.points, samples)
+            return certificate.sample(limited, self._log, *start, self.points, samples)
 
         used = watched(fill, long=size > _MANY)
-        samples = Samples._make(values[:used] for values in samples)
+        samples = certificate.Samples._make(values[:used] for values in samples)
         worst = int(np.argmax(samples.residual))
         by = float(samples.residual[worst])
-        if not by <= FORCE_SLACK * problem.scale:
+        if not by <= certificate.FORCE_SLACK * problem.scale:
             drive = float(samples.drive[worst])
-            refuse_broken(EQUILIBRIUM, self.chain, drive, by, problem.scale)
+            refuse_broken(certificate.EQUILIBRIUM, self.chain, drive, by, problem.scale)
         for values in samples:
             values.setflags(write=False)
         return samples
@@ -132,32 +109,32 @@ class Path(ByValue, Drawn):
         return self
 
     @property
-    def drive(self) -> Floats:
+    def drive(self) -> base.Floats:
         """(n,) actuator position [m], or its force [N] under force control."""
         return self._samples.drive
 
     @property
-    def travel(self) -> Floats:
+    def travel(self) -> base.Floats:
         """(n, N) travel of every cell [m]."""
         return self._samples.travel
 
     @property
-    def sheet(self) -> Ints:
+    def sheet(self) -> base.Ints:
         """(n, N) the sheet of its curve on which every cell is; all 0 unless one folds back."""
         return self._samples.sheet
 
     @cached_property
-    def stroke(self) -> Floats:
+    def stroke(self) -> base.Floats:
         """(n,) displacement of the outermost block u = Σ s_i [m]."""
         return np.sum(self.travel, axis=1)
 
     @property
-    def force(self) -> Floats:
+    def force(self) -> base.Floats:
         """(n,) actuator force λ [N], positive where it resists loading."""
         return self._samples.force
 
     @cached_property
-    def energy(self) -> Floats:
+    def energy(self) -> base.Floats:
         """(n,) energy of all cells [J], without the actuator's spring."""
         total = np.zeros(len(self.drive))
         for cell, travel, sheet in zip(self.chain.cells, self.travel.T, self.sheet.T, strict=True):
@@ -167,7 +144,7 @@ class Path(ByValue, Drawn):
         return total
 
     @property
-    def branch(self) -> Ints:
+    def branch(self) -> base.Ints:
         """(n,) number of the smooth branch; a snap leads from one to the next."""
         return self._samples.branch
 
@@ -177,17 +154,17 @@ class Path(ByValue, Drawn):
         return self._samples.snap_after.astype(bool)
 
     @property
-    def direction(self) -> Ints:
+    def direction(self) -> base.Ints:
         """(n,) +1 while the drive rises, -1 while it falls."""
         return self._samples.direction
 
     @property
-    def residual(self) -> Floats:
+    def residual(self) -> base.Floats:
         """(n,) certificate: the worst violation of equilibrium by any cell [N]."""
         return self._samples.residual
 
     @property
-    def stability(self) -> Floats:
+    def stability(self) -> base.Floats:
         """(n,) certificate: least stiffness at fixed drive [N/m]; > 0 is stable, inf is held.
 
         At a kink it is that of the softer side, so it can be 0 or less where a snap begins.
@@ -195,7 +172,7 @@ class Path(ByValue, Drawn):
         return self._samples.stability
 
     @property
-    def _rows(self) -> Floats:
+    def _rows(self) -> base.Floats:
         return self._log.segments[: self._log.used[0]]
 
     @cached_property
@@ -293,8 +270,8 @@ class Path(ByValue, Drawn):
         """
         events = [event for event in self.events if event.kind is EventKind.SNAP]
         number = events.index(snap) if isinstance(snap, Event) and snap in events else snap
-        if isinstance(number, Event) or not 0 <= check.whole("snap", number, 0) < len(events):
-            raise InputError(
+        if isinstance(number, Event) or not 0 <= base.check.whole("snap", number, 0) < len(events):
+            raise base.InputError(
                 f"snap = {snap!r}: must be a snap of this path, which has {len(events)}: pass its "
                 f"number, from 0, or the event itself."
             )
@@ -371,7 +348,7 @@ class Path(ByValue, Drawn):
         return float(forces[np.argmax(np.abs(forces))])
 
     @cached_property
-    def end(self) -> Floats:
+    def end(self) -> base.Floats:
         """(N,) travels at the end [m]."""
         travels = np.array(self.start)
         movers = self._log.movers[: self._log.used[1]]
@@ -395,7 +372,7 @@ class Path(ByValue, Drawn):
     def resampled(self, points: int) -> "Path":
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
-            raise InputError(f"points = {points}: must be >= 2, both ends of a branch.")
+            raise base.InputError(f"points = {points}: must be >= 2, both ends of a branch.")
         return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> "xarray.Dataset":
@@ -403,12 +380,12 @@ class Path(ByValue, Drawn):
 
         Its variables have the names that they have here, whatever travel and force are.
         """
-        need("tables")
+        base.need("tables")
         import xarray
 
         schema = [replace(q, name=q.attribute) for q in self._schema]
         return xarray.Dataset(
-            variables(schema, self, "sample"),
+            base.variables(schema, self, "sample"),
             {"cell": list(self.chain.names)},
             {"title": self.chain.title or "path"},
         )
@@ -416,7 +393,7 @@ class Path(ByValue, Drawn):
     def to_csv(self, file: str | File) -> None:
         """Write all samples as CSV, units in the column names (of travel: mm, N, mJ, N/m)."""
         names = [name.replace(" ", "_") for name in self.chain.names]
-        columns: list[tuple[Quantity, Any]] = []
+        columns: list[tuple[base.Quantity, Any]] = []
         for q in self._schema:
             values = q.of(self)
             if q.dims:
@@ -424,35 +401,39 @@ class Path(ByValue, Drawn):
                 columns += zip(each, values.T, strict=True)
             else:
                 columns.append((q, values))
-        write_csv(file, columns)
+        base.write_csv(file, columns)
 
     @property
-    def _schema(self) -> Schema:
+    def _schema(self) -> base.Schema:
         measure = self.chain.measure
-        volume = measure is Measure.VOLUME
+        volume = measure is base.Measure.VOLUME
         outermost = "sum over the cells" if volume else "displacement of the outermost block"
         folds = any(len(element.laws) > 1 for element in self.chain.elements)
-        sheet = Quantity("sheet", doc="on which sheet of its curve each cell is", dims=("cell",))
-        schema = (
-            Quantity("drive", told_in(self.chain.drive_unit)[0], doc="actuator coordinate"),
-            Quantity("stroke", "mm", doc=outermost),
-            Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
-            *([sheet] if folds else []),
-            Quantity("force", "N", doc="actuator force"),
-            Quantity("energy", "mJ", doc="energy of all cells"),
-            Quantity("branch", doc="number of the smooth branch"),
-            Quantity("direction", doc="+1 while the drive rises"),
-            Quantity("residual", "N", doc="worst violation of equilibrium"),
-            Quantity("stability", "N/m", doc="least stiffness at fixed drive"),
+        sheet = base.Quantity(
+            "sheet", doc="on which sheet of its curve each cell is", dims=("cell",)
         )
-        return in_measure(schema, measure)
+        schema = (
+            base.Quantity(
+                "drive", base.told_in(self.chain.drive_unit)[0], doc="actuator coordinate"
+            ),
+            base.Quantity("stroke", "mm", doc=outermost),
+            base.Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
+            *([sheet] if folds else []),
+            base.Quantity("force", "N", doc="actuator force"),
+            base.Quantity("energy", "mJ", doc="energy of all cells"),
+            base.Quantity("branch", doc="number of the smooth branch"),
+            base.Quantity("direction", doc="+1 while the drive rises"),
+            base.Quantity("residual", "N", doc="worst violation of equilibrium"),
+            base.Quantity("stability", "N/m", doc="least stiffness at fixed drive"),
+        )
+        return base.in_measure(schema, measure)
 
     def __repr__(self):
         snaps = int(np.sum(self._rows[:, logged.KIND] == logged.SNAP))
-        drive = Quantity("drive", told_in(self.chain.drive_unit)[0])
+        drive = base.Quantity("drive", base.told_in(self.chain.drive_unit)[0])
         turns = " → ".join(f"{t * drive.factor:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
         return (
             f"Path({len(self.chain)} cells, {turns}{more} {drive.sign}: {snaps} snaps, "
-            f"dissipates {to_unit(self.dissipated, 'mJ'):.4g} mJ)"
+            f"dissipates {base.to_unit(self.dissipated, 'mJ'):.4g} mJ)"
         )

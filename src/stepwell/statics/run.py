@@ -9,6 +9,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
+from stepwell.statics import places
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.certificate import KEPT, audit
 from stepwell.statics.following.follow import follow
@@ -27,13 +28,6 @@ from stepwell.statics.following.state import (
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
 from stepwell.statics.path import Path
-from stepwell.statics.places import (
-    Configuration,
-    full_range,
-    problem_of,
-    starting_configuration,
-    starting_state,
-)
 from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
 
 # A path that needs more is not a path but a loop.
@@ -56,7 +50,7 @@ def path(
     chain: Chain,
     turning_points: Sequence[float],
     *,
-    start: str | Configuration | Sequence[float] | None = None,
+    start: str | places.Configuration | Sequence[float] | None = None,
     prefer: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
@@ -65,10 +59,10 @@ def path(
     All else as for `Chain.path`.
     """
     points = _finite_turns(turning_points)
-    problem = problem_of(chain, prefer=prefer)
+    problem = places.problem_of(chain, prefer=prefer)
     points = _reached_turns(chain, problem, points)
-    place = starting_configuration(chain, problem, start, float(points[0]))
-    state = starting_state(chain, problem, place, float(points[0]))
+    place = places.starting_configuration(chain, problem, start, float(points[0]))
+    state = places.starting_state(chain, problem, place, float(points[0]))
     return _follow_from(chain, problem, points, place, state, progress)
 
 
@@ -88,11 +82,11 @@ def full_cycle(
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
-            begin = Configuration((0.0,) * len(chain), (0,) * len(chain))
+            begin = places.Configuration((0.0,) * len(chain), (0,) * len(chain))
             return _as_path(chain, None, np.array([0.0, reach, 0.0]), begin, force, log)
-    problem = problem_of(chain, cells, prefer)
-    begin, (low, high) = full_range(chain, problem)
-    state = starting_state(chain, problem, begin, low)
+    problem = places.problem_of(chain, cells, prefer)
+    begin, (low, high) = places.full_range(chain, problem)
+    state = places.starting_state(chain, problem, begin, low)
     return _follow_from(chain, problem, np.array([low, high, low]), begin, state, progress)
 
 
@@ -100,7 +94,7 @@ def _follow_from(
     chain: Chain,
     problem: DrivenChain,
     turning: Floats,
-    place: Configuration,
+    place: places.Configuration,
     start: State,
     progress: Progress | None,
 ) -> Path:
@@ -202,7 +196,7 @@ def _as_path(
     chain: Chain,
     problem: DrivenChain | None,
     turning: Floats,
-    begin: Configuration,
+    begin: places.Configuration,
     force: float,
     log: logged.Log,
 ) -> Path:

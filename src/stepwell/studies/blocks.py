@@ -6,23 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stepwell import concave
 from stepwell.base import Floats, InputError
-from stepwell.concave import (
-    FORCE,
-    MOST_CELLS,
-    NOT_PROVED,
-    STROKE,
-    TIES,
-    TOLD,
-    WAKES,
-    KeyCounts,
-    classed,
-    simple,
-)
 from stepwell.mechanism import Chain
 from stepwell.studies.designs import Block, Subject, changed, unit_in
 
-DRIVES = {"stroke": STROKE, "force": FORCE}
+DRIVES = {"stroke": concave.STROKE, "force": concave.FORCE}
 
 # Designs that are computed together: their numbers stay in the processor's cache.
 _PIECE = 2**14
@@ -73,8 +62,8 @@ def packed(chain: Chain, names: Sequence[str]) -> Packed:
         ValueError: other cells, too many, or a number on which those of a cell do not hang in
             proportion, such as an angle.
     """
-    if len(chain) > MOST_CELLS:
-        raise InputError(f"{len(chain)} cells: must be at most {MOST_CELLS}.")
+    if len(chain) > concave.MOST_CELLS:
+        raise InputError(f"{len(chain)} cells: must be at most {concave.MOST_CELLS}.")
     here = _numbers(chain, "the design")
     steps = [_value(chain, name) for name in names]
     slopes = [
@@ -106,7 +95,7 @@ def _value(chain: Chain, name: str) -> tuple[float, float]:
 
 def _numbers(chain: Subject, what: str) -> Floats:
     assert isinstance(chain, Chain)
-    found = [simple(cell) for cell in chain.cells]
+    found = [concave.simple(cell) for cell in chain.cells]
     if any(one is None for one in found) or np.isfinite(chain.actuator_stiffness):
         raise InputError(
             f"{what}: closed form needs cells of one linear band, without load or friction, and "
@@ -129,22 +118,22 @@ def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
         were not told.
     """
     most = min(block.size, _GRAPHS)
-    graphs, cycles = KeyCounts(most), KeyCounts(most)
+    graphs, cycles = concave.KeyCounts(most), concave.KeyCounts(most)
     counts = np.zeros(4, np.int64)
     asked: list[int] = []
     for first in range(block.first, block.first + block.size, _PIECE):
         last = min(first + _PIECE, block.first + block.size)
-        key, cycle, gap, told = classed(numbers.at(block.space.points(first, last)), drive)
+        key, cycle, gap, told = concave.classed(numbers.at(block.space.points(first, last)), drive)
         graphs.add(key, gap[:, 0], first)
         cycles.add(cycle, gap[:, 1], first)
         counts += np.bincount(told, minlength=4)
         if len(asked) < _ASKED:
-            asked += (first + np.flatnonzero(told != TOLD)[: _ASKED - len(asked)]).tolist()
+            asked += (first + np.flatnonzero(told != concave.TOLD)[: _ASKED - len(asked)]).tolist()
     return {
-        "told": int(counts[TOLD]),
-        "not_proved": int(counts[NOT_PROVED]),
-        "ties": int(counts[TIES]),
-        "wakes": int(counts[WAKES]),
+        "told": int(counts[concave.TOLD]),
+        "not_proved": int(counts[concave.NOT_PROVED]),
+        "ties": int(counts[concave.TIES]),
+        "wakes": int(counts[concave.WAKES]),
         "graphs": json.dumps(graphs.rows),
         "cycles": json.dumps(cycles.rows),
         "asked": json.dumps(asked),

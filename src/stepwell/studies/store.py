@@ -20,20 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
-from stepwell.base import (
-    ByValue,
-    InputError,
-    Quantity,
-    ReadOnly,
-    StepwellError,
-    __version__,
-    need,
-    refuse_address,
-    sync_folder,
-    told_in,
-    write_atomic,
-    write_csv,
-)
+from stepwell import base
 from stepwell.robot import Robot
 from stepwell.studies.designs import (
     Designs,
@@ -59,16 +46,16 @@ _MOST_NAMED = 6
 _LISTED = "listed"
 
 
-class StudyError(InputError):
+class StudyError(base.InputError):
     """A folder that holds no study, another one, or one that this version cannot go on with."""
 
 
-class GapError(StepwellError, RuntimeError):
+class GapError(base.StepwellError, RuntimeError):
     """A store that lacks designs of its study; the text says which, and what to do."""
 
 
 @dataclass(frozen=True, eq=False)
-class Gap(ByValue):
+class Gap(base.ByValue):
     """Designs that a store lacks, from `first` to `last`, and whether they were there once.
 
     Attributes:
@@ -86,7 +73,7 @@ class Gap(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Study(ByValue):
+class Study(base.ByValue):
     """What is asked, and where its answers are.
 
     Attributes:
@@ -108,14 +95,14 @@ class Study(ByValue):
     designs: Designs
     chunk: int
     given: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    version: str = __version__
+    version: str = base.__version__
 
     def __post_init__(self):
-        refuse_address(self.folder)
+        base.refuse_address(self.folder)
         object.__setattr__(self, "folder", Path(self.folder))
-        object.__setattr__(self, "given", ReadOnly(self.given))
+        object.__setattr__(self, "given", base.ReadOnly(self.given))
         if self.chunk < 1:
-            raise InputError(f"chunk = {self.chunk}: must be 1 or more.")
+            raise base.InputError(f"chunk = {self.chunk}: must be 1 or more.")
 
     @property
     def count(self) -> int:
@@ -137,12 +124,14 @@ class Study(ByValue):
         """Unit of every column by its name: what differs, what is found, what was wrong."""
         found = (SCREEN_COLUMNS if self.work.screen else {}) | dict(self.work.columns)
         if twice := sorted({PROBLEM, *self.varied} & found.keys()):
-            raise InputError(f"{self.what}: gives {', '.join(twice)}, which is a column already.")
+            raise base.InputError(
+                f"{self.what}: gives {', '.join(twice)}, which is a column already."
+            )
         columns = self.varied | found | {PROBLEM: TEXT}
         for name in columns:
             # Each is a folder of the store.
             if set(name) & {"/", "\\"} or not name.isprintable() or name.startswith((".", "__")):
-                raise InputError(
+                raise base.InputError(
                     f"{name!r}: cannot be the name of a column: / and \\ may not be in it, nor . "
                     f"and __ begin it. A cell has a number too, as in 1.q.x."
                 )
@@ -156,7 +145,7 @@ class Study(ByValue):
         unit = self.columns[name]
         if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, Robot)):
             return "", 1.0
-        return told_in(unit)
+        return base.told_in(unit)
 
     @cached_property
     def work(self) -> Work:
@@ -264,10 +253,10 @@ class Study(ByValue):
             return there
         draft = place.with_name(f".{uuid.uuid4().hex}")
         try:
-            write_atomic(draft, json.dumps(list(find())))
+            base.write_atomic(draft, json.dumps(list(find())))
             with suppress(FileExistsError):  # somebody else was faster
                 os.link(draft, place)
-            sync_folder(place.parent)
+            base.sync_folder(place.parent)
         finally:
             draft.unlink(missing_ok=True)
         found = _read(place)
@@ -276,7 +265,7 @@ class Study(ByValue):
 
     def to_xarray(self) -> "xr.Dataset":
         """What is there so far, over "row"; NaN and empty words where nothing is yet."""
-        need("tables")
+        base.need("tables")
         import xarray as xr
 
         return xr.open_zarr(self.folder, consolidated=False, chunks=None)
@@ -335,17 +324,19 @@ class Study(ByValue):
             GapError: designs are missing; not where `partial` is set.
         """
         if count < 1 or not by:
-            raise InputError(f"best {count} by {list(by)}: must be 1 or more, by a column or more.")
+            raise base.InputError(
+                f"best {count} by {list(by)}: must be 1 or more, by a column or more."
+            )
         chunks = self._chunks(partial)
         columns = {}
         for name in dict.fromkeys(one.removeprefix("-") for one in by):
             if self.columns.get(name, TEXT) == TEXT:
                 known = ", ".join(name for name, unit in self.columns.items() if unit != TEXT)
-                raise InputError(f"{name}: is no column of numbers: must be one of {known}.")
+                raise base.InputError(f"{name}: is no column of numbers: must be one of {known}.")
             columns[name] = self.values(name, chunks)
         order = ranked(columns, by)[:count]
         if not order:
-            raise InputError(f"{self.folder}: no design has a value of {by[0]} yet.")
+            raise base.InputError(f"{self.folder}: no design has a value of {by[0]} yet.")
         rows = [self.values(name, chunks)[order] for name in self.varied]
         return ListedDesigns(tuple(self.varied), np.column_stack(rows))
 
@@ -364,7 +355,7 @@ class Study(ByValue):
             OSError: it cannot be written.
         """
         done, columns = self._table(partial)
-        write_csv(file, columns)
+        base.write_csv(file, columns)
         return len(done)
 
     def to_parquet(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
@@ -374,7 +365,7 @@ class Study(ByValue):
             ExtraError: the extra parquet is not installed.
             OSError: it cannot be written.
         """
-        need("parquet")
+        base.need("parquet")
         import pyarrow as pa
         from pyarrow import parquet
 
@@ -388,19 +379,19 @@ class Study(ByValue):
 
         whole = BytesIO()
         parquet.write_table(table, whole)
-        write_atomic(file, whole.getvalue())
+        base.write_atomic(file, whole.getvalue())
         return len(done)
 
-    def _table(self, partial: bool) -> tuple[list[int], list[tuple[Quantity, Any]]]:
+    def _table(self, partial: bool) -> tuple[list[int], list[tuple[base.Quantity, Any]]]:
         """What is done, and every column of it in SI with how it is told."""
         chunks = self._chunks(partial)
         done = [number for k in chunks for number in self.rows(k)]
-        columns: list[tuple[Quantity, Any]] = [(Quantity("design"), done)]
+        columns: list[tuple[base.Quantity, Any]] = [(base.Quantity("design"), done)]
         for name, unit in self.columns.items():
             told, _ = self.told(name)
             values = self.values(name, chunks)
             columns.append(
-                (Quantity(name, told), [str(v) for v in values] if unit == TEXT else values)
+                (base.Quantity(name, told), [str(v) for v in values] if unit == TEXT else values)
             )
         return done, columns
 
@@ -476,7 +467,7 @@ def opened(folder: str | os.PathLike[str]) -> Study:
     Raises:
         StudyError: it holds none, or one whose description is damaged.
     """
-    need("studies")
+    base.need("studies")
     import zarr
 
     place = Path(folder)
@@ -521,7 +512,7 @@ def begun(study: Study) -> Study:
         StudyError: the folder holds another study, or the same by another version.
         OSError: it cannot be written.
     """
-    need("studies")
+    base.need("studies")
     if not study.folder.exists():
         _make(study)
     there = opened(study.folder)
@@ -581,7 +572,7 @@ def extended(study: Study, count: int) -> Study:
         if study.column(name).shape[0] < count:
             study.column(name).resize((count,))
     study.group.attrs["stepwell_study"] = larger.asked()
-    sync_folder(study.folder)
+    base.sync_folder(study.folder)
     return opened(study.folder)
 
 
@@ -620,7 +611,7 @@ def _make(study: Study) -> None:
         except OSError:
             if not study.folder.exists():  # else somebody else was faster
                 raise
-        sync_folder(study.folder.parent)
+        base.sync_folder(study.folder.parent)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 
@@ -653,4 +644,4 @@ def _sync(file: Path) -> None:
     """Have the disk hold a file before anybody counts on it."""
     with file.open("rb") as written:
         os.fsync(written.fileno())
-    sync_folder(file.parent)
+    base.sync_folder(file.parent)

@@ -2,31 +2,22 @@
 
 from collections.abc import Callable
 
+from stepwell import base
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Section, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
-from stepwell.base import (
-    Quantity,
-    Schema,
-    amount,
-    counted,
-    in_measure,
-    number,
-    percent,
-    quantities,
-    told_in,
-)
+from stepwell.base import Quantity, Schema
 from stepwell.lab import AsBuilt, Known
 
 
 def _in_unit(name: str) -> Callable[[Known], float]:
     """A number of a parameter, in the unit of this parameter."""
-    return lambda one: getattr(one, name) * told_in(one.parameter.unit)[1]
+    return lambda one: getattr(one, name) * base.told_in(one.parameter.unit)[1]
 
 
 def _unit(one: Known) -> str:
-    return Quantity("", told_in(one.parameter.unit)[0]).sign
+    return Quantity("", base.told_in(one.parameter.unit)[0]).sign
 
 
 _KNOWN: Schema = (
@@ -47,10 +38,10 @@ _MOVE: Schema = (
     Quantity("move", head="move", read=str),
     *_PLACED,
     Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
-    Quantity("share", head="yield", form=percent, left=False, holds=float),
+    Quantity("share", head="yield", form=base.percent, left=False, holds=float),
 )
 _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
-_PULL: Schema = quantities(direction=int, stroke="mm", force="N")
+_PULL: Schema = base.quantities(direction=int, stroke="mm", force="N")
 
 
 def _seen(shape: Shape) -> Schema:
@@ -59,9 +50,9 @@ def _seen(shape: Shape) -> Schema:
         Quantity("sequence", missing=True),
         Quantity("snaps_out", shape.drive, read="out", holds=[float], missing=True),
         Quantity("snaps_back", shape.drive, read="back", holds=[float], missing=True),
-        Quantity("pulls", holds=[in_measure(_PULL, shape.measure)]),
+        Quantity("pulls", holds=[base.in_measure(_PULL, shape.measure)]),
         Quantity("ruler", shape.drive),
-        *in_measure([Quantity("scale", "N")], shape.measure),
+        *base.in_measure([Quantity("scale", "N")], shape.measure),
     )
 
 
@@ -69,12 +60,12 @@ def as_built_schema(shape: Shape) -> Schema:
     """What is reported of a build."""
     return (
         Quantity("title", read="drawing.title"),
-        *quantities(advice=str, target=str, share=float, moves=[_MOVE], hole="mm"),
+        *base.quantities(advice=str, target=str, share=float, moves=[_MOVE], hole="mm"),
         Quantity("wrong_hole", holds=float, read="chance"),
         Quantity("wrong_holes", holds=[_WRONG], read="wrong"),
-        *quantities(seen=_seen(shape), known=[_KNOWN]),
+        *base.quantities(seen=_seen(shape), known=[_KNOWN]),
         Quantity("drawn", holds=int, read="samples"),
-        *quantities(agreeing=float, wider=float),
+        *base.quantities(agreeing=float, wider=float),
         Quantity("anchor", "mm", read="tolerances.anchor"),
         Quantity("stiffness", "percent", read="tolerances.stiffness"),
     )
@@ -93,8 +84,8 @@ def as_built_account(found: AsBuilt, about: About) -> Account:
         seed=found.seed,
         facts=(
             Fact("Target", found.target),
-            Fact("Yield as built", percent(found.share)),
-            Fact("Yield after the move", percent(found.moves[0].share) if found.moves else ""),
+            Fact("Yield as built", base.percent(found.share)),
+            Fact("Yield after the move", base.percent(found.moves[0].share) if found.moves else ""),
             Fact("Observed", _observed(found), Level.TERMINAL),
             Fact("Samples", _samples(found), Level.TERMINAL),
             Fact("Holes", _holes(found)),
@@ -139,10 +130,10 @@ _ASSUMED = (
 
 def _samples(found: AsBuilt) -> str:
     """Within which tolerances builds were drawn, and how many of them agree."""
-    wider = f", {number(found.wider)} times those given" * (found.wider > 1)
+    wider = f", {base.number(found.wider)} times those given" * (found.wider > 1)
     return (
         f"{found.samples} with {tolerance_words(found.tolerances, found.drawing)}{wider}; "
-        f"{percent(found.agreeing)} of random builds move as observed"
+        f"{base.percent(found.agreeing)} of random builds move as observed"
     )
 
 
@@ -151,9 +142,9 @@ def _observed(found: AsBuilt) -> str:
     words = [seen.sequence or ""]
     for strokes, way in ((seen.out, "loading"), (seen.back, "unloading")):
         if strokes is not None:
-            each = ", ".join(amount(one, unit) for one in strokes)
+            each = ", ".join(base.amount(one, unit) for one in strokes)
             words.append(f"snaps at {each} {way}" if each else f"no snap {way}")
-    words.append(counted(len(seen.pulls), "force") if seen.pulls else "")
+    words.append(base.counted(len(seen.pulls), "force") if seen.pulls else "")
     return "; ".join(filter(None, words))
 
 
@@ -164,5 +155,5 @@ def _holes(found: AsBuilt) -> str:
         return "nominal; wrong holes were not searched"
     if not found.wrong:
         return "nominal, as far as observed"
-    each = ", ".join(f"{one} in {percent(one.share)}" for one in found.wrong)
+    each = ", ".join(f"{one} in {base.percent(one.share)}" for one in found.wrong)
     return f"{each} of the builds that would do this; p the other way does the same"

@@ -4,19 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from stepwell.accounts import parts
 from stepwell.accounts.head import About
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Notes,
-    Picture,
-    RecordTable,
-    Section,
-    Text,
-    Verbatim,
-    Warned,
-)
 from stepwell.base import Column, Quantity, Schema, number, percent, quantities
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
@@ -80,11 +69,11 @@ BAND: Schema = (
 )
 
 
-def band_account(found: BandFit, about: About) -> Account:
+def band_account(found: BandFit, about: About) -> parts.Account:
     """What is reported of bands."""
     choice, alone = found.choice, found.alone
     table = band_table(found, about.source or "")
-    return Account(
+    return parts.Account(
         found,
         title="Stiffness of bands",
         kind="lab.band/1",
@@ -92,21 +81,23 @@ def band_account(found: BandFit, about: About) -> Account:
         answer=f"Stiffness {number(found.stiffness.value)} N/m",
         given={"data_sha256": about.data_sha256, "table": table},
         facts=(
-            Fact("This band, 95 %", "" if alone is None else _between(alone.stiffness, "N/m")),
-            Fact("Rest length", _rest_length(found)),
-            Fact("Mean of bands, 95 %", _of_many(found.stiffness, "low", "high")),
-            Fact("Next band, 95 %", _of_many(found.stiffness, "next_low", "next_high")),
-            Fact("By sample", f"{_each(found.stiffness, '.4g')} N/m"),
-            Fact("Work lost in a cycle", _lost(found)),
-            Fact("Force law", choice.chosen.law.name),
+            parts.Fact(
+                "This band, 95 %", "" if alone is None else _between(alone.stiffness, "N/m")
+            ),
+            parts.Fact("Rest length", _rest_length(found)),
+            parts.Fact("Mean of bands, 95 %", _of_many(found.stiffness, "low", "high")),
+            parts.Fact("Next band, 95 %", _of_many(found.stiffness, "next_low", "next_high")),
+            parts.Fact("By sample", f"{_each(found.stiffness, '.4g')} N/m"),
+            parts.Fact("Work lost in a cycle", _lost(found)),
+            parts.Fact("Force law", choice.chosen.law.name),
             *_used(found.test),
         ),
-        warnings=(Warned("Check the recordings", "", found.test.warnings),),
+        warnings=(parts.Warned("Check the recordings", "", found.test.warnings),),
         sections=(
-            Section(
+            parts.Section(
                 "Force laws",
-                Picture("laws", "Force against stroke, and the laws"),
-                RecordTable(
+                parts.Picture("laws", "Force against stroke, and the laws"),
+                parts.RecordTable(
                     _laws(found),
                     "laws",
                     "What each law leaves of the force, and how well it predicts what was left "
@@ -115,40 +106,44 @@ def band_account(found: BandFit, about: About) -> Account:
                     more="laws",
                 ),
             ),
-            Section("Choice of the law", Notes([choice.told, choice.rest_length_told()])),
-            Section(
-                "Stiffness [N/m] by window: from (down) and to (across) [mm]",
-                RecordTable(_ends(found), "windows", most=None, pick=_by_start),
+            parts.Section(
+                "Choice of the law", parts.Notes([choice.told, choice.rest_length_told()])
             ),
-            Section("For a design file", Verbatim(table.rstrip(), "Band table")),
-            Section("Used and dropped", Notes(found.test.told)),
-            Section("Assumptions", Text(_assumed(found))),
+            parts.Section(
+                "Stiffness [N/m] by window: from (down) and to (across) [mm]",
+                parts.RecordTable(_ends(found), "windows", most=None, pick=_by_start),
+            ),
+            parts.Section("For a design file", parts.Verbatim(table.rstrip(), "Band table")),
+            parts.Section("Used and dropped", parts.Notes(found.test.told)),
+            parts.Section("Assumptions", parts.Text(_assumed(found))),
         ),
     )
 
 
-def band_test_account(found: BandTest, about: About) -> Account:
+def band_test_account(found: BandTest, about: About) -> parts.Account:
     """What a notebook shows of tension tests, without a force law."""
     estimate = stiffness(found)
-    return Account(
+    return parts.Account(
         found,
         title="Tension tests of bands",
         facts=(
-            Fact("Stiffness", f"{number(estimate.value)} N/m"),
-            Fact("Mean of bands, 95 %", _of_many(estimate, "low", "high")),
-            Fact("Samples", ", ".join(map(str, found.samples))),
+            parts.Fact("Stiffness", f"{number(estimate.value)} N/m"),
+            parts.Fact("Mean of bands, 95 %", _of_many(estimate, "low", "high")),
+            parts.Fact("Samples", ", ".join(map(str, found.samples))),
             *_used(found),
         ),
-        warnings=(Warned("Check the recordings", "", found.warnings),),
-        sections=(Section("Used and dropped", Notes(found.told[:3], Level.CARD)),),
+        warnings=(parts.Warned("Check the recordings", "", found.warnings),),
+        sections=(
+            parts.Section("Used and dropped", parts.Notes(found.told[:3], parts.Level.CARD)),
+        ),
     )
 
 
-def _used(test: BandTest) -> tuple[Fact, ...]:
+def _used(test: BandTest) -> tuple[parts.Fact, ...]:
     low, high = (number(edge * _MM) for edge in test.window)
     return (
-        Fact("Window", f"{low} to {high} mm of stroke, loading"),
-        Fact("Cycles", f"{test.cycles[0]} to {test.cycles[1]}"),
+        parts.Fact("Window", f"{low} to {high} mm of stroke, loading"),
+        parts.Fact("Cycles", f"{test.cycles[0]} to {test.cycles[1]}"),
     )
 
 

@@ -4,19 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from stepwell.accounts import parts
 from stepwell.accounts.head import About
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Notes,
-    Picture,
-    RecordTable,
-    Row,
-    Section,
-    Text,
-    Verbatim,
-)
 from stepwell.base import Quantity, Schema, counted, number, quantities, rows_of
 from stepwell.lab import Calibration, calibrated_table
 
@@ -75,13 +64,13 @@ _MEAN: Schema = quantities(bands=int, in_pair=bool, fit="over_kr", left_out="ove
 _CORRELATED: Schema = quantities(parameter=str, other=str, correlation=float)
 
 
-def _errors(found: Calibration) -> Sequence[Row]:
+def _errors(found: Calibration) -> Sequence[parts.Row]:
     """The errors of each cell in a series, fitted and left out [k r]."""
     fit, left_out = found.fit_error, found.left_out_error
     return rows_of({"sample": found.samples, "fit": fit, "left_out": left_out})
 
 
-def _means(found: Calibration) -> Sequence[Row]:
+def _means(found: Calibration) -> Sequence[parts.Row]:
     """The mean errors of the cells with so many bands [k r]."""
     return [
         {
@@ -147,11 +136,11 @@ CALIBRATE: Schema = (
 )
 
 
-def calibration_account(found: Calibration, about: About) -> Account:
+def calibration_account(found: Calibration, about: About) -> parts.Account:
     """What is reported of a calibration."""
     answer, *rest = summary(found)
     table = calibrated_table(found, about.source or "")
-    return Account(
+    return parts.Account(
         found,
         title="Bands calibrated on cells",
         kind="lab.calibrate/2",
@@ -159,20 +148,20 @@ def calibration_account(found: Calibration, about: About) -> Account:
         answer=answer,
         given={"data_sha256": about.data_sha256, "table": table},
         facts=(
-            Fact("Force law", found.law),
-            Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
+            parts.Fact("Force law", found.law),
+            parts.Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
         ),
         sections=(
-            Section("Predictions", Notes(rest, Level.CARD)),
-            Section(
+            parts.Section("Predictions", parts.Notes(rest, parts.Level.CARD)),
+            parts.Section(
                 "Parameters, each with its 95 % interval by leaving out a geometry",
-                RecordTable(
-                    _PARAMETER, "parameters", most=None, more="parameters", level=Level.CARD
+                parts.RecordTable(
+                    _PARAMETER, "parameters", most=None, more="parameters", level=parts.Level.CARD
                 ),
             ),
-            Section(
+            parts.Section(
                 "First snaps",
-                RecordTable(
+                parts.RecordTable(
                     _SNAP,
                     "snaps",
                     "Seen and predicted; no snap has a part in a fit.",
@@ -180,18 +169,18 @@ def calibration_account(found: Calibration, about: About) -> Account:
                     pick=lambda rows: [one for one in rows if _snaps(one)],
                 ),
             ),
-            Section(
+            parts.Section(
                 "Root mean square errors in k r",
-                Picture("calibration", "Fitted and measured forces"),
-                RecordTable(_ERROR, "errors", most=None, more="curves"),
+                parts.Picture("calibration", "Fitted and measured forces"),
+                parts.RecordTable(_ERROR, "errors", most=None, more="curves"),
             ),
-            Section("Correlated parameters", Text(_correlated(found))),
-            Section("Not identified by these recordings", Notes(found.open)),
-            Section("For a design file", Verbatim(table.rstrip(), "Band table")),
-            Section("Used, dropped and odd", Notes(found.notes)),
-            Section(
+            parts.Section("Correlated parameters", parts.Text(_correlated(found))),
+            parts.Section("Not identified by these recordings", parts.Notes(found.open)),
+            parts.Section("For a design file", parts.Verbatim(table.rstrip(), "Band table")),
+            parts.Section("Used, dropped and odd", parts.Notes(found.notes)),
+            parts.Section(
                 "Assumptions",
-                Text(
+                parts.Text(
                     "Intervals are those of the jackknife over geometries, taken as "
                     "independent; samples along a stroke are not independent."
                 ),

@@ -4,38 +4,18 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, of_class
-from stepwell.accounts.parts import (
-    Account,
-    Fact,
-    Level,
-    Notes,
-    Picture,
-    RecordTable,
-    Row,
-    Section,
-    Text,
-)
-from stepwell.base import (
-    Column,
-    Columns,
-    Quantity,
-    Schema,
-    amount,
-    counted,
-    number,
-    quantities,
-    record,
-    rows_of,
-)
+from stepwell.base import Quantity, Schema
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
 _MM = Quantity("stroke", "mm").factor
 
-_RIG: Schema = quantities(
+_RIG: Schema = base.quantities(
     stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
 )
-_MEANS: Schema = quantities(bands=int, rmse="over_kr")
+_MEANS: Schema = base.quantities(bands=int, rmse="over_kr")
 _RISE: Schema = (
     Quantity("from", "mm", read="start"),
     Quantity("to", "mm", read="end"),
@@ -49,7 +29,7 @@ def _both(name: str) -> Any:
 
 
 def _of_both(kind: type) -> Schema:
-    return quantities(measured=kind, model=kind)
+    return base.quantities(measured=kind, model=kind)
 
 
 def _beside(both: Mapping[str, float]) -> str:
@@ -111,28 +91,28 @@ _PAIR = of_class(
     ),
 )  # fmt: skip
 _SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
-_PAIR_COLUMNS: Columns = tuple(
-    Column(one.head, lambda pair, one=one: "a tie" if pair["order_tie"] else one.cell(pair))
+_PAIR_COLUMNS: base.Columns = tuple(
+    base.Column(one.head, lambda pair, one=one: "a tie" if pair["order_tie"] else one.cell(pair))
     if one.name == "order_predicted"
     else one
     for one in (*_EACH, *_PAIR)
 )
 
 
-def _means(found: Comparison) -> Sequence[Row]:
+def _means(found: Comparison) -> Sequence[parts.Row]:
     """The mean error of the unit cells with so many bands [k r]."""
     counts = sorted({test.series.bands for test in found.cells})
-    return rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
+    return base.rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
 
 
-def series_account(found: CellTest | PairTest, about: About) -> Account:
+def series_account(found: CellTest | PairTest, about: About) -> parts.Account:
     """What a notebook shows of a single series."""
-    return Account(found, found.series.name, answer=f"{found.verdict}.")
+    return parts.Account(found, found.series.name, answer=f"{found.verdict}.")
 
 
 # What is reported of a comparison.
 COMPARE: Schema = (
-    *quantities(data_sha256={str: str}, designs_sha256={str: str}),
+    *base.quantities(data_sha256={str: str}, designs_sha256={str: str}),
     Quantity("bar", "mm", read="rig.bar"),
     Quantity("rig", holds=_RIG),
     Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),
@@ -143,11 +123,11 @@ COMPARE: Schema = (
 )
 
 
-def comparison_account(found: Comparison, about: About) -> Account:
+def comparison_account(found: Comparison, about: About) -> parts.Account:
     """What is reported of a comparison."""
     cells, pairs, tests = found.cells, found.pairs, found.tests
 
-    return Account(
+    return parts.Account(
         found,
         title="Measured against model",
         kind="lab.compare/2",
@@ -155,57 +135,57 @@ def comparison_account(found: Comparison, about: About) -> Account:
         answer=_answer(found),
         given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},
         facts=(
-            Fact("Unit cells", f"{len(cells)}" if cells else ""),
-            Fact("Pairs", f"{len(pairs)}" if pairs else ""),
-            Fact("Mean RMSE of unit cells", _mean_words(found)),
-            Fact("Force rises", _rises(cells), Level.TERMINAL),
+            parts.Fact("Unit cells", f"{len(cells)}" if cells else ""),
+            parts.Fact("Pairs", f"{len(pairs)}" if pairs else ""),
+            parts.Fact("Mean RMSE of unit cells", _mean_words(found)),
+            parts.Fact("Force rises", _rises(cells), parts.Level.TERMINAL),
         ),
         sections=(
-            Section(
+            parts.Section(
                 "Verdicts",
-                Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
-                Picture("forces", "Forces of unit cells, measured and modelled"),
-                Picture("energies", "Energies of unit cells, measured and modelled"),
-                Picture("pairs", "Forces of pairs, measured and modelled"),
+                parts.Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
+                parts.Picture("forces", "Forces of unit cells, measured and modelled"),
+                parts.Picture("energies", "Energies of unit cells, measured and modelled"),
+                parts.Picture("pairs", "Forces of pairs, measured and modelled"),
             ),
-            Section(
+            parts.Section(
                 "Unit cells: measured (model); errors in k r and k r²",
-                RecordTable(
+                parts.RecordTable(
                     (*_EACH, *_CELL),
                     "series",
                     most=None,
                     pick=partial(_of_kind, "cell"),
                     more="unit cells",
-                    level=Level.CARD,
+                    level=parts.Level.CARD,
                 ),
             ),
-            Section(
+            parts.Section(
                 "Pairs: errors in k r; ratio of the errors against the two orders",
-                RecordTable(
+                parts.RecordTable(
                     _PAIR_COLUMNS,
                     "series",
                     most=None,
                     pick=partial(_of_kind, "pair"),
                     more="pairs",
-                    level=Level.TERMINAL if cells else Level.CARD,
+                    level=parts.Level.TERMINAL if cells else parts.Level.CARD,
                 ),
             ),
-            Section("Rig", Text(_rig_words(found.rig) if pairs else "")),
-            Section(
+            parts.Section("Rig", parts.Text(_rig_words(found.rig) if pairs else "")),
+            parts.Section(
                 "Used, dropped and odd",
-                Notes(
+                parts.Notes(
                     [
                         *(f"{t.series.name}: {line}" for t in tests for line in t.series.told),
                         *found.told,
                     ]
                 ),
             ),
-            Section("Assumptions", Text(NOT_JUDGED)),
+            parts.Section("Assumptions", parts.Text(NOT_JUDGED)),
         ),
     )
 
 
-def _of_kind(kind: str, series: Sequence[Row]) -> list[Row]:
+def _of_kind(kind: str, series: Sequence[parts.Row]) -> list[parts.Row]:
     return [one for one in series if one["kind"] == kind]
 
 
@@ -213,14 +193,14 @@ def _answer(found: Comparison) -> str:
     ordered = [pair for pair in found.pairs if not pair.tie]
     right = sum(pair.shown == pair.predicted for pair in ordered)
     agreed = sum(cell.agrees for cell in found.cells)
-    of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
-    of_cells = f"{agreed} of {counted(len(found.cells), 'unit cell')} agree with the model"
+    of_pairs = f"{right} of {base.counted(len(ordered), 'pair')} in the predicted order"
+    of_cells = f"{agreed} of {base.counted(len(found.cells), 'unit cell')} agree with the model"
     return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(found.cells))
 
 
 def _mean_words(found: Comparison) -> str:
     means = _means(found)
-    return "; ".join(f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in means)
+    return "; ".join(f"{m['rmse']:.3f} k r with {base.counted(m['bands'], 'band')}" for m in means)
 
 
 def _rises(cells: Sequence[CellTest]) -> str:
@@ -228,8 +208,8 @@ def _rises(cells: Sequence[CellTest]) -> str:
     if not cells:
         return ""
     found = [
-        f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
-        f"{number(one.end * _MM)} mm"
+        f"{test.series.name} by {one.height:.2g} N from {base.number(one.start * _MM)} to "
+        f"{base.number(one.end * _MM)} mm"
         for test in cells
         for one in test.rises
     ]
@@ -238,11 +218,12 @@ def _rises(cells: Sequence[CellTest]) -> str:
 
 def _rig_words(rig: Rig) -> str:
     """How predicted snaps are moved to the strokes of the machine; "" where they are not."""
-    if record(_RIG, rig) == record(_RIG, Rig()):
+    if base.record(_RIG, rig) == base.record(_RIG, Rig()):
         return ""
     return (
         f"Predicted snaps are at the strokes of the machine: travels {rig.stretch:.4g} times "
         f"nominal, {rig.start_loading * _MM:+.2f} mm before loading, "
-        f"{rig.start_unloading * _MM:+.2f} mm before unloading; the compliance of the rig is "
-        f"{amount(rig.compliance, 'm/N', 2)}, its own friction {amount(rig.friction, 'N', 2)}."
+        f"{rig.start_unloading * _MM:+.2f} mm before unloading; the compliance of the rig "
+        f"is {base.amount(rig.compliance, 'm/N', 2)}, its own friction "
+        f"{base.amount(rig.friction, 'N', 2)}."
     )

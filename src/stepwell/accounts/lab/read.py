@@ -5,27 +5,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
+from stepwell import base
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Row, Section
-from stepwell.base import (
-    Column,
-    Columns,
-    Quantity,
-    Schema,
-    counted,
-    headed,
-    number,
-    quantities,
-    read_off,
-    record,
-    rows_of,
-)
+from stepwell.base import Quantity
 from stepwell.lab import Batch, Recording, hashes
 
 # More turning points of a stroke than this are not listed.
 _MOST_POINTS = 6
 
-_RECORDING: Schema = (
+_RECORDING: base.Schema = (
     Quantity("source", head="file"),
     Quantity("samples", head="samples", read=len, holds=int, left=False),
     Quantity("rate", "Hz", "rate"),
@@ -42,18 +31,20 @@ _RECORDING: Schema = (
 )
 
 
-_READ: Schema = (*read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
+_READ: base.Schema = (*base.read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
 
 
 def _rows(batch: Batch) -> Sequence[Row]:
-    return rows_of({"recording": batch.recordings, "odd": batch.odd})
+    return base.rows_of({"recording": batch.recordings, "odd": batch.odd})
 
 
 # What is reported of recordings.
-READ: Schema = (
+READ: base.Schema = (
     Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
     Quantity("recordings", holds=[_READ], read=_rows),
-    *quantities(refused=[(Quantity("source", read="name"), Quantity("problem"))], ignored=[str]),
+    *base.quantities(
+        refused=[(Quantity("source", read="name"), Quantity("problem"))], ignored=[str]
+    ),
 )
 
 
@@ -61,14 +52,14 @@ def batch_account(found: Batch, about: About) -> Account:
     """What is reported of recordings."""
     odd = [f"{one['recording'].source}: {line}" for one in _rows(found) for line in one["odd"]]
     read, refused = len(found.recordings), len(found.refused)
-    not_read = f"; {counted(refused, 'file')} could not be read" * (refused > 0)
+    not_read = f"; {base.counted(refused, 'file')} could not be read" * (refused > 0)
     return Account(
         found,
         title="Recordings",
         kind="lab.read/1",
         schema=READ,
-        origin=f"{counted(read + refused, 'file')} tried.",
-        answer=f"{counted(read, 'recording')} read{not_read}",
+        origin=f"{base.counted(read + refused, 'file')} tried.",
+        answer=f"{base.counted(read, 'recording')} read{not_read}",
         facts=(
             Fact("Samples", f"{sum(map(len, found.recordings))}"),
             Fact("Oddities", f"{len(odd)}"),
@@ -88,7 +79,7 @@ def batch_account(found: Batch, about: About) -> Account:
 
 def recording_account(found: Recording, about: About) -> Account:
     """What a notebook shows of a recording."""
-    known = record(_RECORDING, found)
+    known = base.record(_RECORDING, found)
     texts = {
         q.head or q.name.replace("_", " "): f"{q.text(known[q.key])} {q.sign}".strip()
         for q in _RECORDING
@@ -98,7 +89,7 @@ def recording_account(found: Recording, about: About) -> Account:
         found,
         title=f"Recording {found.name}",
         answer="; ".join(found.remarks),
-        facts=[Fact(headed(label), text) for label, text in texts.items()],
+        facts=[Fact(base.headed(label), text) for label, text in texts.items()],
     )
 
 
@@ -112,22 +103,22 @@ def _ignored(found: Batch) -> list[str]:
 def _strokes(row: Mapping[str, Any]) -> str:
     """Where the stroke began, turned and ended; of many turns the first two and the last."""
     points = [row["stroke_from_mm"], *row["turns_mm"], row["stroke_to_mm"]]
-    texts = [number(one) for one in points]
+    texts = [base.number(one) for one in points]
     if len(texts) > _MOST_POINTS:
         texts = [*texts[:3], "...", *texts[-2:]]
     return " to ".join(texts)
 
 
 def _forces(row: Mapping[str, Any]) -> str:
-    return f"{number(row['force_least_N'])} to {number(row['force_most_N'])}"
+    return f"{base.number(row['force_least_N'])} to {base.number(row['force_most_N'])}"
 
 
-def _columns() -> Columns:
+def _columns() -> base.Columns:
     shown = [quantity for quantity in _RECORDING if quantity.head]
     return [
         *shown[:4],
-        Column("stroke [mm]", _strokes, True),
-        Column("force [N]", _forces, True),
+        base.Column("stroke [mm]", _strokes, True),
+        base.Column("force [N]", _forces, True),
         *shown[4:],
     ]
 

@@ -7,19 +7,7 @@ from importlib.resources import files
 from string import Template
 from typing import NamedTuple
 
-from stepwell.accounts.parts import (
-    Account,
-    Level,
-    Notes,
-    Part,
-    Picture,
-    RecordTable,
-    Replay,
-    Row,
-    Section,
-    Text,
-    Verbatim,
-)
+from stepwell.accounts import parts
 from stepwell.base import Column, Quantity, __version__, headed, shown
 
 # Longer tables help no reader; the files in the same folder have everything.
@@ -52,7 +40,7 @@ class FigurePair(NamedTuple):
 
 
 def page(
-    account: Account, pictures: Mapping[str, FigurePair] | None = None, motion: str = ""
+    account: parts.Account, pictures: Mapping[str, FigurePair] | None = None, motion: str = ""
 ) -> str:
     """What a page shows of a result.
 
@@ -71,7 +59,7 @@ def page(
         title=escape(account.title),
         origin=escape(account.origin),
         answer=escape(arrows(minus(sentence(account.answer)))),
-        facts=_facts(account.known(Level.PAGE)),
+        facts=_facts(account.known(parts.Level.PAGE)),
         warnings="\n".join(
             f'<div class="warning" role="note"><strong>{escape(one.heading)}.</strong> '
             f"{escape(one.text)}{_list(one.lines)}</div>"
@@ -83,31 +71,31 @@ def page(
 
 
 def _section(
-    account: Account, section: Section, drawn: Mapping[str, FigurePair], motion: str
+    account: parts.Account, section: parts.Section, drawn: Mapping[str, FigurePair], motion: str
 ) -> str:
     found: list[str] = []
     figures: list[str] = []
-    for part in section.within(Level.PAGE):
-        if isinstance(part, Picture):
+    for part in section.within(parts.Level.PAGE):
+        if isinstance(part, parts.Picture):
             if part.name in drawn:
                 figures.append(_figure(part.caption, drawn[part.name]))
             continue
         found += _beside(figures)
-        is_table = isinstance(part, RecordTable)
+        is_table = isinstance(part, parts.RecordTable)
         found.append(_table(part, account.rows(part)) if is_table else _part(part, motion))
     inside = "\n".join(filter(None, [*found, *_beside(figures)]))
     return f"<section>\n<h2>{escape(section.heading)}</h2>\n{inside}\n</section>" if inside else ""
 
 
-def _part(part: Part, motion: str) -> str:
-    if isinstance(part, Text):
+def _part(part: parts.Part, motion: str) -> str:
+    if isinstance(part, parts.Text):
         return _paragraph(part.text)
-    if isinstance(part, Notes):
+    if isinstance(part, parts.Notes):
         return _list([sentence(line) for line in part.lines])
-    if isinstance(part, Replay):
+    if isinstance(part, parts.Replay):
         still = _paragraph("On a screen, this page plays the motion here.", "paper quiet")
         return f"{motion}\n{still}" if motion else _paragraph(part.instead)
-    assert isinstance(part, Verbatim)
+    assert isinstance(part, parts.Verbatim)
     label = f'<pre tabindex="0" role="region" aria-label="{escape(part.about)}">'
     return f"{label}{escape(part.text)}</pre>" if part.text else ""
 
@@ -159,7 +147,7 @@ def _figure(caption: str, drawn: FigurePair) -> str:
     return f"<figure{wide}>{image}<figcaption>{text}</figcaption></figure>"
 
 
-def _table(table: RecordTable, rows: Sequence[Row]) -> str:
+def _table(table: parts.RecordTable, rows: Sequence[parts.Row]) -> str:
     if not rows:
         return ""
     columns, about = shown((*table.columns, *table.wide)), table.about

@@ -9,13 +9,8 @@ import numpy as np
 
 from stepwell.base import REACH, ByValue, Drawn, Floats, brief, to_unit
 from stepwell.concave import SortedChain
+from stepwell.design.margins import numbers
 from stepwell.design.margins.nearest import Aim, nearest, nearest_proved, sequence
-from stepwell.design.margins.numbers import (
-    RESOLUTION,
-    RESOLUTION_OF_FRICTION,
-    changed_by,
-    nearest_share,
-)
 from stepwell.design.margins.search import Displacements, resolution
 from stepwell.design.parameters import Parameter, of_cell
 from stepwell.design.plane import Method
@@ -60,7 +55,9 @@ class Change(ByValue):
             return None
         if isinstance(self.past, tuple):
             return of_cell(self.chain, self.cell, "q").displaced(self.chain, self.past)
-        return changed_by(self.chain, of_cell(self.chain, self.cell, self.parameter), self.past)
+        return numbers.changed_by(
+            self.chain, of_cell(self.chain, self.cell, self.parameter), self.past
+        )
 
     @cached_property
     def becomes(self) -> str:
@@ -100,7 +97,7 @@ def number_change(
         cell: whose number it is; of bands, of all alike.
         part: "stiffness", "force_scale", "travel_scale" or "friction".
     """
-    found = nearest_share(chain, forces, str(now), of_cell(chain, cell, part))
+    found = numbers.nearest_share(chain, forces, str(now), of_cell(chain, cell, part))
     far = math.inf if math.isnan(found.share) else abs(found.share)
     return Change(chain, cell, part, far, found.share, found.past, found.method)
 
@@ -229,10 +226,10 @@ def _told(
     travel, _, force = chain.measure.words
     words = {
         "anchor": f"anchors {resolution(ways, small=False)}",
-        "stiffness": f"stiffnesses {RESOLUTION}",
-        "force_scale": f"scales of {force} {RESOLUTION}",
-        "travel_scale": f"scales of {travel} {RESOLUTION}",
-        "friction": f"friction {RESOLUTION_OF_FRICTION.format(force=force)}",
+        "stiffness": f"stiffnesses {numbers.RESOLUTION}",
+        "force_scale": f"scales of {force} {numbers.RESOLUTION}",
+        "travel_scale": f"scales of {travel} {numbers.RESOLUTION}",
+        "friction": f"friction {numbers.RESOLUTION_OF_FRICTION.format(force=force)}",
     }
     searched = {change.parameter for change in changes if change.method is Method.SEARCH}
     return Margin(

@@ -9,30 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import (
-    REACH,
-    ByValue,
-    Floats,
-    InputError,
-    Quantity,
-    Schema,
-    Vec2,
-    need,
-    signed,
-    to_unit,
-    told_in,
-    variables,
-    write_csv,
-)
+from stepwell import base
 from stepwell.concave import SortedChain
+from stepwell.design.margins import numbers
 from stepwell.design.margins.nearest import Aim, Nearest, nearest
-from stepwell.design.margins.numbers import (
-    RESOLUTION,
-    RESOLUTION_FINE,
-    RESOLUTION_OF_FRICTION,
-    changed_by,
-    nearest_share,
-)
 from stepwell.design.margins.search import Displacements, resolution
 from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import Parameter, parameter
@@ -50,7 +30,7 @@ _POSITIONS = 41
 
 
 @dataclass(frozen=True, eq=False)
-class Resistance(ByValue):
+class Resistance(base.ByValue):
     """The force against which an anchor moves in a straight line, by bands that pull at it.
 
     A band of tension T pulls p towards q and q towards p; what counts is the part of that along
@@ -64,15 +44,15 @@ class Resistance(ByValue):
         work_0, work_1: what the whole displacement takes at state 0 and at state 1 [J].
     """
 
-    fraction: Floats
-    force_0: Floats
-    force_1: Floats
-    peak: Floats
+    fraction: base.Floats
+    force_0: base.Floats
+    force_1: base.Floats
+    peak: base.Floats
     work_0: float
     work_1: float
 
     @classmethod
-    def of(cls, cell: Cell, anchor: str, displacement: Vec2) -> "Resistance":
+    def of(cls, cell: Cell, anchor: str, displacement: base.Vec2) -> "Resistance":
         """Moving the anchors "p" or "q" of all bands of a cell by `displacement` (x, y) [m]."""
         fraction = np.linspace(0.0, 1.0, _POSITIONS)
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
@@ -108,7 +88,7 @@ class Resistance(ByValue):
     def __str__(self):
         if not len(self.peak):
             return "no way"
-        work_0, work_1 = to_unit(self.work_0, "mJ"), to_unit(self.work_1, "mJ")
+        work_0, work_1 = base.to_unit(self.work_0, "mJ"), base.to_unit(self.work_1, "mJ")
         work = f"work {work_0:.4g} mJ at state 0, {work_1:.4g} mJ at state 1"
         if self.largest > 0:
             return f"push with up to {self.largest:.4g} N; {work}"
@@ -118,12 +98,14 @@ class Resistance(ByValue):
         return f"Resistance({self})"
 
 
-def _lengths(band: Band, lever: float, theta: Floats, change: Floats) -> Floats:
+def _lengths(band: Band, lever: float, theta: base.Floats, change: base.Floats) -> base.Floats:
     dx, dy = np.array(band.d) + change
     return band_length(np.sin(theta), np.cos(theta), dx, dy, lever)
 
 
-def _against(band: Band, lever: float, theta: Floats, fraction: Floats, change: Floats) -> Floats:
+def _against(
+    band: Band, lever: float, theta: base.Floats, fraction: base.Floats, change: base.Floats
+) -> base.Floats:
     """(m, angles) dE/dx [N], x the way gone along `change` (2,) in d."""
     away = np.linalg.norm(change)
     if away == 0:
@@ -136,25 +118,25 @@ def _against(band: Band, lever: float, theta: Floats, fraction: Floats, change: 
 
 
 # The way of the anchor, at every fraction of it.
-WAY: Schema = (
-    Quantity("fraction", read="resistance.fraction"),
-    Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
-    Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
-    Quantity(
+WAY: base.Schema = (
+    base.Quantity("fraction", read="resistance.fraction"),
+    base.Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
+    base.Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
+    base.Quantity(
         "force_0",
         "N",
         "at state 0",
         "resistance.force_0",
         doc="force against the displacement at state 0",
     ),
-    Quantity(
+    base.Quantity(
         "force_1",
         "N",
         "at state 1",
         "resistance.force_1",
         doc="force against the displacement at state 1",
     ),
-    Quantity(
+    base.Quantity(
         "peak",
         "N",
         "largest",
@@ -165,7 +147,7 @@ WAY: Schema = (
 
 
 @dataclass(frozen=True, eq=False)
-class Reprogramming(ByValue):
+class Reprogramming(base.ByValue):
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
     Or the smallest change of one number of an element: then `displacement`, `distance` and `place`
@@ -189,7 +171,7 @@ class Reprogramming(ByValue):
     chain: Chain = field(repr=False)
     target: str | None
     by: str
-    displacement: Vec2 | float
+    displacement: base.Vec2 | float
     distance: float
     reach: float
     chain_after: Chain | None = field(repr=False)
@@ -211,7 +193,7 @@ class Reprogramming(ByValue):
         return parameter(self.chain, self.by).part
 
     @property
-    def place(self) -> Vec2 | float:
+    def place(self) -> base.Vec2 | float:
         """Where the anchor has to be (of the cell's first band) [m]; NaN if nowhere."""
         now = parameter(self.chain, self.by).value(self.chain)
         if isinstance(now, tuple) or isinstance(self.displacement, tuple):
@@ -219,13 +201,13 @@ class Reprogramming(ByValue):
         return now + self.displacement
 
     @property
-    def move(self) -> Vec2:
+    def move(self) -> base.Vec2:
         """`displacement` of an anchor, (dx, dy) [m]; NaN for a number, which has no direction."""
         nowhere = math.nan, math.nan
         return self.displacement if isinstance(self.displacement, tuple) else nowhere
 
     @property
-    def anchor_at(self) -> Vec2:
+    def anchor_at(self) -> base.Vec2:
         """`place` of an anchor, (x, y) [m]; NaN for a number, which is nowhere in the plane."""
         now = parameter(self.chain, self.by).value(self.chain)
         x, y = now if isinstance(now, tuple) else (math.nan, math.nan)
@@ -244,17 +226,17 @@ class Reprogramming(ByValue):
             return Resistance.nowhere()
         return Resistance.of(cell, self.anchor, move)
 
-    def along(self, axis: int) -> Floats:
+    def along(self, axis: int) -> base.Floats:
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
         return self.resistance.fraction * self.move[axis]
 
     def to_xarray(self) -> "xarray.Dataset":
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
-        need("tables")
+        base.need("tables")
         import xarray
 
         return xarray.Dataset(
-            variables(WAY[1:], self, "fraction"),
+            base.variables(WAY[1:], self, "fraction"),
             {"fraction": self.resistance.fraction},
             {
                 "title": self.chain.title or "reprogramming",
@@ -270,7 +252,7 @@ class Reprogramming(ByValue):
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
         """Write the way as CSV, units in the column names (mm, N)."""
-        write_csv(file, ((q, q.of(self)) for q in WAY))
+        base.write_csv(file, ((q, q.of(self)) for q in WAY))
 
     def __str__(self):
         wanted = self.target or "another sequence"
@@ -278,23 +260,23 @@ class Reprogramming(ByValue):
             return f"no value of {self.by} that was looked at makes it {wanted} ({self.method})"
         if math.isinf(self.distance):
             return (
-                f"no displacement of {self.by} up to {to_unit(self.reach, 'mm'):.4g} mm makes it "
-                f"{wanted} ({self.method})"
+                f"no displacement of {self.by} up to {base.to_unit(self.reach, 'mm'):.4g} mm makes "
+                f"it {wanted} ({self.method})"
             )
         if self.distance == 0 and self.after == self.before:
             return f"it does {self.before} already"
         becomes = f"{self.before} -> {self.after} ({self.method})"
         if isinstance(self.displacement, tuple):
-            x, y = (signed(to_unit(part, "mm")) for part in self.displacement)
+            x, y = (base.signed(base.to_unit(part, "mm")) for part in self.displacement)
             lines = [
-                f"move {self.by} by ({x}, {y}) mm, {to_unit(self.distance, 'mm'):.4g} mm: "
+                f"move {self.by} by ({x}, {y}) mm, {base.to_unit(self.distance, 'mm'):.4g} mm: "
                 f"{becomes}",
                 str(self.resistance),
             ]
         else:
             place = self.place
             assert not isinstance(place, tuple)
-            unit, factor = told_in(self.unit)
+            unit, factor = base.told_in(self.unit)
             values = f"{place * factor:.4g} ({self.displacement * factor:+.4g})"
             lines = [f"set {self.by} to {values}{f' {unit}' * (unit != '1')}: {becomes}"]
         if self.resolution:
@@ -312,7 +294,7 @@ def reprogram(
     *,
     along: Sized[float] | None = None,
     one_way: bool = False,
-    reach: float = REACH,
+    reach: float = base.REACH,
     progress: Callable[[int, int], None] | None = None,
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
@@ -322,9 +304,9 @@ def reprogram(
     anchor = parameter(chain, by)
     number = anchor.cell is not None and isinstance(chain.cells[anchor.cell], Element)
     if number and (along is not None or one_way):
-        raise InputError(f"by = {by!r} is a number, without a direction: leave `along` out.")
+        raise base.InputError(f"by = {by!r} is a number, without a direction: leave `along` out.")
     if not (anchor.is_anchor or number):
-        raise InputError(
+        raise base.InputError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
         )
@@ -369,13 +351,17 @@ def _of_number(
     share = past = 0.0
     method = Method.EXACT
     if before != wanted:
-        share, past, method = nearest_share(chain, None, str(before), number, target, progress)
+        share, past, method = numbers.nearest_share(
+            chain, None, str(before), number, target, progress
+        )
     after, change = None, math.nan
     if not math.isnan(share):
-        after = changed_by(chain, number, past)
-        there, here = (number.value(one) for one in (changed_by(chain, number, share), chain))
+        after = numbers.changed_by(chain, number, past)
+        there, here = (
+            number.value(one) for one in (numbers.changed_by(chain, number, share), chain)
+        )
         change = float(there) - float(here)  # type: ignore[arg-type]
-    usual = RESOLUTION_OF_FRICTION if number.part == "friction" else RESOLUTION
+    usual = numbers.RESOLUTION_OF_FRICTION if number.part == "friction" else numbers.RESOLUTION
     usual = usual.format(force=chain.measure.force)
     usual = usual.format(force=chain.measure.force)
     return Reprogramming(
@@ -389,5 +375,5 @@ def _of_number(
         str(before),
         "" if after is None else str(cycle(after).sequence),
         method,
-        (usual if wanted is None else RESOLUTION_FINE) if method is Method.SEARCH else "",
+        (usual if wanted is None else numbers.RESOLUTION_FINE) if method is Method.SEARCH else "",
     )

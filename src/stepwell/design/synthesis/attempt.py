@@ -8,16 +8,9 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.design.orders import Orders
+from stepwell.design.synthesis import placement
 from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
 from stepwell.design.synthesis.holes import best_choice, fits
-from stepwell.design.synthesis.placement import (
-    Placement,
-    Search,
-    choose,
-    measured,
-    outlines,
-    shared,
-)
 from stepwell.design.synthesis.region import Region, lattice
 from stepwell.mechanism import Cell, Chain
 
@@ -51,7 +44,7 @@ class Attempt:
     holes: float | None
     tables: list[Candidates]
     owner: tuple[int, ...]
-    best: Placement | None
+    best: placement.Placement | None
     complete: bool
     nodes: int
     pitch: float
@@ -87,13 +80,13 @@ class Attempt:
         """With anchors anywhere, not only on the lattice of the first look."""
         if self.best is None or self.holes is not None:
             return self
-        search = Search(self.rule, self.orders, self.regions)
+        search = placement.Search(self.rule, self.orders, self.regions)
         best = search.refine(self.best, self.pitch / 2)
         q = np.round(best.cells.q, _DRAWN) + 0.0  # no -0
         q = np.concatenate([r.clamped(q[i : i + 1]) for i, r in enumerate(self.regions)])
         drawn = self.rule.these(q, best.cells.kind)
         if len(drawn.q) == len(self.orders):
-            best = search.renewed(measured(self.rule, self.orders, drawn))
+            best = search.renewed(placement.measured(self.rule, self.orders, drawn))
         return replace(self, best=best)
 
     def chain(self, actuator_stiffness: float, title: str) -> Chain:
@@ -115,7 +108,7 @@ class Attempt:
         """The largest that the smallest gap can be where no choice meets the orders [N]."""
         if len(self.tables) == 1:
             return 0.0  # all cells in one hole
-        gaps, allowed = differences(joined(self.tables)), shared(self.tables, self.owner)
+        gaps, allowed = differences(joined(self.tables)), placement.shared(self.tables, self.owner)
         found = best_choice(gaps, allowed, self.orders, add=False, most_nodes=_START_NODES)
         return found.value
 
@@ -124,7 +117,9 @@ class Attempt:
         if self.holes is not None:
             return tuple(table.force for table in self.tables)
         return tuple(
-            curve for region in dict.fromkeys(self.regions) for curve in outlines(self.rule, region)
+            curve
+            for region in dict.fromkeys(self.regions)
+            for curve in placement.outlines(self.rule, region)
         )
 
 
@@ -146,9 +141,9 @@ def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float |
     best, complete, nodes = None, False, 0
     if fits(len(orders), sum(len(table.q) for table in tables)):
         most = _START_NODES if holes is None else _MOST_NODES
-        best, complete, nodes = choose(rule, orders, tables, owner, most)
+        best, complete, nodes = placement.choose(rule, orders, tables, owner, most)
     if best is None and not (complete and holes is not None):
-        search, mine = Search(rule, orders, regions), [tables[k] for k in owner]
+        search, mine = placement.Search(rule, orders, regions), [tables[k] for k in owner]
         best = search.pattern(mine)
         best, _ = search.settle(best, lambda i, now: mine[i], rounds=_ROUNDS)
         if holes is not None:

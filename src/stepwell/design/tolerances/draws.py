@@ -7,16 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import (
-    REACH,
-    USUAL_ANCHOR,
-    USUAL_STIFFNESS,
-    ByValue,
-    Floats,
-    InputError,
-    to_unit,
-    told_in,
-)
+from stepwell import base
 from stepwell.concave import in_disc, in_discs
 from stepwell.design.parameters import WAY
 from stepwell.design.switches import switching_forces
@@ -35,7 +26,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tolerances(ByValue):
+class Tolerances(base.ByValue):
     """How far the parts of a built mechanism may be from the drawing, each by itself.
 
     Of an element there are `stiffness`, `friction` and `travel`. Its `error_band` is no tolerance:
@@ -70,11 +61,11 @@ class Tolerances(ByValue):
             value, least = float(getattr(self, field.name)), float(field.name == "mobility")
             if not least <= value < math.inf:
                 unit = _UNITS[field.name]
-                raise InputError(
+                raise base.InputError(
                     f"{field.name} = {value} [{unit}]: must be >= {least:g} and finite."
                 )
             if _UNITS[field.name] == "1" and value >= 0.25:
-                raise InputError(
+                raise base.InputError(
                     f"{field.name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
                 )
             object.__setattr__(self, field.name, value)
@@ -84,13 +75,13 @@ class Tolerances(ByValue):
         if self.mobility > 1:
             travel += f", mobilities up to {self.mobility:.4g} times apart"
         return (
-            f"Tolerances(anchors ±{to_unit(self.anchor, 'mm'):.4g} mm, stiffness "
+            f"Tolerances(anchors ±{base.to_unit(self.anchor, 'mm'):.4g} mm, stiffness "
             f"{self.stiffness:.3g}, rest length {self.rest_length:.3g}, levers "
-            f"±{to_unit(self.lever, 'mm'):.4g} mm, friction +{self.friction:.3g} N{travel})"
+            f"±{base.to_unit(self.lever, 'mm'):.4g} mm, friction +{self.friction:.3g} N{travel})"
         )
 
 
-USUAL = Tolerances(anchor=USUAL_ANCHOR, stiffness=USUAL_STIFFNESS)
+USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
 """What a careful workshop with a bag of rubber bands can do."""
 
 
@@ -124,7 +115,7 @@ def meet(tolerances: Tolerances, chain: Chain) -> None:
     for name, cell in zip(chain.names, chain.cells, strict=True):
         room = min(cell.mobility / least, most / cell.mobility)
         if wide > room:
-            raise InputError(
+            raise base.InputError(
                 f"mobility = {tolerances.mobility:g}: {name} is drawn with {cell.mobility:g}, and "
                 f"must stay between {least:g} and {most:g}: {room**2:.4g} at most."
             )
@@ -137,7 +128,7 @@ def meet(tolerances: Tolerances, chain: Chain) -> None:
 def refuse_reach(chain: Chain, reach: float) -> None:
     """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
     lever = max((cell.lever for cell in levers_of(chain)), default=math.inf)
-    found = tuple(sizes.far("reach", reach, lever)) if reach > REACH else ()
+    found = tuple(sizes.far("reach", reach, lever)) if reach > base.REACH else ()
     if found and not chain.unusual:
         raise SlipError(found, WAY)
 
@@ -153,10 +144,10 @@ def frictionless(tolerances: Tolerances, chain: Chain) -> str:
         return ""
     least = float(np.min(np.abs(switching_forces(chain)), initial=math.inf))
     if chain.elements:
-        unit, factor = told_in(chain.measure.force_unit)
+        unit, factor = base.told_in(chain.measure.force_unit)
         beside = f"switching forces of {least * factor:.3g} {unit}"
     else:
-        beside = f"forces F0 and F1 of {to_unit(least, 'mN'):.3g} mN"
+        beside = f"forces F0 and F1 of {base.to_unit(least, 'mN'):.3g} mN"
     return (
         f"without any friction, beside {beside} and more: give "
         f"the cells or the tolerances some if yours has it"
@@ -184,7 +175,7 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Draws(ByValue):
+class Draws(base.ByValue):
     """Random mechanisms after one drawing, the same ones for the same seed.
 
     Attributes:
@@ -247,12 +238,12 @@ class Draws(ByValue):
         return self.scales + 2 * len(self.chain.elements)
 
     @property
-    def spread(self) -> Floats:
+    def spread(self) -> base.Floats:
         """(5,) the tolerances as the kernels take them."""
         t = self.tolerances
         return np.array([t.anchor, t.stiffness, t.rest_length, t.lever, t.friction])
 
-    def chunks(self, n: int) -> Iterator[Floats]:
+    def chunks(self, n: int) -> Iterator[base.Floats]:
         """The first n samples, piece by piece, (m, columns).
 
         Every piece is written over the one before.
@@ -274,13 +265,13 @@ class Draws(ByValue):
             found.append(np.random.Generator(stream))
         return found
 
-    def _fill(self, rows: Floats, streams: list[np.random.Generator]) -> None:
+    def _fill(self, rows: base.Floats, streams: list[np.random.Generator]) -> None:
         # Row by row from one stream: more samples, or other pieces, keep the first ones.
         halves = np.hsplit(rows, [self.mobilities])
         for columns, random in zip(halves, streams, strict=True):
             columns[:] = random.random(columns.shape)
 
-    def shaped(self, even: Floats) -> Floats:
+    def shaped(self, even: base.Floats) -> base.Floats:
         """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
         from scipy.special import ndtr, ndtri
 
@@ -294,7 +285,7 @@ class Draws(ByValue):
             self._narrow(even)
         return even
 
-    def _narrow(self, drawn: Floats) -> None:
+    def _narrow(self, drawn: base.Floats) -> None:
         """Leave of the spread of the part that is known its share."""
         _, _, tolerance, columns = self.parts[self.known]
         if tolerance == "anchor":
@@ -305,7 +296,7 @@ class Draws(ByValue):
         else:
             drawn[:, columns] *= self.left
 
-    def switching_forces(self, drawn: Floats) -> Floats:
+    def switching_forces(self, drawn: base.Floats) -> base.Floats:
         """(m, T, 2) as `orders.switching_forces`, of (m, columns) draws of a chain of elements."""
         t, n = self.tolerances, len(self.chain)
         steps = np.array([len(phases) - 1 for phases in self.chain.phases])
@@ -327,7 +318,7 @@ class Draws(ByValue):
         self._fill(row, self._streams(number))
         return self.built(self.shaped(row)[0])
 
-    def designs(self, drawn: Floats) -> Designs | None:
+    def designs(self, drawn: base.Floats) -> Designs | None:
         """The mechanisms of (m, columns) draws as numbers, the same that are `built` one by one.
 
         None for elements, whose curves have to be built, and for long chains.
@@ -352,7 +343,7 @@ class Draws(ByValue):
         cells[:, :, MOBILITY] *= t.mobility ** (drawn[:, self.mobilities :] - 0.5)
         return designs
 
-    def built(self, draw: Floats) -> Chain:
+    def built(self, draw: base.Floats) -> Chain:
         """The mechanism that one row of draws makes.
 
         Raises:

@@ -7,23 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import (
-    ONE_BY_ONE,
-    QUICKLY,
-    ByValue,
-    Drawn,
-    Floats,
-    InputError,
-    Quantity,
-    ReadOnly,
-    __version__,
-    brief,
-    check,
-    need,
-    percent,
-    require,
-    write_csv,
-)
+from stepwell import base
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
@@ -52,7 +36,7 @@ _COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Critical(ByValue):
+class Critical(base.ByValue):
     """The two cells whose order goes wrong first.
 
     Attributes:
@@ -77,15 +61,15 @@ class Critical(ByValue):
         before, after = self.names
         return (
             f"{before} before {after} while {self.way} ({self.by}): "
-            f"in the other order in {percent(self.share)}"
+            f"in the other order in {base.percent(self.share)}"
         )
 
     def __repr__(self):
-        return brief(self)
+        return base.brief(self)
 
 
 @dataclass(frozen=True, eq=False)
-class Yield(Counted, Drawn):
+class Yield(Counted, base.Drawn):
     """How many mechanisms, sampled within tolerances, reach the target.
 
     Attributes:
@@ -134,10 +118,10 @@ class Yield(Counted, Drawn):
             ValueError: no such number, or one that cannot be built.
         """
         if not 0 <= number < self.samples:
-            raise InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
+            raise base.InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
 
-    def end_forces(self, n: int = 1000) -> Floats:
+    def end_forces(self, n: int = 1000) -> base.Floats:
         """Forces at which the cells of the first n mechanisms let go, for a cloud around each.
 
         Returns:
@@ -155,7 +139,7 @@ class Yield(Counted, Drawn):
 
     def to_xarray(self) -> "xr.Dataset":
         """Counts over "outcome", the wanted one first, and indices over "parameter"."""
-        need("tables")
+        base.need("tables")
         import xarray as xr
 
         counts = self._counts
@@ -179,7 +163,7 @@ class Yield(Counted, Drawn):
             "by_engine": self.by_engine,
             "chain": repr(self.chain),
             "assumptions": self.assumptions,
-            "source": f"stepwell {__version__}, yields",
+            "source": f"stepwell {base.__version__}, yields",
         }
         return xr.Dataset(data, coords, attrs)
 
@@ -190,8 +174,10 @@ class Yield(Counted, Drawn):
             OSError: it cannot be written.
         """
         texts, counts = self._counts.keys(), self._counts.values()
-        shares = Quantity("share", "1"), [count / self.samples for count in counts]
-        write_csv(path, [(Quantity("outcome"), texts), (Quantity("count"), counts), shares], 9)
+        shares = base.Quantity("share", "1"), [count / self.samples for count in counts]
+        base.write_csv(
+            path, [(base.Quantity("outcome"), texts), (base.Quantity("count"), counts), shares], 9
+        )
 
     @property
     def _counts(self) -> dict[str, int]:
@@ -200,13 +186,13 @@ class Yield(Counted, Drawn):
     def __str__(self):
         low, high = self.interval
         lines = [
-            f"{percent(self.share)} of {self.samples} mechanisms do {short(self.target)} "
-            f"(95 % confidence: {percent(low)} to {percent(high)})"
+            f"{base.percent(self.share)} of {self.samples} mechanisms do {short(self.target)} "
+            f"(95 % confidence: {base.percent(low)} to {base.percent(high)})"
         ]
         if self.advice:
             lines.append(self.advice)
         shown = list(self.outcomes.items())[:_SHOWN]
-        lines += [f"{percent(count / self.samples)}: {short(text)}" for text, count in shown]
+        lines += [f"{base.percent(count / self.samples)}: {short(text)}" for text, count in shown]
         if len(self.outcomes) > _SHOWN:
             lines.append(f"and {len(self.outcomes) - _SHOWN} other outcomes")
         if self.critical is not None:
@@ -218,8 +204,8 @@ class Yield(Counted, Drawn):
     def __repr__(self):
         low, high = self.interval
         return (
-            f"Yield({short(self.target)}: {percent(self.share)} of {self.samples}, "
-            f"{percent(low)} to {percent(high)}, {self.tolerances!r})"
+            f"Yield({short(self.target)}: {base.percent(self.share)} of {self.samples}, "
+            f"{base.percent(low)} to {base.percent(high)}, {self.tolerances!r})"
         )
 
 
@@ -238,25 +224,25 @@ def yields(
 
     All else as for `Chain.yields`.
     """
-    _refuse(chain, tolerances, ONE_BY_ONE if samples is None else samples, seed)
+    _refuse(chain, tolerances, base.ONE_BY_ONE if samples is None else samples, seed)
     robust = None if robust is None else a_ratio("robust", robust)
     states = _states(chain, tolerances, target)
     drawing = cycle(chain) if target is None or states is not None else None
     sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
     tally = Tally(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
-        raise InputError(
+        raise base.InputError(
             f"sensitivity = True: neighbours in an order are compared, and {short(sequence)} has "
             f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
     if samples is None:
-        samples = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
+        samples = base.QUICKLY if states is None and tally.judge is not None else base.ONE_BY_ONE
     tally.count(samples, progress)
     listed = None if states is None else by_cells_at_1(states)
     return Yield(
         sequence if listed is None else f"states {' '.join(listed)}",
         listed,
-        ReadOnly(tally.outcomes()),
+        base.ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
         robust,
@@ -281,13 +267,13 @@ def _states(
     states = frozenset(str(state) for state in target)
     if not states or not all(is_state(state, chain.last_state) for state in states):
         digits = f"digits up to {chain.last_state}" if chain.elements else "characters 0 or 1"
-        raise InputError(
+        raise base.InputError(
             f"target = {sorted(states)}: must be states of {len(chain)} {digits}, one a "
             f"cell, inner first."
         )
     why = unsearchable(chain, tolerances.friction)
     if why:
-        raise InputError(
+        raise base.InputError(
             f"target = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
         )
     return states
@@ -295,16 +281,16 @@ def _states(
 
 def _refuse(chain: Chain, tolerances: Tolerances, samples: int, seed: int) -> None:
     if not isinstance(tolerances, Tolerances):
-        raise InputError(
+        raise base.InputError(
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
         )
-    check.whole("samples", samples, 1)
-    check.whole("seed", seed, 0)
-    require("samples", samples, "samples =")
+    base.check.whole("samples", samples, 1)
+    base.check.whole("seed", seed, 0)
+    base.require("samples", samples, "samples =")
     shortest = min((cell.lever for cell in levers_of(chain)), default=np.inf)
     if tolerances.lever >= shortest:
-        raise InputError(
+        raise base.InputError(
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )

@@ -25,16 +25,8 @@ from stepwell.figures.common.reading import path_of, phases
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.common.write import write_gif
+from stepwell.figures.motion import stroke_program
 from stepwell.figures.motion.overview import landscape
-from stepwell.figures.motion.stroke_program import (
-    Instant,
-    Window,
-    draw_plan,
-    instants,
-    limits,
-    plan_of,
-    windows_of,
-)
 from stepwell.figures.motion.strokes import force_stroke
 
 if TYPE_CHECKING:
@@ -95,7 +87,7 @@ def animation(
     require("frames", seconds * fps, f"{seconds:g} s are")
     hundredths = max(2, round(100 / fps))
     count = max(2, round(100 * seconds / hundredths))
-    frames = instants(path, seconds, count)
+    frames = stroke_program.instants(path, seconds, count)
     scene = _Scene(result, path)
 
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
@@ -128,7 +120,7 @@ class _Scene:
         self.travel = told.travel(self.chain.measure)
         # A cycle goes up and down once; all else has a plan worth showing.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
-        windows = windows_of(result) if isinstance(result, Program) else []
+        windows = stroke_program.windows_of(result) if isinstance(result, Program) else []
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
         self.linkage = LinkageDrawing(self.chain, ends)
@@ -197,16 +189,16 @@ class _Scene:
         # Everything that stands still, drawn once.
         self.still = canvas.copy_from_bbox(self.figure.bbox)
 
-    def _draw_plan(self, path: Path, windows: list[Window], right: float) -> Axes:
+    def _draw_plan(self, path: Path, windows: list[stroke_program.Window], right: float) -> Axes:
         """The strokes ahead and behind."""
         ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
-        plan = plan_of(path)
-        ax.set_xlim(limits(plan.way, 0.03))
-        draw_plan(ax, plan, windows, 0.1)
+        plan = stroke_program.plan_of(path)
+        ax.set_xlim(stroke_program.limits(plan.way, 0.03))
+        stroke_program.draw_plan(ax, plan, windows, 0.1)
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, frame: Instant) -> str:
+    def _state(self, frame: stroke_program.Instant) -> str:
         places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
         found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
         return "".join("-" if digit < 0 else str(digit) for digit in found)
@@ -221,7 +213,7 @@ class _Scene:
         sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
         return sheet.resize((width, height), Image.Resampling.NEAREST)
 
-    def shoot(self, frame: Instant) -> Picture:
+    def shoot(self, frame: stroke_program.Instant) -> Picture:
         """The picture at one instant."""
         from PIL import Image
 

@@ -18,26 +18,7 @@ from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import limits, plain, round_length, scale_bar
 from stepwell.figures.common.words import literal
-from stepwell.figures.robots.parts import (
-    OBSTACLE,
-    TOUCHED,
-    bracket,
-    draw_arena,
-    frame,
-    in_world,
-    outlines,
-)
-from stepwell.figures.robots.walks import (
-    DASHED,
-    MOTION,
-    PRESSED,
-    cycle_samples,
-    gait_colours,
-    gait_words,
-    intervals,
-    motions,
-    refuse_empty,
-)
+from stepwell.figures.robots import parts, walks
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
@@ -46,7 +27,7 @@ if TYPE_CHECKING:
 _TALLEST, _TITLE, _KEY = 170.0, 7.0, 9.2
 # What a line of the title, a letter of it, an entry of the key and a row of it take [mm].
 _LINE, _LETTER, _ENTRY, _ROW = 3.6, 2.0, 35.0, 3.8
-_HALO = style.pale(PRESSED, 0.25)
+_HALO = style.pale(walks.PRESSED, 0.25)
 _START = style.hollow(5.0)
 _LARGEST = 0.25  # mm of the page per mm of the arena
 # A robot is drawn again where it has gone this share of its length, or nothing could be seen.
@@ -71,7 +52,7 @@ def maze(maze: Maze) -> Figure:
     Source: Kamp et al. 2024, Fig. 4D.
     """
     walk, arena = maze.walk, maze.arena
-    refuse_empty(walk)
+    walks.refuse_empty(walk)
     moments = _moments(maze)
     box = _extent(maze, moments)
     page = sheet.page_width(style.PAGE)
@@ -87,7 +68,7 @@ def maze(maze: Maze) -> Figure:
     ax = sheet.place(figure, (page - wide) / 2, key, wide, high)
     plain(ax, box)
 
-    draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
+    parts.draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
     _path(ax, walk)
     _presses(ax, maze)
     for sample in moments:
@@ -114,9 +95,9 @@ def maze(maze: Maze) -> Figure:
 def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]:
     """left, right, bottom, top of all that is drawn [mm], with room for the scale bar below."""
     walk = maze.walk
-    points = [np.column_stack([walk.x, walk.y]), *outlines(maze.arena)]
+    points = [np.column_stack([walk.x, walk.y]), *parts.outlines(maze.arena)]
     for sample in moments:
-        lines = frame(walk.robot, walk.antenna[sample].tolist())
+        lines = parts.frame(walk.robot, walk.antenna[sample].tolist())
         points += [_placed(line, walk, sample) for line in lines]
     every = np.concatenate(points) * style.MM
     wide = float(np.ptp(every, axis=0).max())
@@ -125,17 +106,17 @@ def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]
 
 def _path(ax: Axes, walk: Walk) -> None:
     """The path in the colours of the robot's motion."""
-    kinds = motions(walk)
+    kinds = walks.motions(walk)
     last = len(walk.time) - 1
     # What was no whole cycle has no gait.
-    cuts = [0, *cycle_samples(walk).tolist(), last]
+    cuts = [0, *walks.cycle_samples(walk).tolist(), last]
     named = ["", *kinds, ""] if kinds else [""]
     spans: dict[str, list[tuple[int, int]]] = {kind: [] for kind in named}
     for kind, begin, end in zip(named, cuts[:-1], cuts[1:], strict=True):
         if end > begin:
             spans[kind].append((begin, end))
     for kind, ends in spans.items():
-        look = {"color": MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
+        look = {"color": walks.MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
         _along(ax, walk, ends, gid=f"path {kind or 'of no whole cycle'}", **look)
     # Few enough places that an arrow head shows the way and not a single step.
     few = np.linspace(0, last, max(2, min(60, last // 100))).astype(int)
@@ -180,7 +161,7 @@ def _moments(maze: Maze) -> list[int]:
 
 def _robot(ax: Axes, maze: Maze, sample: int) -> None:
     walk = maze.walk
-    lines = frame(walk.robot, walk.antenna[sample].tolist())
+    lines = parts.frame(walk.robot, walk.antenna[sample].tolist())
     bodies = len(lines) - len(walk.robot.antennas)
     for line in lines[:bodies]:
         shape = _placed(line, walk, sample) * style.MM
@@ -194,30 +175,30 @@ def _robot(ax: Axes, maze: Maze, sample: int) -> None:
     time = walk.time[sample]
     held = {one.antenna for one in maze.contacts if one.begin <= time <= one.end}
     for antenna, line in zip(walk.robot.antennas, lines[bodies:], strict=True):
-        held_by = _placed(bracket(walk.robot, antenna), walk, sample) * style.MM
+        held_by = _placed(parts.bracket(walk.robot, antenna), walk, sample) * style.MM
         ax.plot(*held_by.T, color=style.FAINT, linewidth=0.5, zorder=3.9)
-        colour, width = (PRESSED, 2.0) if antenna.name in held else (style.INK, 0.8)
+        colour, width = (walks.PRESSED, 2.0) if antenna.name in held else (style.INK, 0.8)
         look = {"color": colour, "linewidth": width, "gid": f"antenna {antenna.name}"}
         ax.plot(*(_placed(line, walk, sample) * style.MM).T, **look, zorder=5.5)
 
 
 def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
-    return in_world(line, walk.x[sample], walk.y[sample], walk.yaw[sample])
+    return parts.in_world(line, walk.x[sample], walk.y[sample], walk.yaw[sample])
 
 
 def _key(maze: Maze) -> list[Artist]:
     """What colours and marks mean, of those that occur."""
-    kinds = motions(maze.walk)
-    used = [kind for kind in MOTION if kind in kinds]
-    handles: list[Artist] = [legends.line(kind, MOTION[kind], 1.7) for kind in used]
+    kinds = walks.motions(maze.walk)
+    used = [kind for kind in walks.MOTION if kind in kinds]
+    handles: list[Artist] = [legends.line(kind, walks.MOTION[kind], 1.7) for kind in used]
     if maze.contacts:
         handles.append(legends.line("antenna pressed", _HALO, 5.5))
     touched = maze.touched.values()
     if any(time is not None for time in touched):
-        handles.append(legends.shade("touched obstacle", TOUCHED))
+        handles.append(legends.shade("touched obstacle", parts.TOUCHED))
     if any(time is None for time in touched):
         look = {"edgecolor": style.INK, "linewidth": 0.5}
-        handles.append(legends.shade("obstacle not touched", OBSTACLE, **look))
+        handles.append(legends.shade("obstacle not touched", parts.OBSTACLE, **look))
     return [*handles, legends.mark("start", **_START), legends.mark("end", size=5.0)]
 
 
@@ -225,7 +206,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
 _ANTENNA, _LANE, _GAP = 18.0, 4.6, 3.5
 # What an entry of the key takes [mm].
 _TIMELINE_ENTRY = 50.0
-_PRESSED = style.pale(PRESSED, 0.55)
+_PRESSED = style.pale(walks.PRESSED, 0.55)
 MOST_OBSTACLES = 24
 
 
@@ -245,11 +226,11 @@ def maze_timeline(maze: Maze) -> Figure:
         ValueError: a walk without samples.
     """
     walk = maze.walk
-    refuse_empty(walk)
+    walks.refuse_empty(walk)
     touched = {name: time for name, time in maze.touched.items() if time is not None}
     order = sorted(touched, key=touched.__getitem__)[:MOST_OBSTACLES]
     antennas, legs = walk.robot.antennas, walk.robot.legs
-    colours = gait_colours(walk)
+    colours = walks.gait_colours(walk)
     page = sheet.page_width(style.PAGE)
     entries = len(colours) + 2 * bool(antennas)
     columns, key_rows = legends.laid(entries, page - _LEFT, _TIMELINE_ENTRY, 3)
@@ -279,12 +260,12 @@ def maze_timeline(maze: Maze) -> Figure:
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel("Time [s]")
     handles: list[Artist] = [
-        legends.shade(gait_words(gait) if gait else "no state reached", colour)
+        legends.shade(walks.gait_words(gait) if gait else "no state reached", colour)
         for gait, colour in colours.items()
     ]
     if antennas:
         handles.append(legends.shade("antenna pressed", _PRESSED))
-        handles.append(Line2D([], [], **DASHED, label="full swing"))
+        handles.append(Line2D([], [], **walks.DASHED, label="full swing"))
     if handles:
         legends.below(figure, handles, columns, _LEFT)
     return figure
@@ -300,7 +281,7 @@ def _swing(ax: Axes, maze: Maze, antenna: int) -> None:
     ax.plot(
         walk.time, np.degrees(walk.antenna[:, antenna]), color=style.INK, linewidth=1.0, gid="swing"
     )
-    ax.axhline(most, **DASHED, zorder=1)
+    ax.axhline(most, **walks.DASHED, zorder=1)
     ax.set_ylim(-0.05 * most, 1.12 * most)
     ax.set_yticks([0.0, 30.0, 60.0, 90.0, 120.0][: 1 + max(1, int(most // 30))])
 
@@ -331,6 +312,6 @@ def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
     step = walk.settings.sample
     for i, name in enumerate(order):
         felt = walk.obstacle_force[:, names.index(name)] > TOUCHED
-        spans = [(begin, end - begin + step) for begin, end in intervals(walk.time, felt)]
+        spans = [(begin, end - begin + step) for begin, end in walks.intervals(walk.time, felt)]
         ax.broken_barh(spans, (i - 0.3, 0.6), facecolors=style.INK, linewidth=0, gid=name)
     style.name_rows(ax, order)

@@ -8,29 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, model_validator
 
 from stepwell.base import Measure, short
-from stepwell.files.schema.elements import (
-    CsvName,
-    CurveKeys,
-    ElementKeys,
-    Friction,
-    Mobility,
-    PartKeys,
-    key_in,
-)
-from stepwell.files.schema.keys import (
-    Keys,
-    Line,
-    Point,
-    Switch,
-    above_zero,
-    at_most,
-    bounded,
-    decimal_of,
-    few,
-    lengths,
-    refuse,
-    tables_of,
-)
+from stepwell.files.schema import elements, keys
 from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
 
 ROW_STEP_MM = Decimal("1e-6")
@@ -38,14 +16,14 @@ ROW_STEP_MM = Decimal("1e-6")
 
 def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
     if not isinstance(value, list) or len(value) < least:
-        refuse(f"must be {least} or more rows of two numbers, as in {example}.")
-    few("rows", value)
+        keys.refuse(f"must be {least} or more rows of two numbers, as in {example}.")
+    keys.few("rows", value)
     rows: list[tuple[Decimal, Decimal]] = []
     for i, row in enumerate(value):
         allowed = f"two numbers from -1e6 to 1e6, as in {example}"
-        x, y = lengths(row, 2, f"row {i + 1} must be {allowed}.")
+        x, y = keys.lengths(row, 2, f"row {i + 1} must be {allowed}.")
         if rows and x - rows[-1][0] < ROW_STEP_MM:
-            refuse(f"row {i + 1} must lie {ROW_STEP_MM} mm or more above the row before it.")
+            keys.refuse(f"row {i + 1} must lie {ROW_STEP_MM} mm or more above the row before it.")
         rows.append((x, y))
     return tuple(rows)
 
@@ -53,17 +31,17 @@ def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal]
 def _law_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     rows = _rows(value, 2, "[[0, 0], [10, 0.3], [30, 0.8]]")
     if rows[0] != (0, 0):
-        refuse("row 1 must be [0, 0]: a band carries nothing at its rest length.")
+        keys.refuse("row 1 must be [0, 0]: a band carries nothing at its rest length.")
     for i, (_, pull) in enumerate(rows):
         if pull < 0:
-            refuse(f"row {i + 1} must not be negative: bands pull. Did you mean {-pull}?")
+            keys.refuse(f"row {i + 1} must not be negative: bands pull. Did you mean {-pull}?")
     return rows
 
 
 def _tension_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     rows = _law_rows(value)
     if rows[-1][1] < Decimal("1e-9"):
-        refuse("the last row must be a tension of 1e-9 N or more.")
+        keys.refuse("the last row must be a tension of 1e-9 N or more.")
     return rows
 
 
@@ -71,36 +49,36 @@ def _actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
     allowed = f'from {short(SOFTEST)} to {short(STIFFEST)}, 0, or "rigid"'
-    stiffness = decimal_of(value, Decimal(0), Decimal(STIFFEST), allowed)
+    stiffness = keys.decimal_of(value, Decimal(0), Decimal(STIFFEST), allowed)
     softest = Decimal(short(SOFTEST))
-    return stiffness if stiffness == 0 else decimal_of(value, softest, stiffness, allowed)
+    return stiffness if stiffness == 0 else keys.decimal_of(value, softest, stiffness, allowed)
 
 
 def _other_actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
-    return decimal_of(value, Decimal(0), Decimal("1e15"), 'from 0 to 1e15, or "rigid"')
+    return keys.decimal_of(value, Decimal(0), Decimal("1e15"), 'from 0 to 1e15, or "rigid"')
 
 
 def _state(value: Any) -> str:
     if not isinstance(value, str) or not value.isascii() or not value.isdecimal():
-        refuse('must be 0 or 1 for each cell in quotes, inner first, as in "010".')
+        keys.refuse('must be 0 or 1 for each cell in quotes, inner first, as in "010".')
     return value
 
 
 def _drives(value: Any) -> tuple[Decimal, ...]:
     if not isinstance(value, list) or not value:
-        refuse("must be a list of 1 or more numbers, as in [0, 45, 20].")
-    few("turns", value)
-    return lengths(value, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
+        keys.refuse("must be a list of 1 or more numbers, as in [0, 45, 20].")
+    keys.few("turns", value)
+    return keys.lengths(value, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
 
 
-Lever = Annotated[Decimal, bounded("1e-3", "1e6", "from 0.001 to 1e6")]
-Limit = Annotated[Decimal, bounded(*map(short, LIMITS_DEG))]
-Stiffness = Annotated[Decimal, above_zero("1e-6", "1e9")]
-RestLength = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
-Coefficient = Annotated[Decimal, bounded("-1e6", "1e6")]
-Force = Annotated[Decimal, bounded("-1e6", "1e6")]
+Lever = Annotated[Decimal, keys.bounded("1e-3", "1e6", "from 0.001 to 1e6")]
+Limit = Annotated[Decimal, keys.bounded(*map(short, LIMITS_DEG))]
+Stiffness = Annotated[Decimal, keys.above_zero("1e-6", "1e9")]
+RestLength = Annotated[Decimal, keys.bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Coefficient = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
+Force = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 OtherActuator = Annotated[Decimal, PlainValidator(_other_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
@@ -113,26 +91,26 @@ State = Annotated[str, PlainValidator(_state)]
 Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
 
 
-class BandKeys(Keys):
+class BandKeys(keys.Keys):
     """What a band is made of, without its anchors."""
 
     stiffness_N_per_m: Stiffness | None = None
     rest_length_mm: RestLength | None = None
-    two_sided: Switch | None = None
+    two_sided: keys.Switch | None = None
     quadratic_per_mm: Coefficient | None = None
     cubic_per_mm2: Coefficient | None = None
     table_mm_N: TensionRows | None = None
     shape_mm: LawRows | None = None
-    table_csv: CsvName | None = None
+    table_csv: elements.CsvName | None = None
 
     @model_validator(mode="after")
     def _one_law(self) -> BandKeys:
         given = self.model_fields_set
         laws = [kind for kind, keys in LAWS.items() if keys & given]
         if len(laws) > 1:
-            refuse(f"gives {' and '.join(laws)}: a band has one law, keep one of them.")
+            keys.refuse(f"gives {' and '.join(laws)}: a band has one law, keep one of them.")
         if {"table_mm_N", "stiffness_N_per_m"} <= given:
-            refuse(TABLE_OWNS_STIFFNESS, "stiffness_N_per_m")
+            keys.refuse(TABLE_OWNS_STIFFNESS, "stiffness_N_per_m")
         return self
 
 
@@ -151,33 +129,35 @@ TABLE_OWNS_STIFFNESS = (
 class PlacedBandKeys(BandKeys):
     """One of several bands on a cell, with its anchors."""
 
-    p_mm: Point
-    q_mm: Point
+    p_mm: keys.Point
+    q_mm: keys.Point
 
 
-class LeverKeys(Keys):
+class LeverKeys(keys.Keys):
     """A cell of levers and bands; what it leaves out it takes from the chain."""
 
-    name: Line = ""
-    p_mm: Point | None = None
-    q_mm: Point | None = None
+    name: keys.Line = ""
+    p_mm: keys.Point | None = None
+    q_mm: keys.Point | None = None
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
     band: BandKeys = BandKeys()
-    bands: Annotated[tuple[PlacedBandKeys, ...], Field(strict=False), at_most("bands")] | None = (
-        None
-    )
+    bands: (
+        Annotated[tuple[PlacedBandKeys, ...], Field(strict=False), keys.at_most("bands")] | None
+    ) = None
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
-    friction_N: Friction | None = None
-    mobility: Mobility | None = None
-    unusual: Switch | None = None
+    friction_N: elements.Friction | None = None
+    mobility: elements.Mobility | None = None
+    unusual: keys.Switch | None = None
 
 
-class OneCellKeys(ElementKeys, LeverKeys):
+class OneCellKeys(elements.ElementKeys, LeverKeys):
     """A cell of levers and bands, or an element that holds no chain."""
 
-    beside: Annotated[tuple[PartKeys, ...], Field(strict=False), at_most("bands")] | None = None
+    beside: (
+        Annotated[tuple[elements.PartKeys, ...], Field(strict=False), keys.at_most("bands")] | None
+    ) = None
 
     @property
     def forms(self) -> list[str]:
@@ -190,21 +170,23 @@ class OneCellKeys(ElementKeys, LeverKeys):
         if self.forms:
             (form,) = self.forms
             for key in _OF_LEVERS & given:
-                refuse(f"cannot stand with {form}: an element has no levers and bands.", key)
+                keys.refuse(f"cannot stand with {form}: an element has no levers and bands.", key)
             return self
         anchors = [key for key in ("p_mm", "q_mm") if key in given]
         for key in _OF_ELEMENTS & given:
-            refuse(f"goes with the curve of an element: {', '.join(FORMS)}.", key)
+            keys.refuse(f"goes with the curve of an element: {', '.join(FORMS)}.", key)
         if self.bands is None:
             for key in ("p_mm", "q_mm"):
                 if key not in anchors:
-                    refuse("is missing: two numbers in mm, as in [10, 0].", key)
+                    keys.refuse("is missing: two numbers in mm, as in [10, 0].", key)
         elif anchors:
-            refuse("cannot stand with bands, where every band has its own anchors.", anchors[0])
+            keys.refuse(
+                "cannot stand with bands, where every band has its own anchors.", anchors[0]
+            )
         elif not self.bands:
-            refuse("must hold one band or more.", "bands")
+            keys.refuse("must hold one band or more.", "bands")
         if self.load_N is not None and self.load_mm_N is not None:
-            refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")
+            keys.refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")
         return self
 
 
@@ -212,22 +194,22 @@ class CellKeys(OneCellKeys):
     """A cell of levers and bands, or any element."""
 
     inside: (
-        Annotated[tuple[OneCellKeys, ...], Field(strict=False), at_most("graph_cells")] | None
+        Annotated[tuple[OneCellKeys, ...], Field(strict=False), keys.at_most("graph_cells")] | None
     ) = None
 
 
 # The forms that the curve of an element may have, and what only levers or only elements have.
-FORMS = (*CurveKeys.model_fields, "beside", "inside")
-_OF_LEVERS = LeverKeys.model_fields.keys() - ElementKeys.model_fields.keys()
-_OF_ELEMENTS = ElementKeys.model_fields.keys() - LeverKeys.model_fields.keys()
+FORMS = (*elements.CurveKeys.model_fields, "beside", "inside")
+_OF_LEVERS = LeverKeys.model_fields.keys() - elements.ElementKeys.model_fields.keys()
+_OF_ELEMENTS = elements.ElementKeys.model_fields.keys() - LeverKeys.model_fields.keys()
 
 
-class SharedKeys(Keys):
+class SharedKeys(keys.Keys):
     """What the cells of a chain share."""
 
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
-    unusual: Switch = False
+    unusual: keys.Switch = False
     band: BandKeys = BandKeys()
 
 
@@ -237,15 +219,15 @@ class ChainKeys(SharedKeys):
     actuator_stiffness_N_per_m: Actuator | None = None
     actuator_stiffness_kPa_per_mL: OtherActuator | None = None
     actuator_stiffness_N_m_per_rad: OtherActuator | None = None
-    cell: Annotated[tuple[CellKeys, ...], Field(strict=False), at_most("cells")]
+    cell: Annotated[tuple[CellKeys, ...], Field(strict=False), keys.at_most("cells")]
 
     @model_validator(mode="after")
     def _some_cell(self) -> ChainKeys:
         if not self.cell:
-            refuse("must hold one cell or more, inner first.", "cell")
+            keys.refuse("must hold one cell or more, inner first.", "cell")
         given = [key for key in ACTUATORS.values() if key in self.model_fields_set]
         if len(given) > 1:
-            refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
+            keys.refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
         return self
 
 
@@ -257,12 +239,14 @@ ACTUATORS = {
 }
 # What an actuator is told: a travel, or a force where it prescribes that.
 TURNING_POINTS = {
-    measure: tuple(key_in("turning_points", u) for u in (measure.travel_unit, measure.force_unit))
+    measure: tuple(
+        elements.key_in("turning_points", u) for u in (measure.travel_unit, measure.force_unit)
+    )
     for measure in Measure
 }
 
 
-class ProgramKeys(Keys):
+class ProgramKeys(keys.Keys):
     """What the actuator is to do, and what for."""
 
     start: State | None = None
@@ -273,7 +257,7 @@ class ProgramKeys(Keys):
     turning_points_deg: Drives | None = None
     turning_points_mNm: Drives | None = None
     ends: State | None = None
-    unusual: Switch = False
+    unusual: keys.Switch = False
 
     @property
     def given_points(self) -> list[str]:
@@ -285,19 +269,19 @@ class ProgramKeys(Keys):
     def _one_list(self) -> ProgramKeys:
         found = self.given_points
         if not found:
-            refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
+            keys.refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
         if len(found) > 1:
-            refuse(f"cannot stand with {found[0]}: keep one of them.", found[1])
+            keys.refuse(f"cannot stand with {found[0]}: keep one of them.", found[1])
         return self
 
 
-class FileKeys(Keys):
+class FileKeys(keys.Keys):
     """A whole design file."""
 
-    title: Line = ""
+    title: keys.Line = ""
     chain: ChainKeys
     program: ProgramKeys | None = None
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES = tables_of(FileKeys)
+TABLES = keys.tables_of(FileKeys)

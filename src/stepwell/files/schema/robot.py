@@ -7,29 +7,16 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, model_validator
 
 from stepwell.base import nearest_word
-from stepwell.files.schema import chain as schema
+from stepwell.files.schema import chain as schema, keys
 from stepwell.files.schema.chain import Stiffness
 from stepwell.files.schema.elements import Friction
-from stepwell.files.schema.keys import (
-    Keys,
-    Line,
-    Point,
-    Switch,
-    above_zero,
-    at_most,
-    bounded,
-    few,
-    lengths,
-    refuse,
-    tables_of,
-)
 from stepwell.files.text import did_you_mean
 from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
 
 
 def _centre(value: Any) -> tuple[Decimal, ...]:
     problem = "must be three numbers from -1e6 to 1e6, in mm, as in [24, 0, 12]."
-    return lengths(value, 3, problem)
+    return keys.lengths(value, 3, problem)
 
 
 def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
@@ -37,24 +24,24 @@ def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
         "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
         "[38, -45]]."
     )
-    few("supports", value)
+    keys.few("supports", value)
     if not isinstance(value, list) or len(value) < 3:
-        refuse(problem)
-    return tuple(lengths(point, 2, problem) for point in value)
+        keys.refuse(problem)
+    return tuple(keys.lengths(point, 2, problem) for point in value)
 
 
 def _profile(value: Any) -> str:
     known = [str(profile) for profile in Profile]
     if value not in known:
         near = f" {did_you_mean(value, known)}" if isinstance(value, str) else ""
-        refuse(f"must be one of {', '.join(map(repr, known))}.{near}")
+        keys.refuse(f"must be one of {', '.join(map(repr, known))}.{near}")
     return value
 
 
 def _cell(value: Any) -> int | str:
     number = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6
     if not (number or isinstance(value, str)):
-        refuse(
+        keys.refuse(
             "must be the name of a cell in quotes, or its number, 1 for the innermost, as in "
             '"inner" or 1.'
         )
@@ -63,17 +50,17 @@ def _cell(value: Any) -> int | str:
 
 def _paths(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(path, str) for path in value):
-        refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
-    return tuple(few("sources", value))
+        keys.refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
+    return tuple(keys.few("sources", value))
 
 
-Size = Annotated[Decimal, above_zero("1e-6", "1e6")]
-Mass = Annotated[Decimal, above_zero("1e-6", "1e9")]
-Damping = Annotated[Decimal, above_zero("1e-12", "1e9")]
-Time = Annotated[Decimal, above_zero("1e-6", "1e6")]
-Grip = Annotated[Decimal, above_zero("1e-6", "1e6")]
-Swing = Annotated[Decimal, above_zero("1e-3", "360")]
-Turned = Annotated[Decimal, bounded("-360", "360")]
+Size = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]
+Mass = Annotated[Decimal, keys.above_zero("1e-6", "1e9")]
+Damping = Annotated[Decimal, keys.above_zero("1e-12", "1e9")]
+Time = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]
+Grip = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]
+Swing = Annotated[Decimal, keys.above_zero("1e-3", "360")]
+Turned = Annotated[Decimal, keys.bounded("-360", "360")]
 Centre = Annotated[tuple[Decimal, ...], PlainValidator(_centre)]
 Supports = Annotated[tuple[tuple[Decimal, ...], ...], PlainValidator(_supports)]
 ProfileName = Annotated[str, PlainValidator(_profile)]
@@ -84,17 +71,17 @@ Paths = Annotated[tuple[str, ...], PlainValidator(_paths)]
 class LegChainKeys(schema.SharedKeys):
     """A leg's chain, or what the chains of all legs share."""
 
-    title: Line = ""
-    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), at_most("cells")] = ()
+    title: keys.Line = ""
+    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), keys.at_most("cells")] = ()
 
     @model_validator(mode="after")
     def _some_cell(self) -> "LegChainKeys":
         if "cell" in self.model_fields_set and not self.cell:
-            refuse("must hold two cells or more, inner first.", "cell")
+            keys.refuse("must hold two cells or more, inner first.", "cell")
         return self
 
 
-class BodyKeys(Keys):
+class BodyKeys(keys.Keys):
     """The body and the T-foot on which it rests."""
 
     mass_g: Mass | None = None
@@ -105,7 +92,7 @@ class BodyKeys(Keys):
     wall_friction: Friction | None = None
 
 
-class FootKeys(Keys):
+class FootKeys(keys.Keys):
     """The V and the foot of every leg."""
 
     link_mm: Size | None = None
@@ -115,7 +102,7 @@ class FootKeys(Keys):
     radius_mm: Size | None = None
 
 
-class BlocksKeys(Keys):
+class BlocksKeys(keys.Keys):
     """The moving blocks of every leg."""
 
     mass_g: Mass | None = None
@@ -125,7 +112,7 @@ class BlocksKeys(Keys):
     length_mm: Size | None = None
 
 
-class FloorKeys(Keys):
+class FloorKeys(keys.Keys):
     """The floor."""
 
     drag_N: Friction | None = None
@@ -133,7 +120,7 @@ class FloorKeys(Keys):
     gravity_m_per_s2: Friction | None = None
 
 
-class DriveKeys(Keys):
+class DriveKeys(keys.Keys):
     """The one actuator."""
 
     stroke_mm: Size | None = None
@@ -146,31 +133,31 @@ class DriveKeys(Keys):
 PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
 
 
-class LegKeys(Keys):
+class LegKeys(keys.Keys):
     """A leg."""
 
-    name: Line
-    at_mm: Point
+    name: keys.Line
+    at_mm: keys.Point
     chain: LegChainKeys = LegChainKeys()
 
 
-class AntennaKeys(Keys):
+class AntennaKeys(keys.Keys):
     """An antenna."""
 
-    name: Line
-    pivot_mm: Point
+    name: keys.Line
+    pivot_mm: keys.Point
     length_mm: Size
     angle_deg: Turned
-    leg: Line
+    leg: keys.Line
     cell: CellName | None = None
-    moves_mm: Point
+    moves_mm: keys.Point
     swing_deg: Swing | None = None
     hook_mm: Friction | None = None
     hook_deg: Turned | None = None
     mass_g: Mass | None = None
     damping_N_m_s_per_rad: Damping | None = None
     friction: Friction | None = None
-    connected: Switch | None = None
+    connected: keys.Switch | None = None
 
 
 # Where a number can come from; the first is what is said of a number that no list names.
@@ -178,7 +165,7 @@ ASSUMED = "assumed"
 SOURCES = ("paper", "authors' notes", "measured", ASSUMED)
 
 
-class SourceKeys(Keys):
+class SourceKeys(keys.Keys):
     """Where the numbers come from."""
 
     paper: Paths = ()
@@ -192,24 +179,24 @@ class SourceKeys(Keys):
         return dict(zip(SOURCES, lists, strict=True))
 
 
-class RobotKeys(Keys):
+class RobotKeys(keys.Keys):
     """A robot's whole design file."""
 
-    title: Line = ""
+    title: keys.Line = ""
     chain: LegChainKeys = LegChainKeys()
     body: BodyKeys = BodyKeys()
     foot: FootKeys = FootKeys()
     blocks: BlocksKeys = BlocksKeys()
     floor: FloorKeys = FloorKeys()
     drive: DriveKeys = DriveKeys()
-    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), at_most("legs")]
-    antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False), at_most("antennas")] = ()
+    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), keys.at_most("legs")]
+    antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False), keys.at_most("antennas")] = ()
     source: SourceKeys = SourceKeys()
-    unusual: Switch = False
+    unusual: keys.Switch = False
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES = tables_of(RobotKeys)
+TABLES = keys.tables_of(RobotKeys)
 _LOOKED_AT = 100  # keys of a file that may be misspelt ones
 _ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
 

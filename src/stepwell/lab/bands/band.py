@@ -8,20 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, need, to_unit
-from stepwell.lab.bands.halves import (
-    REACH,
-    Estimate,
-    Hysteresis,
-    LoadingRun,
-    differing,
-    kinds,
-    listed,
-    loops_of,
-    of_samples,
-    taut,
-    usual_cycles,
-    usual_window,
-)
+from stepwell.lab.bands import halves
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.mechanism import sizes
 
@@ -46,7 +33,7 @@ class BandTest(ByValue, Drawn):
         warnings: what to know before anything else.
     """
 
-    loops: tuple[Hysteresis, ...] = field(repr=False)
+    loops: tuple[halves.Hysteresis, ...] = field(repr=False)
     window: tuple[float, float]
     cycles: tuple[int, int]
     told: tuple[str, ...] = field(repr=False)
@@ -60,7 +47,7 @@ class BandTest(ByValue, Drawn):
         return tuple(sorted({loop.sample for loop in self.used}))
 
     @property
-    def used(self) -> tuple[Hysteresis, ...]:
+    def used(self) -> tuple[halves.Hysteresis, ...]:
         """The cycles that are fitted."""
         first, last = self.cycles
         return tuple(
@@ -144,14 +131,14 @@ def band_test(
         raise LabError("window", f"{_mm(window)} mm: must be two strokes that rise from 0 on.")
     if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
-    loops, gauge, told = loops_of(recordings, set(drop), cycles_per_sample)
+    loops, gauge, told = halves.loops_of(recordings, set(drop), cycles_per_sample)
     adapted: list[str] = []
     if cycles is None:
-        cycles, line = usual_cycles(loops)
+        cycles, line = halves.usual_cycles(loops)
         adapted.append(line)
     if window is None:
         used = [loop for loop in loops if cycles[0] <= loop.cycle <= cycles[1]]
-        window, line = usual_window(used)
+        window, line = halves.usual_window(used)
         adapted.append(line)
     test = BandTest(loops, window, cycles, told, gauge)
     _check_reach(test)
@@ -173,10 +160,10 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     Raises:
         LabError: no kind is in the majority, or the bands do not pull.
     """
-    usual, *others = kinds(_runs(test))
+    usual, *others = halves.kinds(_runs(test))
     if usual.stiffness <= 0:
         raise LabError(
-            listed([run.source for run in usual.runs]),
+            halves.listed([run.source for run in usual.runs]),
             f"the force changes by {usual.stiffness:.3g} N/m of stroke: it must rise as the band "
             f"gets longer. Look at the sign and at which column is which.",
         )
@@ -186,15 +173,15 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     )
     if not others:
         return frozenset(), slips
-    differ = "; ".join(differing(usual, other) for other in others)
+    differ = "; ".join(halves.differing(usual, other) for other in others)
     todo = _todo({run.sample for run in usual.runs}, [r.sample for o in others for r in o.runs])
     bands = usual.bands + sum(other.bands for other in others)
     if 2 * usual.bands <= bands:
         raise LabError(
             "band test",
             f"the runs are not of one kind of band, and no kind is in the majority: "
-            f"{listed([run.source for run in usual.runs])}: {usual.stiffness:.4g} N/m; {differ}. "
-            f"{todo[0].upper()}{todo[1:]}",
+            f"{halves.listed([run.source for run in usual.runs])}: {usual.stiffness:.4g} N/m; "
+            f"{differ}. {todo[0].upper()}{todo[1:]}",
         )
     apart = frozenset((run.sample, run.cycle) for other in others for run in other.runs)
     warning = (
@@ -204,9 +191,9 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     return apart, (warning, *slips)
 
 
-def _runs(test: BandTest) -> list[LoadingRun]:
+def _runs(test: BandTest) -> list[halves.LoadingRun]:
     """The stiffness of every loading half that is used."""
-    runs: list[LoadingRun] = []
+    runs: list[halves.LoadingRun] = []
     for loop in test.used:
         stroke, force = _pulling([loop], test.window)
         if len(stroke) < 2:
@@ -218,7 +205,7 @@ def _runs(test: BandTest) -> list[LoadingRun]:
                 f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
                 f"another window, or drop sample {loop.sample}.",
             )
-        runs.append(LoadingRun(loop.sample, loop.cycle, loop.source, k))
+        runs.append(halves.LoadingRun(loop.sample, loop.cycle, loop.source, k))
     return runs
 
 
@@ -234,7 +221,7 @@ def _todo(kept: set[int], odd: list[int]) -> str:
     )
 
 
-def stiffness(test: BandTest) -> Estimate:
+def stiffness(test: BandTest) -> halves.Estimate:
     """Stiffness k of the line through the window, loading, for the mean of the samples [N/m].
 
     The interval holds the mean of all bands of this kind in 95 % of such tests, if bands scatter
@@ -246,7 +233,7 @@ def stiffness(test: BandTest) -> Estimate:
     Returns:
         The estimate; without an interval where there is one sample only.
     """
-    return of_samples(
+    return halves.of_samples(
         {
             sample: _slope(*_pulling([o for o in test.used if o.sample == sample], test.window))
             for sample in test.samples
@@ -281,7 +268,7 @@ def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, F
     """The edges of the windows [m], and k [N/m] from each to each, as `stiffness_by_window`."""
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
     if step is None:
-        step = float(f"{max(reach, REACH) / 9:.0e}")
+        step = float(f"{max(reach, halves.REACH) / 9:.0e}")
     edges = np.arange(0, max(math.floor(reach / step + 1e-9), 0) + 1) * step
     grid = np.full((len(edges), len(edges)), np.nan)
     for i, low in enumerate(edges):
@@ -340,7 +327,7 @@ def _check_reach(test: BandTest) -> None:
         )
     for loop in test.used:
         low, high = float(np.min(loop.stroke)), float(np.max(loop.stroke))
-        if low > test.window[0] + REACH or high < test.window[1] - REACH:
+        if low > test.window[0] + halves.REACH or high < test.window[1] - halves.REACH:
             raise LabError(
                 loop.source,
                 f"its stroke of {_mm((low, high))} mm does not reach over the window of "
@@ -367,7 +354,9 @@ def _used_lines(test: BandTest) -> list[str]:
     return lines
 
 
-def _inside(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
+def _inside(
+    loops: Sequence[halves.Hysteresis], window: tuple[float, float]
+) -> tuple[Floats, Floats]:
     """Stroke [m] and force [N] of the loading halves inside a window [m]."""
     stroke = np.concatenate([loop.stroke for loop in loops])
     force = np.concatenate([loop.force for loop in loops])
@@ -375,9 +364,11 @@ def _inside(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[F
     return stroke[inside], force[inside]
 
 
-def _pulling(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
+def _pulling(
+    loops: Sequence[halves.Hysteresis], window: tuple[float, float]
+) -> tuple[Floats, Floats]:
     """The same where the band is taut."""
-    pulls = [taut(loop.force, loop.steps[1]) for loop in loops]
+    pulls = [halves.taut(loop.force, loop.steps[1]) for loop in loops]
     pairs = zip(loops, pulls, strict=True)
     return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
 

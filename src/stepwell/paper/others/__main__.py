@@ -10,17 +10,7 @@ from typing import Any
 
 from stepwell.base import write_atomic
 from stepwell.paper.claims import replaced
-from stepwell.paper.others.pairs import (
-    Graph,
-    canonical,
-    design,
-    folding,
-    graph_of,
-    graphs,
-    pairs,
-    possible,
-    reached,
-)
+from stepwell.paper.others import pairs
 
 BEGIN = "<!-- pairs: written by `python -m stepwell.paper.others`, not by hand -->"
 END = "<!-- end of pairs -->"
@@ -31,10 +21,10 @@ _DIGITS = 4
 
 def rows() -> list[dict[str, Any]]:
     """What became of every graph: how it is made, and by which curves."""
-    alone = {canonical(graph_of(chain, "force")) for chain in pairs().values()}
+    alone = {pairs.canonical(pairs.graph_of(chain, "force")) for chain in pairs.pairs().values()}
     found: list[dict[str, Any]] = []
-    for graph in graphs():
-        curves = design(graph)
+    for graph in pairs.graphs():
+        curves = pairs.design(graph)
         elements = [
             {key: [round(point[k], _DIGITS) for point in curve] for k, key in enumerate(_KEYS)}
             for curve in curves or ()
@@ -42,7 +32,7 @@ def rows() -> list[dict[str, Any]]:
         found.append(
             {
                 "graph": " ".join(graph),
-                "reached": " ".join(reached(graph)),
+                "reached": " ".join(pairs.reached(graph)),
                 "under_force": graph in alone,
                 "under_length": _how(graph),
                 "elements": elements,
@@ -51,11 +41,11 @@ def rows() -> list[dict[str, Any]]:
     return found
 
 
-def _how(graph: Graph) -> str:
-    chain = pairs().get(graph)
-    if chain is not None and canonical(graph_of(chain)) == graph:
-        return _HOW[folding(chain)]
-    return "undecided" if possible(graph, plain=False) else "impossible"
+def _how(graph: pairs.Graph) -> str:
+    chain = pairs.pairs().get(graph)
+    if chain is not None and pairs.canonical(pairs.graph_of(chain)) == graph:
+        return _HOW[pairs.folding(chain)]
+    return "undecided" if pairs.possible(graph, plain=False) else "impossible"
 
 
 def table(found: list[dict[str, Any]]) -> str:

@@ -8,21 +8,9 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from stepwell import files
+from stepwell import files, studies
 from stepwell.accounts import account
 from stepwell.base import need
-from stepwell.studies import (
-    QUERIES,
-    THREE,
-    Atlas,
-    Border,
-    Machine,
-    borders,
-    charted,
-    find,
-    opened,
-    understood,
-)
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
@@ -35,7 +23,7 @@ _MANY, _PUSHES = 120, 400
 
 
 def placed(
-    found: Atlas, near: Sequence[Border], shown: Sequence[Machine]
+    found: studies.Atlas, near: Sequence[studies.Border], shown: Sequence[studies.Machine]
 ) -> dict[str, tuple[float, float, float]]:
     """Centre and radius of each machine in a picture of width 1 and height 0.64.
 
@@ -116,13 +104,13 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     name, query = ask.text("name", 200), ask.text("query", _LONGEST, "")
     least = ask.number("yield_percent", 0.0, 100.0, 0.0)
     ask.close()
-    store = store_named(ask, name) if name else THREE
+    store = store_named(ask, name) if name else studies.THREE
     if query:
-        understood(query)  # or refused at once
+        studies.understood(query)  # or refused at once
     found, near = _charted(store, ask)
     if query:
         return View(
-            {"query": query, "found": [one.name for one in find(found, query, least / 100)]}
+            {"query": query, "found": [one.name for one in studies.find(found, query, least / 100)]}
         )
     shown = found.machines[:_MOST]
     names = {one.name for one in shown}
@@ -137,20 +125,20 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
             for a, b, way, snaps in sorted(machine.ways)
         ]
     del record["schema"], record["cycles"]
-    return View({**record, "name": name, "phrases": [*QUERIES]})
+    return View({**record, "name": name, "phrases": [*studies.QUERIES]})
 
 
 # What was charted last, by the store and what of it was done: it is asked about again and again.
-_KNOWN: dict[Any, tuple[Atlas, tuple[Border, ...]]] = {}
+_KNOWN: dict[Any, tuple[studies.Atlas, tuple[studies.Border, ...]]] = {}
 _KEPT = 3
 
 
-def _charted(store: Path, ask: Ask) -> tuple[Atlas, tuple[Border, ...]]:
-    study = opened(store)
+def _charted(store: Path, ask: Ask) -> tuple[studies.Atlas, tuple[studies.Border, ...]]:
+    study = studies.opened(store)
     key = str(store), study.identity, tuple(study.done_chunks())
     if key not in _KNOWN:
-        found = charted(study, progress=ask.tell)
+        found = studies.charted(study, progress=ask.tell)
         while len(_KNOWN) >= _KEPT:
             _KNOWN.pop(next(iter(_KNOWN)))
-        _KNOWN[key] = found, borders(study, found)
+        _KNOWN[key] = found, studies.borders(study, found)
     return _KNOWN[key]

@@ -12,18 +12,8 @@ from stepwell.design import margin, proved_margin
 from stepwell.files import WrittenProgram, columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Program, ProgramMethod, to_dot
+from stepwell.studio import motion
 from stepwell.studio.ask import Ask, PageDesign, View
-from stepwell.studio.motion import (
-    arrays_of,
-    cycle_told,
-    drawn,
-    events_of,
-    landscape,
-    margins_of,
-    path_told,
-    program_told,
-    units_of,
-)
 
 
 def answer_evaluate(design: PageDesign, ask: Ask) -> View:
@@ -36,21 +26,21 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     cycle = chain.cycle()
     # A search takes a hundred times as long as all else here: panel `margin` does it aside.
     limits = proved_margin(chain)
-    path = drawn(cycle.path)
+    path = motion.drawn(cycle.path)
     header = {
-        **path_told(cycle.path, path),
-        **cycle_told(cycle),
-        **margins_of(limits),
+        **motion.path_told(cycle.path, path),
+        **motion.cycle_told(cycle),
+        **motion.margins_of(limits),
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
     }
-    return View(header, arrays_of(path) | landscape(chain))
+    return View(header, motion.arrays_of(path) | motion.landscape(chain))
 
 
 def answer_margin(design: PageDesign, ask: Ask) -> View:
     """The margins as panel `evaluate` tells them, by whatever it takes."""
     ask.close()
-    return View(margins_of(margin(design.chain, progress=ask.tell)))
+    return View(motion.margins_of(margin(design.chain, progress=ask.tell)))
 
 
 _POINTS = 121
@@ -78,7 +68,7 @@ def answer_cells(design: PageDesign, ask: Ask) -> View:
         if not cells:
             raise
         return View({**header, "units": None})
-    return View({**header, "units": units_of(made)}, _curves(made))
+    return View({**header, "units": motion.units_of(made)}, _curves(made))
 
 
 def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
@@ -132,7 +122,7 @@ def answer_graph(design: PageDesign, ask: Ask) -> View:
     nodes = list(graph.nodes)
     return View(
         {
-            "units": units_of(chain),
+            "units": motion.units_of(chain),
             "dot": to_dot(graph),
             "nodes": [
                 {
@@ -168,11 +158,11 @@ def answer_program(design: PageDesign, ask: Ask) -> View:
     """The program from `start` to `to`, or the one of `turning_points_mm`, with its samples."""
     found = program_of(design.chain, ask)
     ask.close()
-    path = drawn(found.path)
-    header = {"units": units_of(found.chain), **program_told(found)}
+    path = motion.drawn(found.path)
+    header = {"units": motion.units_of(found.chain), **motion.program_told(found)}
     return View(
-        {**header, "events": events_of(found.path.events, path), "written": _written(found)},
-        arrays_of(path),
+        {**header, "events": motion.events_of(found.path.events, path), "written": _written(found)},
+        motion.arrays_of(path),
     )
 
 

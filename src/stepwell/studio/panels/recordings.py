@@ -9,21 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from stepwell import lab
 from stepwell.accounts import account
 from stepwell.base import Floats, InputError, Ints, Measure, plain, to_unit, told_in
-from stepwell.lab import (
-    Batch,
-    Comparison,
-    LabError,
-    Recording,
-    Refit,
-    Series,
-    compare,
-    find_snaps,
-    read_bytes,
-    refit,
-    sort_series,
-)
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind
 from stepwell.studio.ask import Ask, PageDesign, View
@@ -55,7 +43,9 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
             "and force."
         )
     header: dict[str, Any] = {
-        "files": [_file(one) for one in account(Batch(tuple(recordings), ())).record["recordings"]],
+        "files": [
+            _file(one) for one in account(lab.Batch(tuple(recordings), ())).record["recordings"]
+        ],
         "refused": refused,
         "series": [],
         "told": [],
@@ -72,15 +62,15 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
             blocks |= _curves(f"{k}", one)
         if comparison is not None:
             try:
-                header["fit"] = _fit(refit(comparison), design)
-            except LabError as error:
+                header["fit"] = _fit(lab.refit(comparison), design)
+            except lab.LabError as error:
                 header["why_no_fit"] = error.problem
     return View(header, blocks)
 
 
-def _read(files: Iterable[Ask]) -> tuple[list[Recording], list[str]]:
+def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
     """The recordings, and a line for every file that is none."""
-    found: list[Recording] = []
+    found: list[lab.Recording] = []
     refused: list[str] = []
     left = _MOST_BYTES
     for file in files:
@@ -91,8 +81,8 @@ def _read(files: Iterable[Ask]) -> tuple[list[Recording], list[str]]:
         try:
             content = _unpacked(packed, left)
             left -= len(content)
-            found.append(read_bytes(content, name))
-        except LabError as error:
+            found.append(lab.read_bytes(content, name))
+        except lab.LabError as error:
             refused.append(str(error))
         except ValueError as error:
             refused.append(f"{name}: {error}")
@@ -116,17 +106,19 @@ def _unpacked(packed: str, most: int) -> bytes:
     return content
 
 
-def _series(recordings: Sequence[Recording], chain: Chain) -> tuple[list[Series], list[str]]:
+def _series(
+    recordings: Sequence[lab.Recording], chain: Chain
+) -> tuple[list[lab.Series], list[str]]:
     try:
-        found = sort_series(recordings, [chain], as_designed=True)
-    except LabError as error:
+        found = lab.sort_series(recordings, [chain], as_designed=True)
+    except lab.LabError as error:
         return [], [error.problem]
     return list(found.series), list(found.told)
 
 
 def _compared(
-    recordings: Sequence[Recording], chain: Chain, series: Sequence[Series]
-) -> tuple[Comparison | None, str]:
+    recordings: Sequence[lab.Recording], chain: Chain, series: Sequence[lab.Series]
+) -> tuple[lab.Comparison | None, str]:
     """The comparison; None where there can be none, and why."""
     if not series:
         return None, ""
@@ -134,7 +126,7 @@ def _compared(
         kind = "elements" if chain.elements else f"{len(chain)} cells"
         why = f"The design has {kind}: one or two cells of levers get a verdict and a fit."
         return None, why
-    return compare(recordings, [chain], as_designed=True), ""
+    return lab.compare(recordings, [chain], as_designed=True), ""
 
 
 def _file(record: dict[str, Any]) -> dict[str, Any]:
@@ -148,7 +140,7 @@ def _file(record: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _told(series: Series, comparison: Comparison | None) -> dict[str, Any]:
+def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
     """A series with its verdict, and its snaps next to those of the model."""
     tests = comparison.tests if comparison else ()
     test = next((one for one in tests if one.series.name == series.name), None)
@@ -172,14 +164,14 @@ def _told(series: Series, comparison: Comparison | None) -> dict[str, Any]:
     }
 
 
-def _predicted(series: Series) -> list[float]:
+def _predicted(series: lab.Series) -> list[float]:
     events = series.path.events
     return [event.stroke for event in events if event.kind is EventKind.SNAP]
 
 
-def _measured(series: Series, run: Recording) -> tuple[float, ...]:
+def _measured(series: lab.Series, run: lab.Recording) -> tuple[float, ...]:
     stroke = series.placed(run)
-    return tuple(snap.stroke for snap in find_snaps(stroke, run.force, series.quiet))
+    return tuple(snap.stroke for snap in lab.find_snaps(stroke, run.force, series.quiet))
 
 
 def _snap_rows(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
@@ -209,7 +201,7 @@ def _pairs(
     return [*((a, found.get(i)) for i, a in enumerate(predicted)), *((None, b) for b in alone)]
 
 
-def _curves(name: str, series: Series) -> dict[str, np.ndarray[Any, Any]]:
+def _curves(name: str, series: lab.Series) -> dict[str, np.ndarray[Any, Any]]:
     """Stroke from state 0 and force of all runs of a series; a new segment where a line ends."""
     strokes, forces, segments = [], [], []
     last = 0
@@ -228,7 +220,7 @@ def _curves(name: str, series: Series) -> dict[str, np.ndarray[Any, Any]]:
     }
 
 
-def _segments(run: Recording) -> Ints:
+def _segments(run: lab.Recording) -> Ints:
     """(n,) numbers of the pieces without a gap in time or stroke."""
     gap = np.zeros(len(run), dtype=bool)
     for values, most in zip((run.time, run.stroke), _GAP, strict=True):
@@ -242,12 +234,12 @@ def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
     return steps > most * float(np.median(moving)) if len(moving) else steps > 0
 
 
-def _fit(found: Refit, design: PageDesign) -> dict[str, Any]:
+def _fit(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
     """The fit, and the design with it."""
     return {**found.record(), "design": _taken(found, design)}
 
 
-def _taken(found: Refit, design: PageDesign) -> dict[str, Any]:
+def _taken(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
     """The tables of the design with the fitted bands, all else as it was."""
     tables = deepcopy(design.tables or {})
     legs = tables.get("leg") or [{}]
