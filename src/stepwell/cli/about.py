@@ -8,8 +8,17 @@ import typer
 
 from stepwell.accounts import account
 from stepwell.base import installation
-from stepwell.cli import options as completing, screen
-from stepwell.cli.options import OUTPUT, ForceFile, Json, Output, free_file, grouped, local
+from stepwell.cli import options as completing
+from stepwell.cli.options import ForceFile, Json, Output, free_file, grouped, local
+from stepwell.cli.screen import (
+    FAILED,
+    has_display,
+    progress,
+    report,
+    show_lines,
+    show_verbatim,
+    usable,
+)
 
 
 def presets(
@@ -23,7 +32,7 @@ def presets(
     """
     from stepwell import files
 
-    screen.report(account(files.presets()), as_json)
+    report(account(files.presets()), as_json)
 
 
 def new(
@@ -55,7 +64,7 @@ def new(
     free_file(file, force)
     files.write_atomic(file, files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
-    screen.show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
+    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
 @grouped
@@ -69,7 +78,8 @@ def paper(
             metavar="PATH", help="The authors' recordings, for the claims that they decide."
         ),
     ] = None,
-    output: Output = OUTPUT,
+    *,
+    output: Output,
 ) -> None:
     """Check what the paper claims.
 
@@ -82,7 +92,7 @@ def paper(
     import stepwell.paper as claims
 
     output.free("paper")
-    with screen.progress("claims") as tell:
+    with progress("claims") as tell:
         found = claims.run(tell, everything=everything, data=data)
     output.report(account(found), everything=everything)
 
@@ -97,9 +107,9 @@ def validate(as_json: Json = False) -> None:
     """
     import stepwell.paper as claims
 
-    with screen.progress("claims") as tell:
+    with progress("claims") as tell:
         found = claims.validate(tell)
-    screen.report(account(found), as_json)
+    report(account(found), as_json)
 
 
 def schema(
@@ -123,11 +133,11 @@ def schema(
 
     if kind is None:
         names = (schema_of(one)["title"] for one in schema_kinds())
-        screen.show_lines("Results, each with the version of its schema", "", *names)
+        show_lines("Results, each with the version of its schema", "", *names)
         return
-    with screen.usable("RESULT"):
+    with usable("RESULT"):
         found = schema_of(kind)
-    screen.show_verbatim(json.dumps(found, indent=2))
+    show_verbatim(json.dumps(found, indent=2))
 
 
 def doctor(as_json: Json = False) -> None:
@@ -142,9 +152,9 @@ def doctor(as_json: Json = False) -> None:
     found = installation(
         {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
     )
-    screen.report(account(found), as_json)
+    report(account(found), as_json)
     if not found.ok:
-        raise typer.Exit(screen.FAILED)
+        raise typer.Exit(FAILED)
 
 
 # Each opens its room when it is called: what is broken there is reported, and the rest examined.
@@ -167,4 +177,4 @@ def _opengl() -> str | None:
 
 
 def _display() -> str | None:
-    return "yes" if screen.has_display() else None
+    return "yes" if has_display() else None

@@ -7,7 +7,7 @@ import typer
 
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
-from stepwell.cli.options import OUTPUT, Design, Group, Output, Robust, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, Robust, grouped, read_chain
 from stepwell.cli.screen import answered, progress, usable
 from stepwell.cli.tolerances import Data, calibrated_on
 
@@ -23,10 +23,11 @@ def check(
             "or without one the cycle of the drawing.",
         ),
     ] = None,
-    within: given.ToleranceOptions = given.USUAL,
+    *,
+    within: given.ToleranceOptions,
     data: Data = None,
-    sampling: given.Sampling = given.SAMPLING,
-    output: Output = OUTPUT,
+    sampling: given.Sampling,
+    output: Output,
 ) -> None:
     """Check a design within tolerances: works, fragile or won't.
 
@@ -92,17 +93,15 @@ class CountedOptions(Group):
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
 
 
-COUNTED = CountedOptions()
-
-
 @grouped
 def yield_(
     design: Design,
-    within: given.ToleranceOptions = given.USUAL,
-    counted: CountedOptions = COUNTED,
+    within: given.ToleranceOptions,
+    counted: CountedOptions,
     data: Data = None,
-    sampling: given.Sampling = given.SAMPLING,
-    output: Output = OUTPUT,
+    *,
+    sampling: given.Sampling,
+    output: Output,
 ) -> None:
     """Compute the fraction of samples that reach the target.
 

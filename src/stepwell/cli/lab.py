@@ -10,13 +10,13 @@ import typer
 
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import OUTPUT, Design, Group, Output, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, grouped, read_chain
 from stepwell.cli.ranges import window as read_window
 from stepwell.cli.screen import EXIT_CODES, progress, usable
 from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
-    from stepwell.lab import Pull, Recording, Rig
+    from stepwell.lab import BandTest, Pull, Recording, Rig
     from stepwell.mechanism import Chain
 
 
@@ -31,13 +31,36 @@ _Strokes = Annotated[
 
 @dataclass(frozen=True)
 class BuiltTolerances(given.BandTolerances):
-    """The tolerances of a first build."""
+    """The tolerances of a first build, and how likely its anchors are in wrong holes."""
 
     friction: given.Friction = 0.0
     travel_tolerance: given.TravelTolerance = 5.0
 
+    hole: Annotated[
+        float, typer.Option("--hole-mm", metavar="MM", help="How far apart holes are.", min=0.1)
+    ] = 5.0
+    wrong_hole: Annotated[
+        float,
+        typer.Option(
+            metavar="PERCENT",
+            help="How likely an anchor is in the hole beside its own.",
+            min=0,
+            max=40,
+        ),
+    ] = 5.0
+
 
 BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
+
+
+@dataclass(frozen=True)
+class BuildSampling(Group):
+    """How many first builds are drawn, and which."""
+
+    samples: Annotated[
+        int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
+    ] = 200
+    seed: given.Seed = 0
 
 
 @dataclass(frozen=True)
@@ -77,35 +100,18 @@ class SeenOptions(Group):
     ] = None
 
 
-SEEN = SeenOptions()
-
-
 @grouped
 def as_built(
     design: Design,
-    observed: SeenOptions = SEEN,
+    observed: SeenOptions,
     target: Annotated[
         str | None,
         typer.Option(metavar="STATES", help="What it should do; by default what the drawing does."),
     ] = None,
-    hole: Annotated[
-        float, typer.Option("--hole-mm", metavar="MM", help="How far apart holes are.", min=0.1)
-    ] = 5.0,
-    wrong_hole: Annotated[
-        float,
-        typer.Option(
-            metavar="PERCENT",
-            help="How likely an anchor is in the hole beside its own.",
-            min=0,
-            max=40,
-        ),
-    ] = 5.0,
     within: BuiltTolerances = BUILT,
-    samples: Annotated[
-        int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
-    ] = 200,
-    seed: given.Seed = 0,
-    output: Output = OUTPUT,
+    *,
+    sampling: BuildSampling,
+    output: Output,
 ) -> None:
     """Fit as-built parameters to a first build, and search which anchors to move.
 
@@ -142,10 +148,10 @@ def as_built(
             told,
             spread,
             target=target,
-            hole=hole * 1e-3,
-            wrong_hole=wrong_hole / 100,
-            samples=samples,
-            seed=seed,
+            hole=within.hole * 1e-3,
+            wrong_hole=within.wrong_hole / 100,
+            samples=sampling.samples,
+            seed=sampling.seed,
             progress=tell,
         )
     output.report(account(found, About(text, design)))
@@ -202,7 +208,7 @@ def read(
             "columns.",
         ),
     ],
-    output: Output = OUTPUT,
+    output: Output,
 ) -> None:
     """List what recordings hold: samples, cycles, columns and units.
 
@@ -224,6 +230,53 @@ def read(
         raise typer.Exit(2)
 
 
+@dataclass(frozen=True)
+class FittedPart(Group):
+    """Which part of tension tests is fitted."""
+
+    window: Annotated[
+        str | None,
+        typer.Option(
+            "--window-mm",
+            metavar="FROM:TO",
+            help="Stroke between which bands are fitted; 5:35 where it is measured, else all.",
+        ),
+    ] = None
+    cycles: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FROM:TO",
+            help="Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
+        ),
+    ] = None
+    drop: Annotated[
+        list[int] | None,
+        typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
+    ] = None
+    cycles_per_sample: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="How many files in a row are of one sample, where names only count.",
+        ),
+    ] = None
+
+    def test(self, recordings: list[Recording]) -> BandTest:
+        """This part of the recordings of a tension test."""
+        from stepwell.lab import band_test
+
+        edges = None if self.window is None else read_window(self.window)
+        counted = None if self.cycles is None else read_window(self.cycles, whole=True)
+        return band_test(
+            recordings,
+            window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
+            cycles=None if counted is None else (int(counted[0]), int(counted[1])),
+            drop=self.drop or (),
+            cycles_per_sample=self.cycles_per_sample,
+        )
+
+
 @commands.command(epilog=EXIT_CODES)
 @grouped
 def band(
@@ -234,33 +287,7 @@ def band(
             help="Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
         ),
     ],
-    window: Annotated[
-        str | None,
-        typer.Option(
-            "--window-mm",
-            metavar="FROM:TO",
-            help="Stroke between which bands are fitted; 5:35 where it is measured, else all.",
-        ),
-    ] = None,
-    cycles: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FROM:TO",
-            help="Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
-        ),
-    ] = None,
-    drop: Annotated[
-        list[int] | None,
-        typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
-    ] = None,
-    cycles_per_sample: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="How many files in a row are of one sample, where names only count.",
-        ),
-    ] = None,
+    part: FittedPart,
     gauge: Annotated[
         float | None,
         typer.Option(
@@ -270,7 +297,8 @@ def band(
     law: Annotated[
         str | None, typer.Option(metavar="NAME", help="The law to write, whatever is chosen.")
     ] = None,
-    output: Output = OUTPUT,
+    *,
+    output: Output,
 ) -> None:
     """Fit the stiffness of bands, and write a `band` table for a design file.
 
@@ -285,16 +313,8 @@ def band(
     from stepwell.accounts import About, account
 
     output.free("lab band")
-    edges = None if window is None else read_window(window)
-    counted = None if cycles is None else read_window(cycles, whole=True)
     given = recordings_in(folders)
-    test = measured.band_test(
-        given,
-        window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
-        cycles=None if counted is None else (int(counted[0]), int(counted[1])),
-        drop=drop or (),
-        cycles_per_sample=cycles_per_sample,
-    )
+    test = part.test(given)
     with usable("--gauge-mm"):
         choice = measured.choose_law(test, None if gauge is None else gauge * 1e-3)
     with usable("--law"):
@@ -308,17 +328,64 @@ _Data = Annotated[
     Path,
     typer.Argument(metavar="DATA", help="A folder of recordings, at any depth, or one recording."),
 ]
-_Baseline = Annotated[
-    Path | None,
-    typer.Option(
-        "--baseline",
-        metavar="PATH",
-        help="Runs without a band; by default those in DATA whose name says friction.",
-    ),
-]
-_NoBaseline = Annotated[
-    bool, typer.Option("--no-baseline", help="Subtract no friction, whatever is there.")
-]
+
+
+@dataclass(frozen=True)
+class BaselineOptions(Group):
+    """Which friction is subtracted."""
+
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            "--baseline",
+            metavar="PATH",
+            help="Runs without a band; by default those in DATA whose name says friction.",
+        ),
+    ] = None
+    no_baseline: Annotated[
+        bool, typer.Option("--no-baseline", help="Subtract no friction, whatever is there.")
+    ] = False
+
+    def read(self) -> list[Recording] | None:
+        """The runs to subtract: those given, none, or None where names decide."""
+        if self.baseline is not None and self.no_baseline:
+            raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
+        if self.no_baseline:
+            return []
+        return None if self.baseline is None else recordings_in([self.baseline])
+
+
+@dataclass(frozen=True)
+class RigOptions(Group):
+    """The rig of a test machine."""
+
+    bar: Annotated[
+        float | None,
+        typer.Option(
+            "--bar-mm",
+            metavar="LENGTH",
+            min=20,
+            help="Bar of the rig, inf for none; 70 if not said.",
+        ),
+    ] = None
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
+        ),
+    ] = None
+
+    def read(self) -> Rig:
+        """The rig of a file, or the paper's with another bar."""
+        from stepwell import files, lab as measured
+
+        if self.rig is not None:
+            if self.bar is not None:
+                message = "cannot stand with --bar-mm: FILE has bar_mm."
+                raise typer.BadParameter(message, param_hint="--rig")
+            return files.loads_rig(files.text_of(self.rig), str(self.rig))
+        return measured.PAPER_RIG if self.bar is None else measured.Rig(self.bar * 1e-3)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -332,29 +399,14 @@ def compare(
             help="What was tested, or what file names leave open; the paper's cell by default.",
         ),
     ] = None,
-    baseline: _Baseline = None,
-    no_baseline: _NoBaseline = False,
     as_designed: Annotated[
         bool,
         typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
     ] = False,
-    bar: Annotated[
-        float | None,
-        typer.Option(
-            "--bar-mm",
-            metavar="LENGTH",
-            min=20,
-            help="Bar of the rig, inf for none; 70 if not said.",
-        ),
-    ] = None,
-    rig: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
-        ),
-    ] = None,
-    output: Output = OUTPUT,
+    *,
+    friction: BaselineOptions,
+    machine: RigOptions,
+    output: Output,
 ) -> None:
     """Compare unit cells and pairs on a test machine with their models.
 
@@ -373,9 +425,9 @@ def compare(
     comparison = measured.compare(
         given,
         [files.loads(text, design).chain for design, text in designed.items()],
-        baseline=_subtracted(baseline, no_baseline),
+        baseline=friction.read(),
         as_designed=as_designed,
-        rig=_rig(rig, bar),
+        rig=machine.read(),
     )
     about = About(
         data_sha256=measured.hashes(given),
@@ -396,9 +448,9 @@ def calibrate(
             "predicts best.",
         ),
     ] = None,
-    baseline: _Baseline = None,
-    no_baseline: _NoBaseline = False,
-    output: Output = OUTPUT,
+    *,
+    friction: BaselineOptions,
+    output: Output,
 ) -> None:
     """Fit one physical model to the curves of all cells at once, single and in pairs.
 
@@ -413,7 +465,7 @@ def calibrate(
 
     output.free("lab calibrate")
     given = recordings_in([data])
-    found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
+    found = measured.sort_series(given, baseline=friction.read())
     prepared = measured.prepare(found.series, measured.tension_tables(given), found.told)
     with progress("fits") as tell:
         calibration = measured.calibrate(prepared, law, progress=tell)
@@ -422,23 +474,3 @@ def calibrate(
 
 
 commands.command("as-built", epilog=EXIT_CODES)(as_built)
-
-
-def _rig(file: Path | None, bar: float | None) -> Rig:
-    """The rig of a file, or the paper's with another bar."""
-    from stepwell import files, lab as measured
-
-    if file is not None and bar is not None:
-        raise typer.BadParameter("cannot stand with --bar-mm: FILE has bar_mm.", param_hint="--rig")
-    if file is not None:
-        return files.loads_rig(files.text_of(file), str(file))
-    return measured.PAPER_RIG if bar is None else measured.Rig(bar * 1e-3)
-
-
-def _subtracted(path: Path | None, none: bool) -> list[Recording] | None:
-    """The runs to subtract: those given, none, or None where names decide."""
-    if path is not None and none:
-        raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
-    if none:
-        return []
-    return None if path is None else recordings_in([path])

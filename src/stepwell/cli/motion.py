@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli import options, screen
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
+from stepwell.cli.options import (
+    Design,
+    ForceFile,
+    Group,
+    Json,
+    MobilityRatio,
+    Output,
+    Robust,
+    free_file,
+    grouped,
+    local,
+    read_chain,
+)
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
+from stepwell.cli.screen import (
+    answered,
+    progress,
+    report,
+    show_json,
+    show_lines,
+    show_verbatim,
+    usable,
+)
 
 if TYPE_CHECKING:
     from stepwell.base import Floats
@@ -19,12 +40,8 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
-@options.grouped
-def run(
-    design: options.Design,
-    mobility_ratio: options.MobilityRatio = None,
-    output: options.Output = options.OUTPUT,
-) -> None:
+@grouped
+def run(design: Design, mobility_ratio: MobilityRatio = None, *, output: Output) -> None:
     """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
     The margin is the smallest change that gives another sequence. Snaps are checked for landings
@@ -37,21 +54,21 @@ def run(
     from stepwell.accounts import About, account
     from stepwell.design import Run, margin
 
-    text, chain = options.read_chain(design)
+    text, chain = read_chain(design)
     output.free("run", design=text)
-    with screen.progress("following") as tell:
+    with progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
-    with screen.usable("--mobility-ratio"), screen.progress("landings"):
+    with usable("--mobility-ratio"), progress("landings"):
         landings = (
             path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
         )
-    with screen.progress("margin") as tell:
+    with progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
     output.report(account(found, About(text, design)))
 
 
 def graph(
-    design: options.Design,
+    design: Design,
     drive: Drive = None,
     start: Annotated[
         str | None,
@@ -68,11 +85,11 @@ def graph(
             metavar="FILE",
             help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
             dir_okay=False,
-            callback=options.local,
+            callback=local,
         ),
     ] = None,
-    force: options.ForceFile = False,
-    as_json: options.Json = False,
+    force: ForceFile = False,
+    as_json: Json = False,
 ) -> None:
     """Compute the transition graph of a chain with one actuator.
 
@@ -86,40 +103,41 @@ def graph(
     from stepwell import reports
     from stepwell.accounts import About, account
 
-    text, chain = options.read_chain(design)
-    options.free_file(out, force)
+    text, chain = read_chain(design)
+    free_file(out, force)
     if out is not None:
-        with screen.usable("--out"):
+        with usable("--out"):
             reports.checked_suffix(out)
-    with screen.usable(design):
+    with usable(design):
         implicit = chain.implicit_graph(drive_of(drive, chain))
     if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
-        with screen.usable(design), screen.progress("graph") as tell:
+        with usable(design), progress("graph") as tell:
             walked = implicit.walked(start, progress=tell)
-        screen.report(account(walked, About(text, design)), as_json)
+        report(account(walked, About(text, design)), as_json)
         return
-    with screen.usable(design), screen.progress("graph") as tell:
+    with usable(design), progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         reported = account(found, About(text, design))
     if out is not None:
-        with screen.usable("--out"):
+        with usable("--out"):
             reports.write_graph(found, out)
     if as_json:
-        screen.show_json(reported.record, *([out] if out else []))
+        show_json(reported.record, *([out] if out else []))
         return
-    screen.report(reported, as_json)
+    report(reported, as_json)
     if out:
-        screen.show_lines("")
-        screen.show_verbatim(f"Wrote {out}")
+        show_lines("")
+        show_verbatim(f"Wrote {out}")
 
 
-@options.grouped
+@grouped
 def program(
-    design: options.Design,
+    design: Design,
     start: From = None,
     target: Target = None,
-    robust: options.Robust = None,
-    output: options.Output = options.OUTPUT,
+    robust: Robust = None,
+    *,
+    output: Output,
 ) -> None:
     """Search the fewest turning points from one state to another.
 
@@ -134,7 +152,7 @@ def program(
     from stepwell.accounts import About, account
     from stepwell.sequences import Unreachable
 
-    text, chain = options.read_chain(design)
+    text, chain = read_chain(design)
     output.free("program")
     try:
         if start or target:
@@ -145,29 +163,49 @@ def program(
         found, output = why, replace(output, out=None)
     reported = account(found, About(text, design))
     output.report(reported)
-    screen.answered(reported.record["does_it"])
+    answered(reported.record["does_it"])
 
 
-def animate(
-    design: options.Design,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="FILE.gif", help="The file to write.", callback=options.local
-        ),
-    ] = Path("cycle.gif"),
-    seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
+@dataclass(frozen=True)
+class MotionOptions(Group):
+    """Which motion of a design is shown."""
+
     program: Annotated[
         bool,
         typer.Option(
             "--program",
             help="Play the design's own program, or one planned to --target, not a full cycle.",
         ),
-    ] = False,
-    start: From = None,
-    target: Target = None,
-    force: options.ForceFile = False,
+    ] = False
+    start: From = None
+    target: Target = None
+
+    def of(self, design: str) -> Cycle | Program:
+        """This motion of a design file."""
+        from stepwell import files
+
+        if not self.program:
+            if self.start or self.target:
+                option = "--target" if self.target else "--from"
+                raise typer.BadParameter("needs --program.", param_hint=option)
+            return files.load(design).chain.cycle()
+        if self.start or self.target:
+            return planned(files.load(design).chain, self.start, self.target)
+        return own(files.text_of(design), design)
+
+
+@grouped
+def animate(
+    design: Design,
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.", callback=local),
+    ] = Path("cycle.gif"),
+    seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
+    *,
+    motion: MotionOptions,
+    force: ForceFile = False,
 ) -> None:
     """Write a design in motion as a GIF.
 
@@ -177,28 +215,14 @@ def animate(
     """
     from stepwell import figures
 
-    options.free_file(out, force)
-    result = _motion(design, program, start, target)
+    free_file(out, force)
+    result = motion.of(design)
     try:
-        with screen.progress("frames") as tell:
+        with progress("frames") as tell:
             figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    screen.show_verbatim(f"Wrote {out}")
-
-
-def _motion(design: str, program: bool, start: str | None, target: str | None) -> Cycle | Program:
-    from stepwell import files
-
-    if not program:
-        if start or target:
-            raise typer.BadParameter(
-                "needs --program.", param_hint="--target" if target else "--from"
-            )
-        return files.load(design).chain.cycle()
-    if start or target:
-        return planned(files.load(design).chain, start, target)
-    return own(files.text_of(design), design)
+    show_verbatim(f"Wrote {out}")
 
 
 CELL, ACROSS, UP = "outer", Range(0, 20, 200), Range(-15, 15, 200)
@@ -218,22 +242,37 @@ _Parameter = Annotated[
 ]
 
 
-@options.grouped
-def map_(
-    design: options.Design,
+@dataclass(frozen=True)
+class PlaneOptions(Group):
+    """What varies on a map: an anchor, or two parameters."""
+
     cell: Annotated[
         str,
         typer.Option(
             help="Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the "
             "innermost."
         ),
-    ] = CELL,
-    x: _Axis = ACROSS,
-    y: _Axis = UP,
-    across: _Parameter = None,
-    up: _Parameter = None,
-    output: options.Output = options.OUTPUT,
-) -> None:
+    ] = CELL
+    x: _Axis = ACROSS
+    y: _Axis = UP
+    across: _Parameter = None
+    up: _Parameter = None
+
+    def parameters(self) -> tuple[Range, Range] | None:
+        """Two parameters, without options of the other kind of map; None where an anchor moves."""
+        if self.across is None and self.up is None:
+            return None
+        if self.across is None or self.up is None:
+            names = ("--across", "--up") if self.across is None else ("--up", "--across")
+            message = f"needs {names[0]} NAME=FROM:TO:COUNT too."
+            raise typer.BadParameter(message, param_hint=names[1])
+        if (self.cell, self.x, self.y) != (CELL, ACROSS, UP):
+            raise typer.BadParameter("cannot stand with --cell, --x or --y.", param_hint="--across")
+        return self.across, self.up
+
+
+@grouped
+def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
     """Compute the transition map over an anchor, or over two parameters.
 
     It shows the sequence for every place of one anchor, and the exact boundaries between
@@ -251,45 +290,30 @@ def map_(
         transition_map,
     )
 
-    text, chain = options.read_chain(design)
+    text, chain = read_chain(design)
     output.free("map")
-    with screen.usable(design):
-        if across is None and up is None:
-            index = cell_of(chain, cell)
+    with usable(design):
+        both = plane.parameters()
+        if both is None:
+            index = cell_of(chain, plane.cell)
             designs = marks(chain, index)
             from stepwell.base import to_unit
 
             per_metre = to_unit(1.0, "mm")
-            places = {"x": x.values(per_metre), "y": y.values(per_metre)}
+            places = {"x": plane.x.values(per_metre), "y": plane.y.values(per_metre)}
             nodes = partial(transition_map, chain, index, **places)
             curves = partial(boundaries, chain, index, **places)
         else:
-            first, second = _both(cell, x, y, across, up)
-            (across_axis, here_across), (up_axis, here_up) = (
-                _axis(first, chain),
-                _axis(second, chain),
-            )
-            nodes = partial(parameter_map, chain, across_axis, up_axis)
-            curves = partial(parameter_boundaries, chain, across_axis, up_axis)
+            (across, here_across), (up, here_up) = (_axis(one, chain) for one in both)
+            nodes = partial(parameter_map, chain, across, up)
+            curves = partial(parameter_boundaries, chain, across, up)
             designs = {"this design": (here_across, here_up)}
-        with screen.progress("map") as tell:
+        with progress("map") as tell:
             dataset = nodes(progress=tell)
-        with screen.progress("boundaries") as tell:
+        with progress("boundaries") as tell:
             found = curves(progress=tell)
         reported = account(MapView(dataset, found, designs), About(text, design))
         output.report(reported)
-
-
-def _both(
-    cell: str, x: Range, y: Range, across: Range | None, up: Range | None
-) -> tuple[Range, Range]:
-    """Two parameters, without options of the other kind of map."""
-    if across is None or up is None:
-        missing, given = ("--across", "--up") if across is None else ("--up", "--across")
-        raise typer.BadParameter(f"needs {missing} NAME=FROM:TO:COUNT too.", param_hint=given)
-    if (cell, x, y) != (CELL, ACROSS, UP):
-        raise typer.BadParameter("cannot stand with --cell, --x or --y.", param_hint="--across")
-    return across, up
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:

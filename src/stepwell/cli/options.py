@@ -185,9 +185,6 @@ class Output(Group):
         report(account, self.as_json, self.out, self.force, **options)
 
 
-OUTPUT = Output()
-
-
 @dataclass(frozen=True)
 class Folder(Output):
     """The same where a result is always written into a folder."""

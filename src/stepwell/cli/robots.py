@@ -3,29 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stepwell.base import require
-from stepwell.cli import options, options as completing, screen
+from stepwell.cli import options as completing
+from stepwell.cli.options import (
+    Arena,
+    FilmedOutput,
+    Folder,
+    ForceFile,
+    Group,
+    Json,
+    Output,
+    Robot,
+    free_file,
+    grouped,
+    local,
+    read_robot,
+)
 from stepwell.cli.ranges import Range, read_range
+from stepwell.cli.screen import (
+    EXIT_CODES,
+    Progress,
+    has_display,
+    progress,
+    report,
+    show_table,
+    show_verbatim,
+    stopped,
+    subcommands,
+    usable,
+)
 
 if TYPE_CHECKING:
     import stepwell.robot as values
     from stepwell.simulation import Sweep
 
 
-commands = screen.subcommands(
+commands = subcommands(
     "Compute a robot's gait by statics, vary its numbers, or check its time step."
 )
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@options.grouped
-def show(robot: options.Robot, output: options.Output = options.OUTPUT) -> None:
+@commands.command(epilog=EXIT_CODES)
+@grouped
+def show(robot: Robot, output: Output) -> None:
     """List a robot's numbers with their sources, and predict its gait by statics.
 
     The prediction needs no simulation. With --out, drawings from above and the side, the
@@ -35,15 +61,15 @@ def show(robot: options.Robot, output: options.Output = options.OUTPUT) -> None:
     """
     from stepwell.accounts import About, account
 
-    text, design = options.read_robot(robot)
+    text, design = read_robot(robot)
     output.free("robot show", robot=text)
     output.report(account(design.predict(), About(text, robot)))
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@options.grouped
+@commands.command(epilog=EXIT_CODES)
+@grouped
 def sweep(
-    robot: options.Robot,
+    robot: Robot,
     ranges: Annotated[
         list[str],
         typer.Argument(
@@ -63,7 +89,7 @@ def sweep(
     seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
     cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
     *,
-    output: options.Folder,
+    output: Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its numbers, on all cores.
 
@@ -75,25 +101,25 @@ def sweep(
     """
     from stepwell.accounts import About, account
 
-    text, design = options.read_robot(robot)
+    text, design = read_robot(robot)
     output.free("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
-    with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
+    with usable("--out"), progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
     output.report(account(result, About(text, robot, seeds=seeds)))
     _forget(keep)
 
 
-@commands.command(epilog=screen.EXIT_CODES)
+@commands.command(epilog=EXIT_CODES)
 def converge(
-    robot: options.Robot,
+    robot: Robot,
     cycles: Annotated[
         int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
     ] = 2,
-    as_json: options.Json = False,
+    as_json: Json = False,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
 
@@ -104,10 +130,10 @@ def converge(
     from stepwell import simulation as physics
     from stepwell.accounts import About, account
 
-    text, design = options.read_robot(robot)
-    with screen.usable(robot), screen.progress("walking") as tell:
+    text, design = read_robot(robot)
+    with usable(robot), progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    screen.report(account(found, About(text, robot)), as_json)
+    report(account(found, About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
@@ -163,7 +189,7 @@ def _swept(
     values: Mapping[str, Sequence[float]],
     cycles: int,
     keep: Path,
-    progress: screen.Progress | None,
+    progress: Progress | None,
 ) -> Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     from stepwell import files, simulation
@@ -195,14 +221,14 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
-@options.grouped
+@grouped
 def walk(
-    robot: options.Robot,
+    robot: Robot,
     cycles: Annotated[
         float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
     ] = 8,
     *,
-    output: options.FilmedOutput,
+    output: FilmedOutput,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
@@ -215,28 +241,27 @@ def walk(
     from stepwell import simulation
     from stepwell.accounts import About, account
 
-    text, design = options.read_robot(robot)
+    text, design = read_robot(robot)
     output.free("walk", robot=text)
-    with screen.usable(robot), screen.progress("walking") as tell:
+    with usable(robot), progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
     found = account(result, About(text, robot))
     output.report(found)
-    screen.stopped(result.stopped)
+    stopped(result.stopped)
 
 
 def _list(wanted: bool) -> None:
     if wanted:
         from stepwell import files
 
-        screen.show_table(
-            "Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1)
-        )
+        show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
         raise typer.Exit
 
 
-@options.grouped
-def maze(
-    robot: options.Robot,
+@dataclass(frozen=True)
+class Course(Group):
+    """Where a robot walks, from where and for how long."""
+
     arena: Annotated[
         str,
         typer.Argument(
@@ -244,23 +269,61 @@ def maze(
             help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
             autocompletion=completing.arenas,
         ),
-    ],
-    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0,
+    ]
+    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0
     start_seed: Annotated[
         int | None,
         typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
-    ] = None,
+    ] = None
     layout_seed: Annotated[
         int | None, typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
-    ] = None,
+    ] = None
+
+    def read(self) -> values.Arena:
+        """The arena, with its walls and its start moved."""
+        from stepwell import files
+        from stepwell.robot import other_layout, other_start
+
+        arena = files.load_arena(self.arena)
+        if self.layout_seed is not None:
+            with usable("--layout-seed"):
+                arena = other_layout(arena, self.layout_seed)
+        if self.start_seed is not None:
+            with usable("--start-seed"):
+                arena = other_start(arena, self.start_seed)
+        return arena
+
+
+@dataclass(frozen=True)
+class Control(Group):
+    """What is taken off a robot, as a control."""
+
     disconnect: Annotated[
         bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")
-    ] = False,
+    ] = False
     no_antennas: Annotated[
         bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
-    ] = False,
-    *,
-    output: options.FilmedOutput,
+    ] = False
+
+    def of(self, robot: values.Robot) -> values.Robot:
+        """The robot as given, or one of the two controls."""
+        if not (self.disconnect or self.no_antennas):
+            return robot
+        option = "--no-antennas" if self.no_antennas else "--disconnect"
+        if self.disconnect and self.no_antennas:
+            raise typer.BadParameter(f"{option} leaves no lever to take off: give one of the two.")
+        if not robot.antennas:
+            raise typer.BadParameter("this robot has no antennas.", param_hint=option)
+        off = tuple(replace(one, connected=False) for one in robot.antennas)
+        return replace(robot, antennas=() if self.no_antennas else off)
+
+
+@grouped
+def maze(
+    robot: Robot,
+    course: Course,
+    control: Control,
+    output: FilmedOutput,
     _: Annotated[
         bool,
         typer.Option(
@@ -277,44 +340,19 @@ def maze(
 
     Example: stepwell maze robot-explorer three-walls
     """
-    from stepwell import files, simulation
+    from stepwell import simulation
     from stepwell.accounts import About, account
 
-    text, given = options.read_robot(robot)
-    design = _changed(given, disconnect, no_antennas)
-    seeds = {"start_seed": start_seed, "layout_seed": layout_seed}
+    text, given = read_robot(robot)
+    design = control.of(given)
+    seeds = {"start_seed": course.start_seed, "layout_seed": course.layout_seed}
     output.free("maze")
-    place = _jittered(files.load_arena(arena), start_seed, layout_seed)
-    with screen.usable(robot), screen.progress("walking") as tell:
-        result = simulation.maze(design, place, limit=limit, progress=tell)
+    place = course.read()
+    with usable(robot), progress("walking") as tell:
+        result = simulation.maze(design, place, limit=course.limit, progress=tell)
     found = account(result, About(text if design is given else design, robot, seeds=seeds))
     output.report(found)
-    screen.stopped(result.walk.stopped)
-
-
-def _changed(robot: values.Robot, disconnect: bool, bare: bool) -> values.Robot:
-    """The robot as given, or one of the two controls."""
-    if not (disconnect or bare):
-        return robot
-    option = "--no-antennas" if bare else "--disconnect"
-    if disconnect and bare:
-        raise typer.BadParameter(f"{option} leaves no lever to take off: give one of the two.")
-    if not robot.antennas:
-        raise typer.BadParameter("this robot has no antennas.", param_hint=option)
-    antennas = () if bare else tuple(replace(one, connected=False) for one in robot.antennas)
-    return replace(robot, antennas=antennas)
-
-
-def _jittered(arena: values.Arena, start: int | None, layout: int | None) -> values.Arena:
-    from stepwell.robot import other_layout, other_start
-
-    if layout is not None:
-        with screen.usable("--layout-seed"):
-            arena = other_layout(arena, layout)
-    if start is not None:
-        with screen.usable("--start-seed"):
-            arena = other_start(arena, start)
-    return arena
+    stopped(result.walk.stopped)
 
 
 NO_DISPLAY = (
@@ -324,7 +362,7 @@ NO_DISPLAY = (
 
 
 def export(
-    robot: options.Robot,
+    robot: Robot,
     out: Annotated[
         Path,
         typer.Option(
@@ -333,11 +371,11 @@ def export(
             metavar="FILE.xml",
             help="The file to write.",
             show_default=False,
-            callback=options.local,
+            callback=local,
         ),
     ] = Path("robot.xml"),
-    arena: options.Arena = None,
-    force: options.ForceFile = False,
+    arena: Arena = None,
+    force: ForceFile = False,
 ) -> None:
     """Export a robot as MJCF, the format of MuJoCo.
 
@@ -348,16 +386,16 @@ def export(
     """
     from stepwell import files, simulation
 
-    options.free_file(out, force)
-    _, design = options.read_robot(robot)
+    free_file(out, force)
+    _, design = read_robot(robot)
     place = files.load_arena(arena) if arena is not None else None
-    with screen.usable(robot):
+    with usable(robot):
         text = simulation.mjcf(design, place)
     files.write_atomic(out, text)
-    screen.show_verbatim(f"Wrote {out}")
+    show_verbatim(f"Wrote {out}")
 
 
-def view(robot: options.Robot, arena: options.Arena = None) -> None:
+def view(robot: Robot, arena: Arena = None) -> None:
     """Simulate a robot in MuJoCo's viewer.
 
     The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
@@ -366,12 +404,12 @@ def view(robot: options.Robot, arena: options.Arena = None) -> None:
     """
     from stepwell import files
 
-    _, design = options.read_robot(robot)
+    _, design = read_robot(robot)
     place = files.load_arena(arena) if arena is not None else None
-    if not screen.has_display():
+    if not has_display():
         typer.echo(NO_DISPLAY, err=True)
         raise typer.Exit(1)
-    with screen.usable(robot):
+    with usable(robot):
         _show(design, place)
 
 

@@ -4,13 +4,41 @@ from __future__ import annotations
 
 import webbrowser
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli import options, options as completing, screen
+from stepwell.cli import options as completing
 from stepwell.cli.driving import own
+from stepwell.cli.options import (
+    Arena,
+    Design,
+    Force,
+    ForceFile,
+    Group,
+    free,
+    free_file,
+    grouped,
+    local,
+    read_design,
+)
+from stepwell.cli.screen import (
+    WRITING,
+    Interrupted,
+    Progress,
+    at_terminal,
+    has_display,
+    progress,
+    show_lines,
+    show_table,
+    show_text,
+    show_title,
+    show_verbatim,
+    usable,
+    warn,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,8 +56,98 @@ _PAPER = "paper:"
 _KINDS = ("pdf", "svg", "png")
 
 
+@dataclass(frozen=True)
+class PageOptions(Group):
+    """The page that a figure is for."""
+
+    width: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
+            "help lists them; 180mm by default.",
+        ),
+    ] = None
+    height: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Of the page; what the panels want by default."),
+    ] = None
+    columns: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Panels in a row, where no / says so.", min=1, max=26),
+    ] = None
+    letters: Annotated[
+        str, typer.Option(metavar="A|a|(a)|none", help="How panels are lettered.")
+    ] = "A"
+
+    def layout(self) -> dict[str, Any]:
+        """The same as `reports.figure` takes it; lengths in mm."""
+        from stepwell.figures import length
+
+        with usable("--width"):
+            wide = length(self.width or _USUAL)
+        with usable("--height"):
+            high = None if self.height is None else length(self.height)
+        return {"width": wide, "height": high, "columns": self.columns, "letters": self.letters}
+
+
+@dataclass(frozen=True)
+class SnapOptions(Group):
+    """What the panel of a snap needs to know of the cells."""
+
+    mass: Annotated[
+        float | None,
+        typer.Option("--mass", metavar="G", help="Outside each cell [g], for the panel snap."),
+    ] = None
+    damping: Annotated[
+        float | None,
+        typer.Option(metavar="N_S/M", help="Of each cell [N s/m], for the panel snap."),
+    ] = None
+
+
+@dataclass(frozen=True)
+class FigureFile(Group):
+    """The file of a figure."""
+
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False, callback=local
+        ),
+    ] = None
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--format",
+            metavar="pdf|svg|png",
+            help="Of the file, if its name does not say; pdf by default.",
+        ),
+    ] = None
+    force: ForceFile = False
+
+    def place(self) -> Path:
+        """The file to write, whose name and format agree."""
+        out, kind = self.out, self.kind
+        if kind is not None and kind not in _KINDS:
+            known = ", ".join(_KINDS)
+            raise typer.BadParameter(f"{kind!r}: must be {known}.", param_hint="--format")
+        if out is None:
+            return Path(f"figure.{kind or _KINDS[0]}")
+        suffix = out.suffix.lower().removeprefix(".")
+        if suffix in _KINDS:
+            if kind not in (None, suffix):
+                message = f"{kind} is not what {out} is called."
+                raise typer.BadParameter(message, param_hint="--format")
+            return out
+        if kind is None:
+            message = f"must end in .{', .'.join(_KINDS)}, or pass --format."
+            raise typer.BadParameter(message, param_hint=str(out))
+        return out.with_name(f"{out.name}.{kind}")
+
+
+@grouped
 def figure(
-    design: options.Design,
+    design: Design,
     panels: Annotated[
         str | None,
         typer.Option(
@@ -38,25 +156,6 @@ def figure(
             "all. By default what suits the design.",
         ),
     ] = None,
-    width: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
-            "help lists them; 180mm by default.",
-        ),
-    ] = None,
-    height: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Of the page; what the panels want by default."),
-    ] = None,
-    columns: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Panels in a row, where no / says so.", min=1, max=26),
-    ] = None,
-    letters: Annotated[
-        str, typer.Option(metavar="A|a|(a)|none", help="How panels are lettered.")
-    ] = "A",
     measured: Annotated[
         list[Path] | None,
         typer.Option(
@@ -65,34 +164,10 @@ def figure(
             "given up to four times.",
         ),
     ] = None,
-    mass: Annotated[
-        float | None,
-        typer.Option("--mass", metavar="G", help="Outside each cell [g], for the panel snap."),
-    ] = None,
-    damping: Annotated[
-        float | None,
-        typer.Option(metavar="N_S/M", help="Of each cell [N s/m], for the panel snap."),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="The file to write.",
-            dir_okay=False,
-            callback=options.local,
-        ),
-    ] = None,
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            "--format",
-            metavar="pdf|svg|png",
-            help="Of the file, if its name does not say; pdf by default.",
-        ),
-    ] = None,
-    force: options.ForceFile = False,
+    *,
+    page: PageOptions,
+    snap: SnapOptions,
+    file: FigureFile,
 ) -> None:
     """Plot a figure for a paper.
 
@@ -104,37 +179,30 @@ def figure(
     """
     from stepwell import figures
 
-    if "help" in (panels, width):
+    if "help" in (panels, page.width):
         _list()
         return
-    with screen.usable("--width"):
-        wide = figures.length(width or _USUAL)
-    with screen.usable("--height"):
-        high = None if height is None else figures.length(height)
-    file = _file(out, kind)
-    options.free_file(file, force)
+    layout, out = page.layout(), file.place()
+    free_file(out, file.force)
     if design.startswith(_PAPER):
         drawn = _of_the_paper(
-            design, {"--panels": panels, "--width": width, "--measured": measured}
+            design, {"--panels": panels, "--width": page.width, "--measured": measured}
         )
     else:
         drawn = _composed(
             design,
             panels,
             measured=[_recording(one) for one in measured or ()],
-            mass=None if mass is None else mass * 1e-3,
-            damping=damping,
-            width=wide,
-            height=high,
-            columns=columns,
-            letters=letters,
+            mass=None if snap.mass is None else snap.mass * 1e-3,
+            damping=snap.damping,
+            **layout,
         )
-    figures.save(drawn, file, dpi=figures.PRINT_DPI, text=True)
+    figures.save(drawn, out, dpi=figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
-    screen.show_verbatim(f"Wrote {file}")
-    screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
+    show_verbatim(f"Wrote {out}")
+    show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
     if size[1] > _TALLEST:
-        screen.warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
+        warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
 
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
@@ -144,7 +212,7 @@ def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     for option, value in others.items():
         if value:
             raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
-    with screen.usable("DESIGN"):
+    with usable("DESIGN"):
         return figure_of(name.removeprefix(_PAPER))
 
 
@@ -157,7 +225,7 @@ def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     read = files.loads(text, design).subject
     written = files.loads(text, design).program if not isinstance(read, Robot) else None
     program = None if written is None else own(text, design)
-    with screen.usable("--panels"):
+    with usable("--panels"):
         return reports.figure(read, _rows(panels), program=program, **how)
 
 
@@ -179,25 +247,6 @@ def _recording(file: Path) -> Recording:
     return read(file)
 
 
-def _file(out: Path | None, kind: str | None) -> Path:
-    """The file to write, whose name and format agree."""
-    if kind is not None and kind not in _KINDS:
-        known = ", ".join(_KINDS)
-        raise typer.BadParameter(f"{kind!r}: must be {known}.", param_hint="--format")
-    if out is None:
-        return Path(f"figure.{kind or _KINDS[0]}")
-    suffix = out.suffix.lower().removeprefix(".")
-    if suffix in _KINDS:
-        if kind not in (None, suffix):
-            message = f"{kind} is not what {out} is called."
-            raise typer.BadParameter(message, param_hint="--format")
-        return out
-    if kind is None:
-        message = f"must end in .{', .'.join(_KINDS)}, or pass --format."
-        raise typer.BadParameter(message, param_hint=str(out))
-    return out.with_name(f"{out.name}.{kind}")
-
-
 def _list() -> None:
     """All panels, and the widths of journals."""
     from stepwell import figures, reports
@@ -207,10 +256,10 @@ def _list() -> None:
         (name, "robot" if one.of is Robot else "chain", one.shows)
         for name, one in reports.PANELS.items()
     ]
-    screen.show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
+    show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
     widths = [(name, f"{one.width:g}", one.source) for name, one in figures.JOURNAL_WIDTHS.items()]
-    screen.show_lines("")
-    screen.show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
+    show_lines("")
+    show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
 
 
 _CYCLES = 8.0
@@ -225,7 +274,7 @@ def replay(
             autocompletion=completing.designs,
         ),
     ],
-    arena: options.Arena = None,
+    arena: Arena = None,
     cycles: Annotated[
         float | None,
         typer.Option(
@@ -236,11 +285,9 @@ def replay(
     ] = None,
     out: Annotated[
         Path,
-        typer.Option(
-            "--out", "-o", metavar="FILE.html", help="The file to write.", callback=options.local
-        ),
+        typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.", callback=local),
     ] = Path("replay.html"),
-    force: options.ForceFile = False,
+    force: ForceFile = False,
 ) -> None:
     """Write a design in motion as one HTML page that plays anywhere.
 
@@ -257,26 +304,26 @@ def replay(
 
     if out.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
-    options.free_file(out, force)
-    text, found = options.read_design(design)
+    free_file(out, force)
+    text, found = read_design(design)
     if isinstance(found, Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
         result = own(text, design) if files.loads(text, design).program else found
-        with screen.progress("margin") as tell:
+        with progress("margin") as tell:
             content = page_of(result, progress=tell)
     else:
-        with screen.usable(design), screen.progress("walking") as tell:
+        with usable(design), progress("walking") as tell:
             run = _run(found, arena, cycles, tell)
-        with screen.usable(design), screen.progress("page"):
+        with usable(design), progress("page"):
             content = page_of(run)
     files.write_atomic(out, content)
-    screen.show_lines(f"Wrote {out}")
+    show_lines(f"Wrote {out}")
 
 
 def _run(
-    robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Progress | None
+    robot: values.Robot, arena: str | None, cycles: float | None, tell: Progress | None
 ) -> Walk | Maze:
     from stepwell import files
 
@@ -302,7 +349,7 @@ def studio(
         int | None,
         typer.Option(
             help="The port on this machine, 0 for any; by default 7473, where the browser finds "
-            "the last design again, or any options.free one.",
+            "the last design again, or any free one.",
             min=0,
             max=65535,
             show_default=False,
@@ -315,7 +362,7 @@ def studio(
             help="Where the page finds and keeps studies; by default a folder of your own data.",
             file_okay=False,
             show_default=False,
-            callback=options.local,
+            callback=local,
         ),
     ] = None,
     demo: Annotated[
@@ -342,14 +389,14 @@ def studio(
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
-        screen.show_verbatim(address)
+        show_verbatim(address)
         if not no_open:
             webbrowser.open(address)
 
     try:
         room.serve(tables, port=port, studies=studies, opened=opened)
     except KeyboardInterrupt:
-        raise screen.Interrupted("The studio has ended; an open page keeps its design.") from None
+        raise Interrupted("The studio has ended; an open page keeps its design.") from None
 
 
 def demo(
@@ -357,12 +404,12 @@ def demo(
         Path,
         typer.Option(
             "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
-            file_okay=False, callback=options.local),
+            file_okay=False, callback=local),
     ] = Path("stepwell-demo"),
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Name the page and open no browser.")
     ] = False,
-    force: options.Force = False,
+    force: Force = False,
 ) -> None:  # fmt: skip
     """Run a seven-step demonstration, and write it as one HTML page.
 
@@ -374,28 +421,28 @@ def demo(
     """
     from stepwell import reports
 
-    options.free(out, "demo", force)
+    free(out, "demo", force)
     left_out = [telling for telling in reports.STEPS if not telling.can_be_told]
-    screen.show_text(reports.OPENING)
+    show_text(reports.OPENING)
     if left_out:
         titles = "; ".join(telling.title for telling in left_out)
-        screen.show_text(
+        show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
     told: list[tuple[reports.Telling, reports.StoryStep]] = []
     for telling in reports.STEPS:
         if telling in left_out:
             continue
-        screen.show_title(f"{len(told) + 1}  {telling.title}")
-        with screen.progress(telling.title) as tell:
+        show_title(f"{len(told) + 1}  {telling.title}")
+        with progress(telling.title) as tell:
             step = telling.make(tell)
         orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
-        screen.show_lines(*step.told, *orders)
+        show_lines(*step.told, *orders)
         told.append((telling, step))
-    with screen.progress(screen.WRITING) as tell:
+    with progress(WRITING) as tell:
         reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
-    screen.show_text("All of it, moving, on one page:")
-    screen.show_verbatim(str(page))
-    if not no_open and screen.has_display() and screen.at_terminal():
+    show_text("All of it, moving, on one page:")
+    show_verbatim(str(page))
+    if not no_open and has_display() and at_terminal():
         webbrowser.open(page.resolve().as_uri())

@@ -126,9 +126,6 @@ class ToleranceOptions(DesignTolerances):
     travel_tolerance: TravelTolerance = 0.0
 
 
-SAMPLING, USUAL = Sampling(), ToleranceOptions()
-
-
 Data = Annotated[
     Path | None,
     typer.Option(
