@@ -35,6 +35,7 @@ _LINE_DEPTH = 10
 
 
 @entry()
+@leaf
 def certify(cell: Simple, reach: float) -> bool:
     """Whether the band is taut and F falls strictly over the whole travel, proved.
 
@@ -179,12 +180,14 @@ def concave_box(cell: Simple, low: Floats, high: Floats) -> bool:
 
 
 @entry()
+@leaf
 def end_forces(cell: Simple) -> tuple[float, float]:
     """F0 and F1 [N] of a taut band."""
     return force_of(cell, -cell.sin_limit)[0], force_of(cell, cell.sin_limit)[0]
 
 
 @entry()
+@leaf
 def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, float, float]:
     """F0 (side -1) or F1 (side +1) [N] of the cell with its anchors at d, and ∂F/∂d [N/m]."""
     t = side * cell.sin_limit

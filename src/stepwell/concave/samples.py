@@ -11,7 +11,7 @@ from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
 from stepwell.concave.certificate import certify, end_forces
 from stepwell.concave.sorting import TIED, same_travel
-from stepwell.kernels import entry, in_blocks, kernel
+from stepwell.kernels import entry, in_blocks, kernel, leaf, record
 from stepwell.mechanism import Chain
 
 Verdicts = NDArray[np.int8]
@@ -85,7 +85,7 @@ def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
     return out
 
 
-@kernel
+@leaf
 def _sort(key: Floats, target: Ints, order: Ints) -> None:
     """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
     for place in range(len(target)):
@@ -124,18 +124,64 @@ def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, orde
     return True
 
 
+@leaf
+def _code(order: Ints, target: Ints) -> tuple[int, bool]:
+    """Both orders as digits of base N, and whether they are those wanted."""
+    number, right = 0, True
+    for side in range(2):
+        for place in range(order.shape[1]):
+            number = number * order.shape[1] + order[side, place]
+            right = right and order[side, place] == target[side, place]
+    return number, right
+
+
+@leaf
+def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, int, bool]:
+    """The smallest gap of wanted neighbours, where it is, and whether some forces are one."""
+    smallest, where, tie = np.inf, 0, False
+    pairs = order.shape[1] - 1
+    for side in range(2):
+        for place in range(pairs):
+            before, after = order[side, place], order[side, place + 1]
+            tie = tie or key[side, after] - key[side, before] <= least
+            apart = key[side, target[side, place + 1]] - key[side, target[side, place]]
+            if apart < smallest:
+                smallest, where = apart, side * pairs + place
+    return smallest, where, tie
+
+
+@leaf
+def _count_wrong(key: Floats, target: Ints, wrong: Ints) -> None:
+    """Count the wanted neighbours that are in the other order."""
+    for side in range(2):
+        for place in range(wrong.shape[1]):
+            first, second = target[side, place], target[side, place + 1]
+            wrong[side, place] += key[side, second] < key[side, first]
+
+
+@record
+class Judged(NamedTuple):
+    """What `judged` finds out about m draws of N cells.
+
+    Attributes:
+        verdict: (m,) ASK where the closed form is not proved.
+        does: (m,) both orders as digits of base N; wraps where they are too many.
+        gap: (m,) smallest gap [N] between neighbours of the wanted orders, negative where two of
+            them are in the other order; infinite for a single cell.
+        wrong: (2, N - 1) how often a pair of neighbours is in the other order, added up.
+        narrowest: the same, how often their gap is the smallest.
+    """
+
+    verdict: Verdicts
+    does: Ints
+    gap: Floats
+    wrong: Ints
+    narrowest: Ints
+
+
 @entry(6e-6, "draws")
 def judged(
-    draws: Floats,
-    cells: Floats,
-    spread: Floats,
-    target: Ints,
-    drive: int,
-    verdict: Verdicts,
-    does: Ints,
-    gap: Floats,
-    wrong: Ints,
-    narrowest: Ints,
+    draws: Floats, cells: Floats, spread: Floats, target: Ints, drive: int, out: Judged
 ) -> None:
     """Judge every draw by the order of the forces at which its cells let go.
 
@@ -151,14 +197,9 @@ def judged(
         spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
         target: (2, N) cells in order of loading and of unloading.
         drive: RIGID, COMPLIANT or FORCE.
-        verdict: (m,) out, ASK where the closed form is not proved.
-        does: (m,) out, both orders as digits of base N; wraps where they are too many.
-        gap: (m,) out, smallest gap [N] between neighbours of the wanted orders, negative where
-            two of them are in the other order; infinite for a single cell.
-        wrong: (2, N - 1) out, how often a pair of neighbours is in the other order, added up.
-        narrowest: the same, how often their gap is the smallest.
+        out: of these draws; `wrong` and `narrowest` are added to.
     """
-    # One function: its arrays serve all draws, and are made once.
+    # Its arrays serve all draws, and are made once.
     n = len(cells)
     made = [of_row(cells[0]) for _ in range(n)]
     friction, full = np.empty(n), np.empty(n)
@@ -174,46 +215,21 @@ def judged(
             full[i] = full_travel(made[i])
             scale = max(scale, abs(force_0), abs(force_1), friction[i])
             longest, least = max(longest, full[i]), min(least, full[i])
-        smallest, where = np.inf, 0
-        tie = False
-        number, right = 0, True
         for side in range(2):
             _sort(key[side], target[side], order[side])
-            for place in range(n):
-                number = number * n + order[side, place]
-                right = right and order[side, place] == target[side, place]
-            for place in range(n - 1):
-                before, after = order[side, place], order[side, place + 1]
-                tie = tie or key[side, after] - key[side, before] <= TIED * scale
-                apart = key[side, target[side, place + 1]] - key[side, target[side, place]]
-                if apart < smallest:
-                    smallest, where = apart, side * (n - 1) + place
-        gap[sample] = smallest
-        does[sample] = number
+        out.does[sample], right = _code(order, target)
+        out.gap[sample], where, tie = _gaps(key, target, order, TIED * scale)
         if proved and drive != FORCE and not same_travel(longest, least):
             proved = drive == RIGID and _keeps(made, friction, full, key, order)
         if not proved:
-            verdict[sample] = ASK
+            out.verdict[sample] = ASK
             continue
-        verdict[sample] = TIE if tie else DOES if right else OTHER
+        out.verdict[sample] = TIE if tie else DOES if right else OTHER
         if n == 1:
             continue
-        narrowest[where // (n - 1), where % (n - 1)] += 1
-        if verdict[sample] == OTHER:
-            for side in range(2):
-                for place in range(n - 1):
-                    first, second = target[side, place], target[side, place + 1]
-                    wrong[side, place] += key[side, second] < key[side, first]
-
-
-class Judged(NamedTuple):
-    """What `judged` found out about m draws of N cells; see there."""
-
-    verdict: Verdicts
-    does: Ints
-    gap: Floats
-    wrong: Ints  # (2, N - 1), summed over the draws
-    narrowest: Ints  # the same
+        out.narrowest[where // (n - 1), where % (n - 1)] += 1
+        if out.verdict[sample] == OTHER:
+            _count_wrong(key, target, out.wrong)
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,10 +264,8 @@ class DrawJudge:
         def judge(begin: int, end: int) -> None:
             counted = np.zeros((2, 2, n - 1), np.int64)
             here = slice(begin, end)
-            judged(
-                draws[here], self.cells, self.spread, self.target, self.drive,
-                verdict[here], does[here], gap[here], counted[0], counted[1],
-            )  # fmt: skip
+            out = Judged(verdict[here], does[here], gap[here], *counted)
+            judged(draws[here], self.cells, self.spread, self.target, self.drive, out)
             counts.append(counted)
 
         in_blocks(judge, m, judged.block(max(1, _BLOCK // n), draws))

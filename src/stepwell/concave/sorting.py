@@ -13,14 +13,14 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, simple
 from stepwell.concave.certificate import proved_ends
-from stepwell.kernels import kernel
+from stepwell.kernels import leaf
 from stepwell.mechanism import Chain
 
 _SAME = 1e-12  # relative difference of travels that are meant to be equal
 TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engine
 
 
-@kernel
+@leaf
 def same_travel(longest: Any, shortest: Any) -> Any:
     """Whether full travels between these differ by rounding only, of numbers or arrays."""
     return longest - shortest <= _SAME * longest

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +21,69 @@ from stepwell.concave import (
     travel_at,
 )
 from stepwell.design.parameters import Parameter
-from stepwell.kernels import entry, in_blocks, kernel
+from stepwell.kernels import entry, in_blocks, leaf, record
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
 from stepwell.statics import STEPS_DOWN, STEPS_UP, STROKE_DOWN, STROKE_UP, nominal
+
+Codes = NDArray[np.int32]
 
 # Of a cell in the rows below: the fields of `Simple`, and then this one.
 FRICTION = 6
 
 
-@entry(3e-6, "values", "base")
-def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap, monostable):
+@record
+class Varied(NamedTuple):
+    """A chain of n cells, of which two numbers vary."""
+
+    base: Floats  # (n, 7) a cell a row: the fields of `Simple`, and its friction
+    rows: Ints  # (2,) of the two numbers in `base`
+    columns: Ints  # (2,)
+    turned: Ints  # (c,) rows whose numbers change; all others are certified already
+
+
+@record
+class _Work(NamedTuple):
+    """What one design of n cells after another is written to."""
+
+    cells: Floats  # (n, 7)
+    force: Floats  # (2, n) F0 and -F1, which both fall in the order of motion
+    full: Floats  # (n,) full travels
+    order: Ints  # (2, n) cells in the order in which they load, and unload
+
+    @classmethod
+    def of(cls, base: Floats) -> _Work:
+        """For designs whose numbers are such."""
+        n = len(base)
+        return cls(base.copy(), np.empty((2, n)), np.empty(n), np.empty((2, n), np.int64))
+
+
+@record
+class Swept(NamedTuple):
+    """What `sweep` finds out about m designs of n cells.
+
+    Attributes:
+        run: (m,) designs that follow each other and do the same, by number; -1 where it is not
+            proved, and nothing else is touched.
+        orders: (m, 2, n) of each run, cells in the order in which they load, and unload.
+        strokes: (2, m) stroke [m] of the first snap while loading and while unloading, NaN where
+            there is none.
+        snaps: (2, m) how many cells snap.
+        gap: (m,) smallest difference of two F0 or of two F1 [N], infinite for one cell.
+        monostable: (m,) whether a turned cell is stable in one state only.
+    """
+
+    run: Codes
+    orders: Codes
+    strokes: Floats
+    snaps: Codes
+    gap: Floats
+    monostable: Bools
+
+
+@entry(3e-6, "values", "varied.base")
+@leaf
+def sweep(values: Floats, varied: Varied, work: _Work, out: Swept) -> int:
     """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
 
     It is proved where all cells are certified and without friction and have one full travel (a
@@ -50,105 +103,115 @@ def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap,
     Equal forces, which no rule decides, go to the inner cell first.
 
     Args:
-        values: (m, 2) what is added to two of the numbers of `base`.
-        base: (n, 7) a cell a row: the fields of `Simple`, and its friction.
-        rows, columns: (2,) int, which two.
-        turned: (c,) int, rows whose numbers change; all others are certified already.
-        run: (m,) int, out: designs that follow each other and do the same, by number; -1 where
-            it is not proved, and nothing else is touched.
-        orders: (m, 2, n) int, out: of each run, cells in the order in which they load, and unload.
-        strokes: (2, m) out: stroke [m] of the first snap while loading and while unloading, NaN
-            where there is none.
-        snaps: (2, m) int, out: how many cells snap.
-        gap: (m,) out: smallest difference of two F0 or of two F1 [N], infinite for one cell.
-        monostable: (m,) bool, out: whether a turned cell is stable in one state only.
+        values: (m, 2) what is added to the two numbers that vary.
+        varied: the chain.
+        work: room for one design.
+        out: what they do.
 
     Returns:
         How many runs there are.
     """
-    # One function: its arrays serve all designs, and a step by itself would return six of them.
-    n = len(base)
-    cells = base.copy()
-    # Both fall in the order of motion: F0 and -F1 by cell.
-    force = np.empty((2, n))
-    full = np.empty(n)
-    order = np.empty((2, n), np.int64)
+    force, order, n = work.force, work.order, len(varied.base)
     for c in range(n):
         order[0, c] = order[1, c] = c
-        force[0, c], force[1, c], full[c] = numbers(cells, c)
+        force[0, c], force[1, c], work.full[c] = numbers(work.cells, c)
     runs = 0
     same = False
     for i in range(len(values)):
-        run[i] = -1
-        for k in range(2):
-            cells[rows[k], columns[k]] = base[rows[k], columns[k]]
-        for k in range(2):
-            cells[rows[k], columns[k]] += values[i, k]
-        holds = True
-        lone = False
-        for c in turned:
-            holds = cells[c, FRICTION] <= 0.0 and certify(simple_of(cells, c), 0.0)
-            if not holds:
-                break
-            force[0, c], force[1, c], full[c] = numbers(cells, c)
-            lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
+        out.run[i] = -1
+        vary(work.cells, varied, values, i)
+        holds, lone = _certified(work, varied.turned)
         if not holds:
             continue
-        most, least = full[0], full[0]
-        for c in range(1, n):
-            most, least = max(most, full[c]), min(least, full[c])
-        equal = same_travel(most, least)
+        equal = _have_one_travel(work.full)
         if not equal and n != 2:
             continue
         closest = np.inf
         for side in range(2):
             moved = sort(order, force, side)
             same = same and not moved
-            stroke, count = np.nan, 0
-            # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
-            pull = -np.inf
-            for k in range(n):
-                c = order[side, k]
-                if k > 0:
-                    closest = min(closest, force[side, c] - force[side, order[side, k - 1]])
-                back = -force[1 - side, c]
-                if back < pull:
-                    if count == 0:
-                        level = pull if side == 0 else -pull
-                        cell = simple_of(cells, c)
-                        stroke = travel_at(cell, level, force[0, c], -force[1, c])
-                        gives = full[c] - stroke if side == 0 else stroke
-                        holds = holds and (equal or gives < full[order[side, 0]])
-                        # The other cells that are full meanwhile.
-                        for j in range(k if side == 0 else n - k - 1):
-                            stroke += full[order[side, j if side == 0 else k + 1 + j]]
-                    count += 1
-                pull = max(pull, back)
-            strokes[side, i] = stroke
-            snaps[side, i] = count
+            out.strokes[side, i], out.snaps[side, i], proved = _snaps(work, side, equal)
+            holds = holds and proved
+            for k in range(1, n):
+                apart = force[side, order[side, k]] - force[side, order[side, k - 1]]
+                closest = min(closest, apart)
         if not holds:
             continue
         if not same:
             for side in range(2):
                 for k in range(n):
-                    orders[runs, side, k] = order[side, k]
+                    out.orders[runs, side, k] = order[side, k]
             runs += 1
             same = True
-        run[i] = runs - 1
-        gap[i] = closest
-        monostable[i] = lone
+        out.run[i] = runs - 1
+        out.gap[i] = closest
+        out.monostable[i] = lone
     return runs
 
 
-@entry(1e-5, "values", "turned")
-def ends(values, base, rows, columns, turned, out):
-    """F0 and F1 [N] of the cells in `turned`, (m, c, 2), proved or not; all else as in `sweep`."""
-    cells = base.copy()
+@leaf
+def vary(cells: Floats, varied: Varied, values: Floats, i: int) -> None:
+    """Write the two numbers of a design over those of the one before."""
+    base, rows, columns = varied.base, varied.rows, varied.columns
+    for k in range(2):
+        cells[rows[k], columns[k]] = base[rows[k], columns[k]]
+    for k in range(2):
+        cells[rows[k], columns[k]] += values[i, k]
+
+
+@leaf
+def _certified(work: _Work, turned: Ints) -> tuple[bool, bool]:
+    """Whether the turned cells are proved, and whether one of them is stable in one state only."""
+    cells, force = work.cells, work.force
+    lone = False
+    for c in turned:
+        if not (cells[c, FRICTION] <= 0.0 and certify(simple_of(cells, c), 0.0)):
+            return False, lone
+        force[0, c], force[1, c], work.full[c] = numbers(cells, c)
+        lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
+    return True, lone
+
+
+@leaf
+def _have_one_travel(full: Floats) -> bool:
+    most, least = full[0], full[0]
+    for c in range(1, len(full)):
+        most, least = max(most, full[c]), min(least, full[c])
+    return same_travel(most, least)
+
+
+@leaf
+def _snaps(work: _Work, side: int, equal: bool) -> tuple[float, int, bool]:
+    """Stroke [m] of the first snap one way, how many cells snap, and whether that is proved."""
+    force, full, order = work.force, work.full, work.order
+    n = len(full)
+    stroke, count, holds = np.nan, 0, True
+    # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
+    pull = -np.inf
+    for k in range(n):
+        c = order[side, k]
+        back = -force[1 - side, c]
+        if back < pull:
+            if count == 0:
+                level = pull if side == 0 else -pull
+                cell = simple_of(work.cells, c)
+                stroke = travel_at(cell, level, force[0, c], -force[1, c])
+                gives = full[c] - stroke if side == 0 else stroke
+                holds = equal or gives < full[order[side, 0]]
+                # The other cells that are full meanwhile.
+                for j in range(k if side == 0 else n - k - 1):
+                    stroke += full[order[side, j if side == 0 else k + 1 + j]]
+            count += 1
+        pull = max(pull, back)
+    return stroke, count, holds
+
+
+@entry(1e-5, "values", "varied.turned")
+def ends(values: Floats, varied: Varied, out: Floats) -> None:
+    """F0 and F1 [N] of the turned cells, (m, c, 2), proved or not; all else as in `sweep`."""
+    cells, turned = varied.base.copy(), varied.turned
     for i in range(len(values)):
-        for k in range(2):
-            cells[rows[k], columns[k]] = base[rows[k], columns[k]]
-        for k in range(2):
-            cells[rows[k], columns[k]] += values[i, k]
+        vary(cells, varied, values, i)
         for k in range(len(turned)):
             out[i, k, 0], out[i, k, 1] = end_forces(simple_of(cells, turned[k]))
 
@@ -156,13 +219,13 @@ def ends(values, base, rows, columns, turned, out):
 # Elements are looked up and not rows: in machine code a row is an object of its own.
 
 
-@kernel
+@leaf
 def simple_of(cells, c):
     """The cell in a row of numbers."""
     return Simple(cells[c, 0], cells[c, 1], cells[c, 2], cells[c, 3], cells[c, 4], cells[c, 5])
 
 
-@kernel
+@leaf
 def numbers(cells, c):
     """F0 [N], -F1 [N] and the full travel [m] of a cell."""
     cell = simple_of(cells, c)
@@ -170,7 +233,7 @@ def numbers(cells, c):
     return force_0, -force_1, full_travel(cell)
 
 
-@kernel
+@leaf
 def sort(order, force, side):
     """Put cells in ascending order of force, equal ones by number; whether any had to move.
 
@@ -192,7 +255,6 @@ def sort(order, force, side):
     return moved
 
 
-Codes = NDArray[np.int32]
 Progress = Callable[[int, int], None] | None
 
 # Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
@@ -276,19 +338,19 @@ class Outcomes:
         found = Found.nothing(len(values))
         if self.base is None or len(values) == 0:
             return found
-        base, n = self.base, len(self.chain)
-        turned = np.array(self.turned)
+        varied = Varied(self.base, self.rows, self.columns, np.array(self.turned))
+        n = len(self.chain)
         blocks: dict[int, tuple[Found, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
             # Machine code is for arrays that are whole, and parts of others would need their own.
             one, orders = Found.nothing(end - begin), np.empty((end - begin, 2, n), np.int32)
             added = self.added(values[begin:end])
-            out = one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable
-            runs = sweep(added, base, self.rows, self.columns, turned, *out)
+            out = Swept(one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable)
+            runs = sweep(added, varied, _Work.of(varied.base), out)
             blocks[begin] = one, orders[:runs].copy()
 
-        in_blocks(block, len(values), sweep.block(min(_BLOCK, len(values)), values, base))
+        in_blocks(block, len(values), sweep.block(min(_BLOCK, len(values)), values, varied))
         for begin, (one, orders) in sorted(blocks.items(), key=itemgetter(0)):
             m = slice(begin, begin + len(one.sequence))
             numbers = [self._of_orders(each) for each in orders] + [UNSOLVED]
@@ -365,8 +427,8 @@ class Outcomes:
         """F0 and F1 [N] of the cells whose parameters vary, (m, c, 2), proved or not."""
         assert self.base is not None
         out = np.empty((len(values), len(self.turned), 2))
-        turned = np.array(self.turned)
-        ends(self.added(values), self.base, self.rows, self.columns, turned, out)
+        varied = Varied(self.base, self.rows, self.columns, np.array(self.turned))
+        ends(self.added(values), varied, out)
         return out
 
     def _followed(self, values: Floats, progress: Progress = None) -> tuple[Codes, Cycles]:

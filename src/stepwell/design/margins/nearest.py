@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, Floats, Vec2
+from stepwell.base import Bools, Floats, Ints, Vec2
 from stepwell.concave import Neighbour, Simple, SortedChain, end_force, steepest
 from stepwell.design.margins.search import Displacements, nearest_found
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.switches import relay_cycle
-from stepwell.kernels import entry, kernel
+from stepwell.kernels import entry, leaf, record
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle, cycles_of
 from stepwell.statics import StaticsError, nominal
@@ -63,31 +63,43 @@ def nearest_place(
         The place on the rim; None where there is none within that distance.
     """
     out = np.empty(4)
-    distance = _nearest(
-        cell,
+    search = _Search(
         np.array([c.side for c in conditions], np.int64),
         np.array([c.other for c in conditions], float),
         np.array([c.up for c in conditions], np.int64),
         np.ascontiguousarray(sign * ways.frame),
         ways.one_way,
         float(within),
-        out,
     )
+    distance = _nearest(cell, search, out)
     return None if math.isinf(distance) else Place(sign * out[:2], distance, sign * out[2:])
 
 
-@entry(1e-3, "side")
-def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float, out) -> float:
+@record
+class _Search(NamedTuple):
+    """Conditions on the end forces of a cell, and displacements among which they are to be met."""
+
+    side: Ints  # (m,) 0 for F0, 1 for F1
+    force: Floats  # (m,) [N]
+    up: Ints  # (m,) +1 to be above it, -1 below
+    frame: Floats  # (2, n) axes of the displacements
+    one_way: bool  # not against the first axis
+    within: float  # [m]
+
+
+@entry(1e-3, "search.side")
+def _nearest(cell: Simple, search: _Search, out: Floats) -> float:
     """Distance [m] of the nearest d-displacement, (x, y) of it and inwards of it in out (4,)."""
+    frame, within = search.frame, search.within
     n = frame.shape[1]
     best = np.inf
     # Here is a place of its own: boxes around it shrink for ever.
-    if _settled(cell, side, force, up, frame, one_way, within, 0.0, 0.0, out):
+    if _settled(cell, search, 0.0, 0.0, out):
         best = math.sqrt(out[0] * out[0] + out[1] * out[1])
     known = min(best, within)
     boxes = np.empty((3 * _DEEPEST + 4, 3))
     boxes[0] = 0.0, 0.0, within
-    if one_way:
+    if search.one_way:
         boxes[0, 0], boxes[0, 2] = 0.5 * within, 0.5 * within
     waiting = 1
     while waiting > 0:
@@ -101,7 +113,7 @@ def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float,
             x += frame[0, 1] * v
             y += frame[1, 1] * v
         radius = math.sqrt(n) * half
-        held, inside = _holds(cell, side, force, up, x, y, radius)
+        held, inside = _holds(cell, search, x, y, radius)
         if not held:
             continue
         away = math.sqrt(u * u + v * v)
@@ -109,7 +121,7 @@ def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float,
             known = away
         if _FINE * half < known or half <= within * 0.5**_DEEPEST:
             found = np.empty(4)
-            if _settled(cell, side, force, up, frame, one_way, within, x, y, found):
+            if _settled(cell, search, x, y, found):
                 away = math.sqrt(found[0] * found[0] + found[1] * found[1])
                 if away < best * _NEARER:
                     best = away
@@ -120,7 +132,7 @@ def _nearest(cell: Simple, side, force, up, frame, one_way: bool, within: float,
     return best
 
 
-@kernel
+@leaf
 def _halve(boxes, waiting: int, u: float, v: float, half: float, n: int) -> int:
     """Put the halves of a box in n directions on those that wait; how many wait then."""
     # Halves that lead away from here wait below those that lead towards it.
@@ -133,9 +145,10 @@ def _halve(boxes, waiting: int, u: float, v: float, half: float, n: int) -> int:
     return waiting
 
 
-@kernel
-def _holds(cell: Simple, side, force, up, x: float, y: float, radius: float) -> tuple[bool, bool]:
+@leaf
+def _holds(cell: Simple, search: _Search, x: float, y: float, radius: float) -> tuple[bool, bool]:
     """Whether a disc may hold a place that meets all conditions, and whether its middle does."""
+    side, force, up = search.side, search.force, search.up
     held, inside = True, True
     for k in range(len(side)):
         value, _, _ = end_force(cell, side[k], cell.dx + x, cell.dy + y)
@@ -147,11 +160,10 @@ def _holds(cell: Simple, side, force, up, x: float, y: float, radius: float) -> 
     return held, inside
 
 
-@kernel
-def _settled(
-    cell: Simple, side, force, up, frame, one_way: bool, within: float, x: float, y: float, out
-) -> bool:
+@leaf
+def _settled(cell: Simple, search: _Search, x: float, y: float, out: Floats) -> bool:
     """Fill out (4,) with the nearest place that Newton's method finds from (x, y)."""
+    side, frame = search.side, search.frame
     best = np.inf
     for i in range(len(side)):
         # F0 has one value at a time, so two of its conditions never bind together; likewise F1.
@@ -159,13 +171,13 @@ def _settled(
         for j in range(len(side) - 1, i - 1, -1):
             if j > i and (side[i] == side[j] or frame.shape[1] == 1):
                 continue
-            met, at_x, at_y = _met(cell, side, force, frame, i, j, x, y)
+            met, at_x, at_y = _met(cell, search, i, j, x, y)
             away = math.sqrt(at_x * at_x + at_y * at_y)
-            if not met or not away < best * _NEARER or away > within:
+            if not met or not away < best * _NEARER or away > search.within:
                 continue
-            if one_way and frame[0, 0] * at_x + frame[1, 0] * at_y < 0.0:
+            if search.one_way and frame[0, 0] * at_x + frame[1, 0] * at_y < 0.0:
                 continue
-            meets, in_x, in_y = _inward(cell, side, force, up, frame, i, j, at_x, at_y)
+            meets, in_x, in_y = _inward(cell, search, i, j, at_x, at_y)
             length = math.sqrt(in_x * in_x + in_y * in_y)
             if meets and length > 0.0:
                 best = away
@@ -173,11 +185,12 @@ def _settled(
     return best < np.inf
 
 
-@kernel
+@leaf
 def _inward(
-    cell: Simple, side, force, up, frame, i: int, j: int, x: float, y: float
+    cell: Simple, search: _Search, i: int, j: int, x: float, y: float
 ) -> tuple[bool, float, float]:
     """Whether all conditions are met at (x, y), and the way in from the curves of i and j."""
+    side, force, up, frame = search.side, search.force, search.up, search.frame
     in_x, in_y = 0.0, 0.0
     meets = True
     for k in range(len(side)):
@@ -194,16 +207,16 @@ def _inward(
     return meets, in_x, in_y
 
 
-@kernel
+@leaf
 def _met(
-    cell: Simple, side, force, frame, i: int, j: int, x: float, y: float
+    cell: Simple, search: _Search, i: int, j: int, x: float, y: float
 ) -> tuple[bool, float, float]:
     """Where one end force is met by the shortest displacement near (x, y), or two at once.
 
     Two equations: F_i = force, and F_j = force, or where there is no other j: the displacement
     is square to the curve, or keeps to the line.
     """
-    r = cell.lever
+    side, force, frame, r = search.side, search.force, search.frame, cell.lever
     for _ in range(_STEPS):
         value, fx, fy = end_force(cell, side[i], cell.dx + x, cell.dy + y)
         first = value - force[i]

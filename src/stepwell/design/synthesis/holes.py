@@ -1,12 +1,13 @@
 """The best choice among drilled holes, or the proof that there is none."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.design.orders import Orders
-from stepwell.kernels import entry, in_blocks, kernel, overspent, watched
+from stepwell.kernels import entry, in_blocks, leaf, overspent, record, watched
 
 # The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
 _MOST_ENTRIES = 20_000_000
@@ -78,30 +79,31 @@ def best_choice(
 
     size = max(1, _BLOCK // (n * n * m * m))
     in_blocks(from_candidates, m, _best_paths.block(size, second, takes, add, 0, segments))
+    first, takes = np.ascontiguousarray(gap[0]), allowed[rising[0]]
     ahead = np.empty((n, m))
-    _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
+    _best_ends(first, takes, add, ahead)
     # Rank in F1 of the cells taken by rising F0.
     ranks = np.argsort(rising[1])[rising[0]]
     # Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a].
     edges = np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
-    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments, edges, ahead
+    tables = _Tables(first, takes, ranks, segments, edges, ahead, add)
     few = min(most_nodes, _FEW_NODES)
     picks = np.full(n, -1)
-    value, nodes, complete = _search(*table, add, floor, np.array([0, few]), picks)
+    value, nodes, complete = _search(tables, floor, np.array([0, few]), picks)
     if not complete and few < most_nodes:
         picks[:] = -1
         search = _search.compiled()
         # What has to be compiled is compiled here, where Ctrl-C is heard.
-        search(*table, add, floor, np.array([0, 0]), picks)
+        search(tables, floor, np.array([0, 0]), picks)
         value, nodes, complete = watched(
-            lambda effort: search(*table, add, floor, effort, picks), most=most_nodes
+            lambda effort: search(tables, floor, effort, picks), most=most_nodes
         )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
     return Selection(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
 
 
-@kernel
+@leaf
 def _with(a: float, b: float, add: bool) -> float:
     return a + b if add else min(a, b)
 
@@ -145,7 +147,7 @@ def _best_ends(gap, allowed, add: bool, out):
                     out[u, a] = max(out[u, a], _with(gap[a, b], out[u + 1, b], add))
 
 
-@kernel
+@leaf
 def _next_below(ranks, depth: int, rank: int) -> int:
     """Of the placed cells the one with the next rank below, -1 where there is none."""
     found = -1
@@ -155,7 +157,7 @@ def _next_below(ranks, depth: int, rank: int) -> int:
     return found
 
 
-@kernel
+@leaf
 def _next_above(ranks, depth: int, rank: int) -> int:
     """Of the placed cells the one with the next rank above, -1 where there is none."""
     found = -1
@@ -165,9 +167,23 @@ def _next_above(ranks, depth: int, rank: int) -> int:
     return found
 
 
-@kernel
-def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, value, out):
+@record
+class _Tables(NamedTuple):
+    """What choices of one of m candidates for each of N cells are worth, cells by rising F0."""
+
+    gap: Floats  # (m, m) of F0
+    allowed: Bools  # (N, m)
+    ranks: Ints  # (N,) in F1
+    segments: Floats  # (N, N, m, m) best paths of F1 between two ranks
+    edges: Floats  # (2, N, m) best paths of F1 from the first rank, and to the last
+    ahead: Floats  # (N, m) best paths of F0 to the last cell
+    add: bool  # sums, or else the smallest
+
+
+@leaf
+def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats) -> None:
     """Bounds of all that may follow from placing each candidate next, out (m,)."""
+    ranks, segments, edges, add = tables.ranks, tables.segments, tables.edges, tables.add
     rank = ranks[depth]
     # The placed cells next to it in F1, and what all other stretches between placed cells give.
     below, above = _next_below(ranks, depth, rank), _next_above(ranks, depth, rank)
@@ -182,13 +198,13 @@ def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, valu
                 rest = _with(rest, segments[ranks[k], ranks[after], picks[k], picks[after]], add)
         if k != above and _next_below(ranks, depth, ranks[k]) < 0:
             rest = _with(rest, edges[0, ranks[k], picks[k]], add)
-    for c in range(allowed.shape[1]):
+    for c in range(len(out)):
         out[c] = -np.inf
-        if not allowed[depth, c]:
+        if not tables.allowed[depth, c]:
             continue
-        bound = _with(rest, ahead[depth, c], add)
+        bound = _with(rest, tables.ahead[depth, c], add)
         if depth > 0:
-            bound = _with(bound, _with(value, gap[picks[depth - 1], c], add), add)
+            bound = _with(bound, _with(value, tables.gap[picks[depth - 1], c], add), add)
         if below < 0:
             bound = _with(bound, edges[0, rank, c], add)
         else:
@@ -201,8 +217,10 @@ def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, valu
 
 
 @entry()
-def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, effort, found):
-    n, m = allowed.shape
+def _search(tables: _Tables, floor: float, effort: Ints, found: Ints) -> tuple[float, int, bool]:
+    """Search choices worth more than `floor`: the best, how many were looked at, and if all."""
+    gap, add = tables.gap, tables.add
+    n, m = tables.allowed.shape
     picks = np.full(n, -1)
     bound = np.empty((n, m))
     order = np.empty((n, m), np.int64)
@@ -210,7 +228,7 @@ def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, effort, fou
     value = np.empty(n + 1)  # of the stretches of F0 between placed cells
     value[0] = 0.0 if add else np.inf
     best, nodes, depth, c = floor, 0, 0, 0
-    _bounds(0, gap, allowed, ranks, segments, edges, ahead, add, picks, value[0], bound[0])
+    _bounds(tables, 0, picks, value[0], bound[0])
     order[0] = np.argsort(-bound[0], kind="mergesort")
     while depth >= 0:
         if at[depth] < m:
@@ -236,18 +254,6 @@ def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, effort, fou
         value[depth + 1] = _with(before, gap[picks[depth - 1], c], add) if depth > 0 else before
         depth += 1
         at[depth] = 0
-        _bounds(
-            depth,
-            gap,
-            allowed,
-            ranks,
-            segments,
-            edges,
-            ahead,
-            add,
-            picks,
-            value[depth],
-            bound[depth],
-        )
+        _bounds(tables, depth, picks, value[depth], bound[depth])
         order[depth] = np.argsort(-bound[depth], kind="mergesort")
     return (best if found[0] >= 0 else -np.inf), nodes, True
