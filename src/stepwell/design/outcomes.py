@@ -189,7 +189,7 @@ def _snaps(work: _Work, side: int, equal: bool) -> tuple[float, int, bool]:
     # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
     pull = -np.inf
     for k in range(n):
-        c = order[side, k]
+        c: int = order[side, k]
         back = -force[1 - side, c]
         if back < pull:
             if count == 0:
@@ -197,10 +197,12 @@ def _snaps(work: _Work, side: int, equal: bool) -> tuple[float, int, bool]:
                 cell = simple_of(work.cells, c)
                 stroke = travel_at(cell, level, force[0, c], -force[1, c])
                 gives = full[c] - stroke if side == 0 else stroke
-                holds = equal or gives < full[order[side, 0]]
+                first: int = order[side, 0]
+                holds = equal or gives < full[first]
                 # The other cells that are full meanwhile.
                 for j in range(k if side == 0 else n - k - 1):
-                    stroke += full[order[side, j if side == 0 else k + 1 + j]]
+                    other: int = order[side, j if side == 0 else k + 1 + j]
+                    stroke += full[other]
             count += 1
         pull = max(pull, back)
     return stroke, count, holds

@@ -1,5 +1,7 @@
 """A folder of results: files that belong together, all of one run, by one writer at a time."""
 
+from __future__ import annotations
+
 import errno
 import hashlib
 import json
@@ -11,9 +13,19 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell import base
+from stepwell.base import (
+    InputError,
+    StepwellError,
+    __version__,
+    draft_beside,
+    naming,
+    printable,
+    refuse_address,
+    sync_folder,
+    write_atomic,
+)
 from stepwell.files.outputs import OUTPUTS
 
 if TYPE_CHECKING:
@@ -26,7 +38,7 @@ PATIENCE, _QUIET = 300.0, 0.5
 _NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
 
 
-class BusyError(base.StepwellError, TimeoutError):
+class BusyError(StepwellError, TimeoutError):
     """Another process has been writing there for too long; nothing was written."""
 
 
@@ -75,7 +87,7 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
             lock.release()
 
 
-def _locked(file: Path, timeout: float) -> "BaseFileLock":
+def _locked(file: Path, timeout: float) -> BaseFileLock:
     """A lock that the system holds, or, where it has none, one that the file's being there is."""
     from filelock import FileLock, SoftFileLock, Timeout
 
@@ -102,11 +114,11 @@ _MOST_BYTES = 1 << 20
 _MOST_NAMED = 6
 
 
-class OverwriteError(base.StepwellError, FileExistsError):
+class OverwriteError(StepwellError, FileExistsError):
     """What somebody else wrote stands where results should go; nothing was written."""
 
 
-class IncompleteError(base.InputError):
+class IncompleteError(InputError):
     """A folder that does not hold one whole set of results."""
 
 
@@ -141,11 +153,11 @@ def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
     note = _note(place / MANIFEST)
     if note is None:
         why = _interrupted(place) or "holds no results of Stepwell, or not all of them"
-        raise IncompleteError(f"{base.printable(str(folder))}: {why}.")
+        raise IncompleteError(f"{printable(str(folder))}: {why}.")
     for name, hashes in note.files.items():
         if _digest_of(place / name) not in hashes:
             what = "is not the one that was written" if (place / name).exists() else "is missing"
-            raise IncompleteError(f"{base.printable(str(folder))}: {base.printable(name)} {what}.")
+            raise IncompleteError(f"{printable(str(folder))}: {printable(name)} {what}.")
     return json.loads((place / MANIFEST).read_text("utf-8"))
 
 
@@ -183,15 +195,16 @@ def check_folder(
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    base.refuse_address(folder)
-    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    refuse_address(folder)
+    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
-    _check(shown, target, command, dict.fromkeys(_names(command, names), "") | hashes, force)
+    known = dict.fromkeys(_names(command, names), "")
+    _check(_Order(shown, target, command, force), known | hashes)
     with _made(shown):
         place = target
         while not place.exists():
             place = place.parent
-        trial = base.draft_beside(place / "stepwell")
+        trial = draft_beside(place / "stepwell")
         trial.mkdir()
         with suppress(FileNotFoundError):  # a command that ends here removes all drafts
             trial.rmdir()
@@ -227,24 +240,24 @@ def staged_folder(
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    base.refuse_address(folder)
-    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
-    known = _names(command, names)
-    _check(shown, target, command, {}, force)
+    refuse_address(folder)
+    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    known, asked = _names(command, names), _Order(shown, target, command, force)
+    _check(asked, {})
     with _made(shown):
         target.parent.mkdir(parents=True, exist_ok=True)
     with _only_writer(shown, target) as place:
-        draft = base.draft_beside(place)
+        draft = draft_beside(place)
         with _made(shown):
             draft.mkdir()
         try:
-            with base.naming(draft, target):
+            with naming(draft, target):
                 yield draft
                 with ExitStack() as also:
                     if place != _place(target):
                         # Another process made the folder meanwhile: others now write inside it.
                         also.enter_context(_only_writer(shown, target))
-                    _commit(shown, draft, target, command, record or {}, known, force)
+                    _commit(asked, draft, record or {}, known)
         finally:
             shutil.rmtree(draft, ignore_errors=True)
     _clear(target)
@@ -277,53 +290,55 @@ def _lock(place: Path) -> Path:
     return place.with_name(f".{place.name[:80]}.lock")
 
 
-def _commit(
-    shown: str,
-    draft: Path,
-    target: Path,
-    command: str,
-    record: Mapping[str, Any],
-    known: frozenset[str],
-    force: bool,
-) -> None:
+class _Order(NamedTuple):
+    """Where the results of a command go, and whether they may replace others' work."""
+
+    shown: str
+    target: Path
+    command: str
+    force: bool
+
+
+def _commit(asked: _Order, draft: Path, record: Mapping[str, Any], known: frozenset[str]) -> None:
     """Put a draft in its place; `manifest` tells what a kill after any step leaves."""
+    shown, target, command, _ = asked
     if not draft.is_dir():
         raise OSError(f"{shown}: its draft was removed while results were written: run it again.")
     files = sorted(file for file in draft.rglob("*") if file.is_file())
     new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
     if not new.keys() <= known:
         raise AssertionError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
-    _check(shown, target, command, new, force)
+    _check(asked, new)
     about = {
         "schema": FOLDER_SCHEMA,
-        "stepwell": base.__version__,
+        "stepwell": __version__,
         "command": command,
         "design_sha256": record.get("design_sha256"),
         "seed": record.get("seed"),
     }
     mine = {name for name in new if not _is_theirs(target, name, new[name])}
-    base.write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
+    write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
     if not target.exists():
         os.rename(draft, target)
-        base.sync_folder(target.parent)
+        sync_folder(target.parent)
         return
     old = _owned(target)
     may_be = {name: set(hashes) for name, hashes in old.items()}
     for name in mine:
         may_be.setdefault(name, set()).add(new[name])
     hashes = {name: sorted(may_be[name]) for name in sorted(may_be)}
-    base.write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
+    write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
     os.replace(draft / UNFINISHED, target / UNFINISHED)
-    base.sync_folder(target)
+    sync_folder(target)
     (target / MANIFEST).unlink(missing_ok=True)
-    base.sync_folder(target)
+    sync_folder(target)
     _put(draft, target, mine)
     for name in sorted(old.keys() - new.keys()):
         if _digest_of(target / name) in old[name]:
             (target / name).unlink()
-    base.sync_folder(target)
+    sync_folder(target)
     os.replace(draft / MANIFEST, target / MANIFEST)
-    base.sync_folder(target)
+    sync_folder(target)
     (target / UNFINISHED).unlink()
 
 
@@ -333,13 +348,12 @@ def _put(draft: Path, target: Path, names: Iterable[str]) -> None:
         place = target / name
         place.parent.mkdir(parents=True, exist_ok=True)
         os.replace(draft / name, place)
-        base.sync_folder(place.parent)
+        sync_folder(place.parent)
 
 
-def _check(
-    shown: str, target: Path, command: str, new: Mapping[str, str | None], force: bool
-) -> None:
+def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
     """Refuse to write where others' work would be lost; `new` has a hash for each file, or ""."""
+    shown, target, command, force = asked
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(f"{shown} is a file: give a folder to write into.")
     for name in (*new, MANIFEST, UNFINISHED):
@@ -355,7 +369,7 @@ def _check(
             f"force=True)."
         )
     if theirs := _others(target, new):
-        named = ", ".join(map(base.printable, theirs[:_MOST_NAMED])) + (
+        named = ", ".join(map(printable, theirs[:_MOST_NAMED])) + (
             f" and {len(theirs) - _MOST_NAMED} more" if len(theirs) > _MOST_NAMED else ""
         )
         it = "it" if len(theirs) == 1 else "them"
@@ -417,7 +431,7 @@ def _note(file: Path) -> _Note | None:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     # Files are removed by these names: none may lead out of the folder.
-    return _Note(base.printable(data["command"]), files) if all(map(_is_inside, files)) else None
+    return _Note(printable(data["command"]), files) if all(map(_is_inside, files)) else None
 
 
 def _is_inside(name: str) -> bool:
@@ -459,7 +473,7 @@ def _made(shown: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if isinstance(error, base.StepwellError):
+        if isinstance(error, StepwellError):
             raise
         why = f"cannot be made or written ({error.strerror}): name a folder where you may write"
         raise type(error)(error.errno, why, shown) from None

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
+from typing import NamedTuple
 
 from stepwell.base import InputError, amount, bisected
 from stepwell.concave import Relays, fewest_strokes, relays
@@ -49,7 +50,8 @@ def search_with_friction(
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
             if section.state == target:
                 low, high = sorted(section.drive)
-                found = _widened(branches, start, target, origin, turns, (low, high), robust)
+                wish = _Wish(start, target, robust)
+                found = _widened(branches, wish, origin, turns, (low, high))
                 if found is not None:
                     return found
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
@@ -73,20 +75,26 @@ def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> l
         return []
 
 
+class _Wish(NamedTuple):
+    """From where to where, and within which ratio of mobilities its landings have to hold."""
+
+    start: str
+    target: str
+    robust: float | None
+
+
 def _widened(
     branches: Branches,
-    start: str,
-    target: str,
+    wish: _Wish,
     origin: tuple[Configuration, float],
     turns: tuple[float, ...],
     ends: tuple[float, float],
-    robust: float | None,
 ) -> Program | None:
     """The program, each window bisected with the other turns where they are.
 
     None where one of its landings hangs on the mobilities.
     """
-    chain = branches.chain
+    chain, (start, target, robust) = branches.chain, wish
     points = [origin[1], *turns, sum(ends) / 2]
 
     def works(k: int, drive: float) -> bool:

@@ -1,20 +1,36 @@
 """Where a snap lands if its blocks have masses: a second opinion on the overdamped landing."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, check
 from stepwell.mechanism import Chain
-from stepwell.statics import ride
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landed import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
 from stepwell.statics.outcome import StaticsError
+from stepwell.statics.ride import (
+    DAMPED,
+    GOES_ON,
+    JUMPED,
+    PEAK,
+    RESTS,
+    RUBBED,
+    STEP,
+    STRUCK,
+    TIME,
+    Inertias,
+    MotionState,
+    ride,
+)
 
 # The push on the leader that sets it off, as a share of the largest force.
 _PUSH = 1e-7
@@ -118,7 +134,7 @@ class InertialLanding(ByValue):
 class _Ride:
     """One integration."""
 
-    motion: ride.MotionState
+    motion: MotionState
     sheet: tuple[int, ...]
     history: Floats
     freed: float
@@ -126,21 +142,19 @@ class _Ride:
     @property
     def imbalance(self) -> float:
         book = self.motion.book
-        return self.freed - float(
-            np.sum(book[[ride.DAMPED, ride.RUBBED, ride.STRUCK, ride.JUMPED]])
-        )
+        return self.freed - float(np.sum(book[[DAMPED, RUBBED, STRUCK, JUMPED]]))
+
+
+class Inertia(NamedTuple):
+    """What a snap with masses is given, as for `Path.inertial_landing`."""
+
+    masses: Sequence[float]
+    damping: Sequence[float]
+    restitution: float
 
 
 def inertial_landing(
-    chain: Chain,
-    problem: DrivenChain,
-    snap: Snap,
-    event: Event,
-    masses: Sequence[float],
-    damping: Sequence[float],
-    *,
-    restitution: float,
-    history: bool,
+    chain: Chain, problem: DrivenChain, snap: Snap, event: Event, inertia: Inertia, *, history: bool
 ) -> InertialLanding:
     """Where a snap of a chain lands with masses.
 
@@ -149,12 +163,13 @@ def inertial_landing(
         problem: that it sets.
         snap: from where, and where it lands without masses.
         event: what is told of it.
-        masses, damping, restitution, history: as for `Path.inertial_landing`.
+        inertia: of its blocks.
+        history: whether travels and speeds over time are kept.
 
     Raises:
         ValueError, StaticsError: as for `Path.inertial_landing`.
     """
-    body = _body(chain, problem, snap, masses, damping, restitution)
+    body = _body(chain, problem, snap, inertia)
 
     def go(tolerance: float, push: float) -> _Ride:
         push *= problem.scale * snap.start.heading
@@ -168,7 +183,7 @@ def inertial_landing(
     found = go(tolerance, _PUSH)
     for tolerance in _TOLERANCES[1:]:
         coarse, found = found, go(tolerance, _PUSH)
-        speeds = coarse.motion.book[ride.PEAK], found.motion.book[ride.PEAK]
+        speeds = coarse.motion.book[PEAK], found.motion.book[PEAK]
         tie = not alike(coarse, found)
         slow = abs(speeds[1] - speeds[0]) <= _SPEEDS_AGREE * speeds[1]
         if not tie and slow and abs(found.imbalance) <= _ENERGIES_AGREE * found.freed:
@@ -187,19 +202,19 @@ def inertial_landing(
     travel, sheet = landed = found.motion.travel, np.array(found.sheet)
     return InertialLanding(
         event,
-        tuple(map(float, masses)),
-        tuple(map(float, damping)),
+        tuple(map(float, inertia.masses)),
+        tuple(map(float, inertia.damping)),
         body.restitution,
         tuple(travel.tolist()),
         found.sheet,
         state_of(chain, travel, sheet),
-        float(book[ride.TIME]),
-        float(book[ride.PEAK]),
+        float(book[TIME]),
+        float(book[PEAK]),
         found.freed,
-        float(book[ride.DAMPED]),
-        float(book[ride.RUBBED]),
-        float(book[ride.STRUCK]),
-        float(book[ride.JUMPED]),
+        float(book[DAMPED]),
+        float(book[RUBBED]),
+        float(book[STRUCK]),
+        float(book[JUMPED]),
         _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
         tie,
         len(rows),
@@ -215,15 +230,9 @@ def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Pl
     return same_place(chain, problem, snap, here, there)
 
 
-def _body(
-    chain: Chain,
-    problem: DrivenChain,
-    snap: Snap,
-    masses: Sequence[float],
-    damping: Sequence[float],
-    restitution: float,
-) -> ride.Inertias:
+def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> Inertias:
     """Masses and dampers as the integration takes them."""
+    masses, damping, restitution = inertia
     mass_unit, damping_unit = _UNITS[chain.measure]
     n = len(chain)
     mass = check.as_many("masses", masses, mass_unit, "the chain", n)
@@ -244,36 +253,36 @@ def _body(
             f"damping = {damping!r}: nothing takes energy, no damper, no friction and no stop, so "
             f"the snap would never come to rest: give at least one cell damping [{damping_unit}]."
         )
-    inertia = np.array(mass)
-    loose = 1.0 / inertia
+    heavy = np.array(mass)
+    loose = 1.0 / heavy
     if problem.beta == 0.0:
         # A rigid actuator holds the outermost block: its mass has no say, in tolerances either.
-        loose[-1], inertia[-1] = 0.0, np.min(inertia[:-1], initial=np.inf)
+        loose[-1], heavy[-1] = 0.0, np.min(heavy[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
-    return ride.Inertias(inertia, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+    return Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
 
 
-def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -> _Ride:
+def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: Inertias) -> _Ride:
     """The motion until it rests."""
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)
-    motion = ride.MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
+    motion = MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
     lightest, shortest = float(np.min(body.mass)), float(np.min(laws.full))
-    motion.book[ride.STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
+    motion.book[STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
     parts: list[Floats] = []
-    status = ride.GOES_ON
-    while status == ride.GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
+    status = GOES_ON
+    while status == GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
         rows = np.full((_ROWS, 1 + 2 * n), np.nan)
-        status = ride.ride(problem, body, motion, rows)
+        status = ride(problem, body, motion, rows)
         parts.append(rows[np.isfinite(rows[:, 0])])
-    if status != ride.RESTS:
+    if status != RESTS:
         unit = _UNITS[chain.measure][1]
         raise StaticsError(
             f"with these masses the snap does not come to rest in {len(parts) * _ROWS} steps, "
-            f"{amount(float(motion.book[ride.TIME]), 's')}: too little takes its energy. Give "
-            f"every cell some damping [{unit}]."
+            f"{amount(float(motion.book[TIME]), 's')}: too little takes its energy. Give every "
+            f"cell some damping [{unit}]."
         )
     sheet = tuple(sheets_of(problem.sheets).tolist())
     freed = math.fsum(_given(chain, problem, snap, body, motion.travel, sheet))
@@ -284,7 +293,7 @@ def _given(
     chain: Chain,
     problem: DrivenChain,
     snap: Snap,
-    body: ride.Inertias,
+    body: Inertias,
     travel: Floats,
     sheet: tuple[int, ...],
 ) -> Iterator[float]:

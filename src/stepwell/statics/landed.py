@@ -1,9 +1,10 @@
 """For which mobilities of its cells a snap lands where it does."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,13 +12,12 @@ from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, perce
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
-from stepwell.statics.following import log as logged
 from stepwell.statics.following.pieces import find_piece, stand_all_on
 from stepwell.statics.following.snap import COARSE
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.proofs import enclosed, energy_holds, goes_one_way
 from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
-from stepwell.statics.landings.start import Snap, snaps_of
+from stepwell.statics.landings.start import Snap
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6
@@ -163,34 +163,38 @@ def a_ratio(name: str, value: float) -> float:
     return ratio
 
 
+class Mobilities(NamedTuple):
+    """Which mobilities are tried; see `Path.landings`."""
+
+    ratio: float
+    samples: int
+    seed: int
+
+    @classmethod
+    def of(cls, ratio: float, bound: float, seed: int) -> Mobilities:
+        """Those for a bound; raises ValueError where a number is not allowed."""
+        return cls(a_ratio("ratio", ratio), samples_for(bound), check.whole("seed", seed, 0))
+
+
 def landings(
     chain: Chain,
     problem: DrivenChain,
-    log: logged.Log,
-    start: tuple[Floats, Ints],
+    snaps: Iterable[Snap],
     events: list[Event],
-    *,
-    ratio: float,
-    bound: float,
-    seed: int,
+    tried: Mobilities,
 ) -> Iterator[Landing]:
     """Whether each snap of a path lands where it does for all mobilities within a ratio.
 
     Args:
         chain: what moved.
         problem: that it sets.
-        log: what was written down of the path.
-        start: (N,) travels [m] and sheets at its beginning.
-        events: its snaps, in order.
-        ratio, bound, seed: as for `Path.landings`.
-
-    Raises:
-        ValueError: a ratio below 1 or above a thousand, or a bound below 0.001 or above 0.5.
+        snaps: of the path, in order.
+        events: the same as they are reported: those that follow at once each by itself.
+        tried: the mobilities.
     """
-    ratio, samples = a_ratio("ratio", ratio), samples_for(bound)
-    seed = check.whole("seed", seed, 0)
+    ratio, samples, seed = tried
     at = 0
-    for found in snaps_of(problem, log, *start):
+    for found in snaps:
         event, passed = events[at], events[at : at + found.rows]
         at += found.rows
         proof = _proof(problem, found, ratio)

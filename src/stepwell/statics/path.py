@@ -23,9 +23,9 @@ from stepwell.statics.events import (
 )
 from stepwell.statics.following import certificate, log as logged
 from stepwell.statics.following.state import DrivenChain
-from stepwell.statics.inertial import InertialLanding, inertial_landing
-from stepwell.statics.landed import Landing, landings
-from stepwell.statics.landings.start import snaps_of
+from stepwell.statics.inertial import Inertia, InertialLanding, inertial_landing
+from stepwell.statics.landed import Landing, Mobilities, landings
+from stepwell.statics.landings.start import Snap, snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration, drive_weights, problem_of
 
@@ -221,9 +221,13 @@ class Path(base.ByValue, base.Drawn):
             ValueError: a ratio, a bound or a seed that is not allowed.
         """
         snaps = [event for event in self.events if event.kind is EventKind.SNAP]
+        tried = Mobilities.of(ratio, bound, seed)
+        return tuple(landings(self.chain, self._problem, self._snaps(), snaps, tried))
+
+    def _snaps(self) -> Iterator[Snap]:
+        """Every snap in order, as the log has it; those that follow at once are one."""
         start = np.array(self.start), np.array(self.start_sheet)
-        args = self.chain, self._problem, self._log, start, snaps
-        return tuple(landings(*args, ratio=ratio, bound=bound, seed=seed))
+        return snaps_of(self._problem, self._log, *start)
 
     @cached_property
     def checked_landings(self) -> tuple[Landing, ...] | None:
@@ -275,20 +279,11 @@ class Path(base.ByValue, base.Drawn):
                 f"snap = {snap!r}: must be a snap of this path, which has {len(events)}: pass its "
                 f"number, from 0, or the event itself."
             )
-        first, problem = 0, self._problem
-        start = np.array(self.start), np.array(self.start_sheet)
-        for found in snaps_of(problem, self._log, *start):
+        first, inertia = 0, Inertia(tuple(masses), tuple(damping), restitution)
+        for found in self._snaps():
             if number < first + found.rows:
-                return inertial_landing(
-                    self.chain,
-                    problem,
-                    found,
-                    events[first],
-                    tuple(masses),
-                    tuple(damping),
-                    restitution=restitution,
-                    history=history,
-                )
+                args = self.chain, self._problem, found, events[first], inertia
+                return inertial_landing(*args, history=history)
             first += found.rows
         raise AssertionError("every snap is in the log")
 

@@ -204,7 +204,8 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
             continue
         bound = _with(rest, tables.ahead[depth, c], add)
         if depth > 0:
-            bound = _with(bound, _with(value, tables.gap[picks[depth - 1], c], add), add)
+            last: int = picks[depth - 1]
+            bound = _with(bound, _with(value, tables.gap[last, c], add), add)
         if below < 0:
             bound = _with(bound, edges[0, rank, c], add)
         else:

@@ -143,29 +143,24 @@ class Tried:
 
 
 def tried(
-    target: Target,
+    tries: Tries,
     rules: list[Rule],
-    regions: tuple[Region, ...],
     holes: float,
     *,
     decided: bool,
-    actuator_stiffness: float,
-    seed: int,
     progress: Callable[[int, int], None],
 ) -> Tried:
     """Follow every choice of holes that is left, or as many as take some seconds.
 
     Args:
-        target: what is wanted.
+        tries: at what, of which regions and which actuator.
         rules: what may be built, one after the other.
-        regions: of every cell.
         holes: pitch [m].
         decided: whether it is known of all choices of cells that are proved concave as drawn, and
             share a full travel, that they do not do it.
-        actuator_stiffness: K [N/m].
-        seed: which choices, where they are too many.
         progress: called with (done, total) choices.
     """
+    target, regions, stiffness = tries.target, tries.regions, tries.actuator_stiffness
     different = list(dict.fromkeys(regions))
     alike, again = len(set(regions)) == 1, target.twins
     most = (_THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES) // target.cells
@@ -181,12 +176,12 @@ def tried(
         picked = (
             _every(tables, alike, again, settled)
             if count <= room
-            else _some(tables, settled, room, np.random.default_rng(seed))
+            else _some(tables, settled, room, np.random.default_rng(tries.seed))
         )
         for cells in picked:
             progress(done, min(most, left))
             done += 1
-            chain = Chain([way.cell for way in cells], actuator_stiffness)
+            chain = Chain([way.cell for way in cells], stiffness)
             try:
                 seen = target.look(chain)
             except (StaticsError, ValueError):
@@ -196,7 +191,7 @@ def tried(
             if order is None or seen.peak > rule.most_force * (1 + 1e-9):
                 continue
             mine_now = [cells[k].cell for k in order]
-            found.append(named(mine_now, actuator_stiffness, f"Designed for {target.text}"))
+            found.append(named(mine_now, stiffness, f"Designed for {target.text}"))
     return Tried(tuple(found), left, done, unanswered)
 
 
@@ -441,13 +436,10 @@ class Tries:
             raise self._refusal(placed, "", proved=target.wish.never)
         before = self._done
         found = tried(
-            target,
+            self,
             rules,
-            self.regions,
             self.holes,
             decided=placed.complete and target.states is None,
-            actuator_stiffness=self.actuator_stiffness,
-            seed=self.seed,
             progress=lambda done, all_: self._tell(
                 max(0, before + 100 * done // max(all_, 1) - self._done)
             ),

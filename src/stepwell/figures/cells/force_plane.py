@@ -135,8 +135,9 @@ def force_plane(
         _draw_gap(ax, gap, forces)
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
-        _draw_order(strip_ax, ax, half, orders[half], forces, cloud, colours)
-        _frame_order(strip_ax, ax, half, orders[half], switches)
+        order = _Order(strip_ax, ax, half, orders[half])
+        order.draw(forces, cloud, colours)
+        order.frame(switches)
     _name_cells(ax, forces, switches)
     middle = {"ha": "center", "va": "center"}
     sheet.text_at(
@@ -256,57 +257,57 @@ def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
     ax.plot(*outline.T, color=colour, linewidth=1.0, zorder=4, gid="cloud")
 
 
-def _draw_order(
-    ax: Axes,
-    main: Axes,
-    side: int,
-    order: Sequence[int],
-    forces: Floats,
-    cloud: Floats | None,
-    colours: Sequence[str],
-) -> None:
-    """A row for every cell, at its force or over the range of it, the first to move on top."""
+class _Order(NamedTuple):
+    """A strip beside the plane with a row for every cell, the first to move on top."""
 
-    def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:
-        return np.array([values, rows] if side == 0 else [rows, values])
+    ax: Axes
+    main: Axes
+    side: int
+    cells: Sequence[int]
 
-    for row, cell in enumerate(order):
-        value, colour = float(forces[cell, side]), colours[cell]
-        if cloud is not None:
-            ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
-            bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
-            ax.plot(*turned(ends, [row, row]), color=style.pale(colour, 0.45), **bar)
-        ax.plot(*turned([value], [row]), "o", markersize=3.6, color=colour, zorder=4, gid="order")
-        # From the cell's place in the plane to its row.
-        lead = {"color": style.FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
-        last = len(order) - 0.4 if side == 0 else -0.6
-        ax.plot(*turned([value, value], [row, last]), **lead)
-        end = main.get_ylim()[1] if side == 0 else main.get_xlim()[1]
-        main.plot(*turned([value, value], [forces[cell, 1 - side], end]), **lead)
+    def draw(self, forces: Floats, cloud: Floats | None, colours: Sequence[str]) -> None:
+        """Draw every cell at its force, or over the range of it."""
+        ax, main, side, count = self.ax, self.main, self.side, len(self.cells)
 
+        def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:
+            return np.array([values, rows] if side == 0 else [rows, values])
 
-def _frame_order(
-    ax: Axes, main: Axes, side: int, order: Sequence[int], switches: Sequence[_Switch]
-) -> None:
-    """Ticks with the names of the rows; the forces are those of the plane."""
-    ends = len(order) - 0.4, -0.6
-    in_order = [literal(shortened(switches[i].name, _NAME)) for i in order]
-    if side == 0:
-        ax.set_ylim(ends)
-        ax.set_xticks(main.get_xticks(), [])
-        ax.set_xlim(main.get_xlim())
-        ax.set_yticks(range(len(order)), in_order)
-        labels = ax.get_yticklabels()
-    else:
-        ax.set_xlim(ends[1], ends[0])
-        ax.set_yticks(main.get_yticks(), [])
-        ax.set_ylim(main.get_ylim())
-        ax.xaxis.tick_top()
-        ax.set_xticks(range(len(order)), in_order, rotation=90)
-        labels = ax.get_xticklabels()
-    ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
-    for label, cell in zip(labels, order, strict=True):
-        label.set(color=switches[cell].colour, fontweight="bold")
+        for row, cell in enumerate(self.cells):
+            value, colour = float(forces[cell, side]), colours[cell]
+            if cloud is not None:
+                ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
+                bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
+                ax.plot(*turned(ends, [row, row]), color=style.pale(colour, 0.45), **bar)
+            dot = {"markersize": 3.6, "zorder": 4, "gid": "order"}
+            ax.plot(*turned([value], [row]), "o", color=colour, **dot)
+            # From the cell's place in the plane to its row.
+            lead = {"color": style.FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
+            last = count - 0.4 if side == 0 else -0.6
+            ax.plot(*turned([value, value], [row, last]), **lead)
+            end = main.get_ylim()[1] if side == 0 else main.get_xlim()[1]
+            main.plot(*turned([value, value], [forces[cell, 1 - side], end]), **lead)
+
+    def frame(self, switches: Sequence[_Switch]) -> None:
+        """Put the names of the cells at their rows; the forces are those of the plane."""
+        ax, main, count = self.ax, self.main, len(self.cells)
+        ends = count - 0.4, -0.6
+        names = [literal(shortened(switches[i].name, _NAME)) for i in self.cells]
+        if self.side == 0:
+            ax.set_ylim(ends)
+            ax.set_xticks(main.get_xticks(), [])
+            ax.set_xlim(main.get_xlim())
+            ax.set_yticks(range(count), names)
+            labels = ax.get_yticklabels()
+        else:
+            ax.set_xlim(ends[1], ends[0])
+            ax.set_yticks(main.get_yticks(), [])
+            ax.set_ylim(main.get_ylim())
+            ax.xaxis.tick_top()
+            ax.set_xticks(range(count), names, rotation=90)
+            labels = ax.get_xticklabels()
+        ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
+        for label, cell in zip(labels, self.cells, strict=True):
+            label.set(color=switches[cell].colour, fontweight="bold")
 
 
 def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None, sign: str) -> list[Artist]:

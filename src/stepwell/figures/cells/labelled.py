@@ -193,9 +193,9 @@ class _Shown:
         (_, low), (_, high) = (stop + self.half for stop in self.stops)
         edge = float(self.outer[0] + self.half[0])
         top = float(self.outer[1] + self.half[1])
-        along_y(ax, low, top, self.right + 5.0, "$s$", feet=edge, gid="s")
+        along_y(ax, (low, top), (edge, self.right + 5.0), "$s$", gid="s")
         full = f"$S$ = {mm(self.cell.full_travel)} mm"
-        along_y(ax, low, high, self.right + 12.0, full, feet=edge, gid="S")
+        along_y(ax, (low, high), (edge, self.right + 12.0), full, gid="S")
         self._turn(ax, -self.pair, 0.56)
         self._name(ax)
 
@@ -331,6 +331,6 @@ def _add_up(ax: Axes, rest: float, pulled: list[float], y: float, feet: float) -
     marks = list(accumulate(pulled, initial=rest))
     colours = style.cell_colours(len(pulled))
     for i, (a, b) in enumerate(pairwise(marks)):
-        along_x(ax, a, b, y, f"$s_{i + 1}$", feet=feet, colour=colours[i], gid=f"s{i + 1}")
+        along_x(ax, (a, b), (feet, y), f"$s_{i + 1}$", colours[i], gid=f"s{i + 1}")
     total = " + ".join(f"$s_{i + 1}$" for i in range(len(pulled)))
-    along_x(ax, rest, marks[-1], y - 7.0, f"stroke $u$ = {total}", feet=feet, gid="u")
+    along_x(ax, (rest, marks[-1]), (feet, y - 7.0), f"stroke $u$ = {total}", gid="u")

@@ -30,16 +30,17 @@ _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA"
 
 def along_x(
     ax: Axes,
-    left: float,
-    right: float,
-    y: float,
+    ends: tuple[float, float],
+    heights: tuple[float, float],
     text: str,
-    *,
-    feet: float,
     colour: str = INK,
     gid: str | None = None,
 ) -> None:
-    """A dimension along x at height y, with thin lines to it from height `feet`; all in mm."""
+    """A dimension along x between two ends, from the first height up or down to the second [mm].
+
+    Thin lines lead from the first height to the dimension, which is at the second.
+    """
+    (left, right), (feet, y) = ends, heights
     look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for x in (left, right):
         ax.plot([x, x], [feet, y + np.sign(y - feet)], **look)
@@ -50,16 +51,14 @@ def along_x(
 
 def along_y(
     ax: Axes,
-    low: float,
-    high: float,
-    x: float,
+    ends: tuple[float, float],
+    places: tuple[float, float],
     text: str,
-    *,
-    feet: float,
     colour: str = INK,
     gid: str | None = None,
 ) -> None:
-    """A dimension along y at x, with thin lines to it from x = `feet`; all in mm."""
+    """The same along y: thin lines lead from the first place along x to the second."""
+    (low, high), (feet, x) = ends, places
     look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for y in (low, high):
         ax.plot([feet, x + np.sign(x - feet)], [y, y], **look)

@@ -101,11 +101,11 @@ def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) 
         leg_parts(robot, leg, travels).blocks[-1] * style.MM for travels in rest_states(leg)
     )
     stroke = f"stroke {mm(leg.chain.full_stroke)} mm"
-    along_x(ax, far[0], near[0], box[2] + 18.0, stroke, feet=near[1])
+    along_x(ax, (far[0], near[0]), (near[1], box[2] + 18.0), stroke)
     low, high = (pick(one.at[1] for one in robot.legs) for pick in (min, max))
     if high > low:
         apart = f"{mm(high - low)} mm"
-        along_y(ax, low * style.MM, high * style.MM, box[0] + 9.0, apart, feet=far[0])
+        along_y(ax, (low * style.MM, high * style.MM), (far[0], box[0] + 9.0), apart)
 
 
 def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
@@ -246,11 +246,11 @@ def _body(ax: Axes, robot: Robot, pivot: float) -> None:
 
 def _side_dimensions(ax: Axes, robot: Robot, at_0: LegParts, at_1: LegParts, pivot: float) -> None:
     near, wide = at_0.pivots * style.MM, at_1.pivots * style.MM
-    along_x(ax, near[1], near[0], pivot + 18.0, f"{mm(robot.foot.span)} mm", feet=pivot)
+    along_x(ax, (near[1], near[0]), (pivot, pivot + 18.0), f"{mm(robot.foot.span)} mm")
     opened = f"{mm(at_1.pivots[0] - at_1.pivots[1])} mm with every cell at 1"
-    along_x(ax, wide[1], wide[0], pivot + 27.0, opened, feet=pivot, colour=style.FAINT)
+    along_x(ax, (wide[1], wide[0]), (pivot, pivot + 27.0), opened, style.FAINT)
     # Clear of the chain at full stroke.
-    along_y(ax, 0.0, pivot, wide[1] - 16.0, f"{pivot:.3g} mm", feet=wide[1] - 8.0)
+    along_y(ax, (0.0, pivot), (wide[1] - 8.0, wide[1] - 16.0), f"{pivot:.3g} mm")
     low, far = robot.foot.below * style.MM, _beyond(robot)
     fore = max(x for x, _ in robot.body.supports) * style.MM
     for height in (0.0, low):
