@@ -461,27 +461,16 @@ def _read(
     designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, found: Floats
 ) -> None:
     """Read off the log what is visited, and what is found out on the way."""
-    # One function: one pass over the log counts snaps, ties, energies and states.
-    log, phase, travel, phases = work.state.log, work.phase, work.state.travel, work.phases
-    n, between, code, weight = len(phase), 0, 0, 1
-    for i in range(n - 1, -1, -1):
-        travel[i] = work.begin[i]
-        phase[i] = _phase_at(designs, phases, i, work.sheet[i], travel[i])
-        code += weight * phase[i]
-        weight *= 10
-        if phase[i] < 0:
-            return
-    used, last = 1, code
+    log, travel = work.state.log, work.state.travel
+    code = _first_state(designs, work)
+    if code < 0:
+        return
+    used, last, between = 1, code, 0
     visited[0] = code
-    snaps, ties, peak, lost, snapped = 0, 0, 0.0, 0.0, 0
+    snaps, ties, lost, snapped = 0, 0, 0.0, 0
     steps_up, steps_down = 0, 0
     for k in range(log.used[0]):
         row = log.segments[k]
-        if k == 0:
-            peak = row[logged.FORCE_0]
-        for force in (row[logged.FORCE_0], row[logged.FORCE_1]):
-            if abs(force) > abs(peak):
-                peak = force
         lost += row[logged.RELEASED] + row[logged.RUBBED]
         ties += int(row[logged.TIE_A] >= 0.0)
         if int(row[logged.KIND]) == logged.SNAP:
@@ -495,23 +484,8 @@ def _read(
                 if alpha > 0.0:
                     stroke = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
                 found[way] = stroke
-        for j in range(log.first[k], log.first[k + 1]):
-            mover = log.movers[j]
-            i = int(mover[logged.CELL])
-            travel[i] = mover[logged.TRAVEL_1]
-            now = _phase_at(designs, phases, i, int(mover[logged.SHEET_1]), travel[i])
-            if now == phase[i]:
-                continue
-            between += int(now < 0) - int(phase[i] < 0)
-            weight = 1
-            for _ in range(n - 1 - i):
-                weight *= 10
-            # A cell in transit has no digit; it counts as the one that it left.
-            if now >= 0:
-                code += weight * now
-            if phase[i] >= 0:
-                code -= weight * phase[i]
-            phase[i] = now
+        more, left = _moved_on(designs, work, k)
+        code, between = code + more, between + left
         if between == 0:
             if snapped > 0:
                 steps_up += 1
@@ -524,5 +498,55 @@ def _read(
                     return
                 visited[used] = last = code
                 used += 1
-    found[SNAPS], found[TIES], found[PEAK], found[LOST] = snaps, ties, peak, lost
+    found[SNAPS], found[TIES], found[PEAK], found[LOST] = snaps, ties, _peak(log), lost
     found[STEPS_UP], found[STEPS_DOWN] = steps_up, steps_down
+
+
+@leaf
+def _first_state(designs: Designs, work: _Work) -> int:
+    """The number of the state where the log begins; negative where a cell is in transit."""
+    code, weight = 0, 1
+    for i in range(len(work.phase) - 1, -1, -1):
+        travel = work.state.travel[i] = work.begin[i]
+        phase = work.phase[i] = _phase_at(designs, work.phases, i, work.sheet[i], travel)
+        if phase < 0:
+            return -1
+        code += weight * phase
+        weight *= 10
+    return code
+
+
+@leaf
+def _moved_on(designs: Designs, work: _Work, k: int) -> tuple[int, int]:
+    """By how much a segment changes the number of the state, and how many are in transit."""
+    log, phase, travel = work.state.log, work.phase, work.state.travel
+    code, between = 0, 0
+    for j in range(log.first[k], log.first[k + 1]):
+        mover = log.movers[j]
+        i = int(mover[logged.CELL])
+        travel[i] = mover[logged.TRAVEL_1]
+        now = _phase_at(designs, work.phases, i, int(mover[logged.SHEET_1]), travel[i])
+        if now == phase[i]:
+            continue
+        between += int(now < 0) - int(phase[i] < 0)
+        weight = 1
+        for _ in range(len(phase) - 1 - i):
+            weight *= 10
+        # A cell in transit has no digit; it counts as the one that it left.
+        if now >= 0:
+            code += weight * now
+        if phase[i] >= 0:
+            code -= weight * phase[i]
+        phase[i] = now
+    return code, between
+
+
+@leaf
+def _peak(log: logged.Log) -> float:
+    """The extreme force at the ends of the segments."""
+    peak = log.segments[0, logged.FORCE_0] if log.used[0] > 0 else 0.0
+    for k in range(log.used[0]):
+        for force in (log.segments[k, logged.FORCE_0], log.segments[k, logged.FORCE_1]):
+            if abs(force) > abs(peak):
+                peak = force
+    return peak

@@ -330,7 +330,6 @@ def _cut_sheet(
     laws: Laws, ends: Floats, i: int, out: Pieces, room: CuttingSpace, total: int
 ) -> int:
     """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
-    # One function: every cut writes to the same arrays, which are taken out once.
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
     sign, picked, rows, cuts = out.sign, out.picked, room.rows, room.cuts
     bands = laws.band_first[i + 1] - laws.band_first[i]
@@ -339,20 +338,9 @@ def _cut_sheet(
     for j in range(kinks - 1):
         a, b = room.points[j], room.points[j + 1]
         pick_rows(laws, i, 0.5 * (a + b), rows)
-        flat = _is_flat(laws, rows, bands)
-        used = 0
+        flat, used = _is_flat(laws, rows, bands), 0
         if not flat:
-            force, slope = 0.0, 0.0
-            if bands > 0:
-                _look(laws, i, a, b, room)
-                for node in range(_NODES):
-                    force = max(force, abs(room.at.force[node]))
-                    slope = max(slope, abs(room.at.slope[node]))
-            else:
-                # The rows of an element come cut where they turn: they are largest at their ends.
-                for end in (a, b):
-                    value, stiff, _ = law(laws, i, rows, end)
-                    force, slope = max(force, abs(value)), max(slope, abs(stiff))
+            force, slope = _steepest(laws, i, a, b, room)
             flat = slope * (b - a) <= _FLAT * force
             if not flat and bands > 0:
                 used = _turns(laws, i, a, b, _FLAT * slope / (b - a), room)
@@ -377,6 +365,23 @@ def _cut_sheet(
             before, lo = end, hi
             total += 1
     return total
+
+
+@leaf
+def _steepest(laws: Laws, i: int, a: float, b: float, room: CuttingSpace) -> tuple[float, float]:
+    """The largest force and slope of a cell between two kinks, on the rows picked there."""
+    force, slope = 0.0, 0.0
+    if laws.band_first[i] < laws.band_first[i + 1]:
+        _look(laws, i, a, b, room)
+        for node in range(_NODES):
+            force = max(force, abs(room.at.force[node]))
+            slope = max(slope, abs(room.at.slope[node]))
+    else:
+        # The rows of an element come cut where they turn: they are largest at their ends.
+        for end in (a, b):
+            value, stiff, _ = law(laws, i, room.rows, end)
+            force, slope = max(force, abs(value)), max(slope, abs(stiff))
+    return force, slope
 
 
 @leaf

@@ -43,6 +43,7 @@ from stepwell.statics.following.state import (
     WEIGHTS,
     WHY,
     WORN,
+    Begin,
     DrivenChain,
     State,
     begin,
@@ -63,8 +64,6 @@ FINE, COARSE = 2e-7, 1e-4
 @leaf
 def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
-    # One function: one pass over the cells adds up what moved and what was released.
-    laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[TRIGGER]
@@ -87,27 +86,10 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     shift = 0.0
     for i in range(len(before)):
         shift += state.travel[i] - before[i]
-    if problem.beta == 0.0 and abs(shift) > 1e-9 * summed(laws.full):
+    if problem.beta == 0.0 and abs(shift) > 1e-9 * summed(problem.laws.full):
         return NOT_SETTLED
-    moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
-    for i in range(len(before)):
-        there = sheet_of(problem.sheets, i)
-        changed = state.travel[i] != before[i] or there != begun.sheet[i]
-        any_changed = any_changed or changed
-        # A cell that yields and comes back has rubbed as well.
-        friction_work += laws.friction[i] * rubbed[i]
-        # The cell that let go belongs to the snap even where the flow brings it back to its stop.
-        if not changed and i != trigger:
-            continue
-        spare.whole[MOVER, moved], spare.whole[ON_PIECE, moved] = i, -1
-        spare.number[EXTRA, moved] = 0.0
-        moved += 1
-        stand_on(laws, problem.sheets, pieces, i, begun.sheet[i])
-        on = pieces.picked[find_piece(pieces, i, before[i], 0)]
-        stand_on(laws, problem.sheets, pieces, i, there)
-        to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
-        released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
-    if not any_changed:
+    moved, released, friction_work = _moved_by(problem, state, begun, trigger)
+    if moved < 0:
         return STALLED
     if problem.beta > 0.0:
         # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
@@ -125,6 +107,36 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     return GOES_ON
+
+
+@leaf
+def _moved_by(
+    problem: DrivenChain, state: State, begun: Begin, trigger: int
+) -> tuple[int, float, float]:
+    """List the cells that a snap moved: how many, what they released, and what friction took [J].
+
+    -1 where nothing has changed.
+    """
+    laws, pieces, sheets, spare = problem.laws, problem.pieces, problem.sheets, problem.spare
+    moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
+    for i in range(len(state.travel)):
+        before, there = begun.travel[i], sheet_of(sheets, i)
+        changed = state.travel[i] != before or there != begun.sheet[i]
+        any_changed = any_changed or changed
+        # A cell that yields and comes back has rubbed as well.
+        friction_work += laws.friction[i] * spare.number[RUB, i]
+        # The cell that let go belongs to the snap even where the flow brings it back to its stop.
+        if not changed and i != trigger:
+            continue
+        spare.whole[MOVER, moved], spare.whole[ON_PIECE, moved] = i, -1
+        spare.number[EXTRA, moved] = 0.0
+        moved += 1
+        stand_on(laws, sheets, pieces, i, begun.sheet[i])
+        on = pieces.picked[find_piece(pieces, i, before, 0)]
+        stand_on(laws, sheets, pieces, i, there)
+        to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
+        released += stored(laws, i, on, before) - stored(laws, i, to, state.travel[i])
+    return moved if any_changed else -1, released, friction_work
 
 
 @leaf
@@ -310,22 +322,13 @@ def _by_flow(
 @leaf
 def _leave(problem: DrivenChain, state: State, share: float) -> None:
     """Step off an unstable equilibrium along its one unstable direction."""
-    # One function: which cells move decides slopes and weights, in the same spare room.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     trigger, sense = state.next_snap[TRIGGER], state.next_snap[SENSE]
-    spare, n, count = problem.spare, len(state.mode), 0
+    spare, count = problem.spare, _leavers(problem, state, True)
     movers, slopes, weights = spare.whole[MOVER], spare.number[SLOPES], spare.number[WEIGHTS]
-    for needed in (True, False):
-        # At a fixed stroke no cell moves alone: then those that land against friction join in.
-        if count > 1 or (count == 1 and beta > 0.0):
-            break
-        count = 0
-        for i in range(n):
-            falls = state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
-            slides = state.mode[i] != HELD and not needed
-            if state.mode[i] == FREE or i == trigger or falls or slides:
-                movers[count] = i
-                count += 1
+    # At a fixed stroke no cell moves alone: then those that land against friction join in.
+    if not (count > 1 or (count == 1 and beta > 0.0)):
+        count = _leavers(problem, state, False)
     mine, way = 0, spare.number[WAY, :count]
     for m in range(count):
         i = int(movers[m])
@@ -348,16 +351,32 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
         # The stroke stays what it is, to rounding.
         way[mine] -= summed(way)
     step = share * smallest(laws.full) * (sense if way[mine] > 0.0 else -sense)
-    # One length for all cells, short of every stop, or the stroke would not stay what it is.
-    for m in range(count):
-        i = movers[m]
-        up = step * way[m] > 0.0
-        room = (
-            problem.sheets.ends[i, HIGH] - state.travel[i]
-            if up
-            else state.travel[i] - problem.sheets.ends[i, LOW]
-        )
-        if abs(step * way[m]) > 0.5 * room:
-            step *= 0.5 * room / abs(step * way[m])
+    step = _short_of_stops(problem, state, step, way)
     for m in range(count):
         state.travel[movers[m]] += step * way[m]
+
+
+@leaf
+def _leavers(problem: DrivenChain, state: State, needed: bool) -> int:
+    """List the cells that leave an unstable equilibrium, only those needed or all; how many."""
+    pieces, movers, count = problem.pieces, problem.spare.whole[MOVER], 0
+    for i in range(len(state.mode)):
+        falls = state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
+        slides = state.mode[i] != HELD and not needed
+        if state.mode[i] == FREE or i == state.next_snap[TRIGGER] or falls or slides:
+            movers[count] = i
+            count += 1
+    return count
+
+
+@leaf
+def _short_of_stops(problem: DrivenChain, state: State, step: float, way: Floats) -> float:
+    """One length for all cells, short of every stop, or the stroke would not stay what it is."""
+    ends, movers = problem.sheets.ends, problem.spare.whole[MOVER]
+    for m in range(len(way)):
+        i = movers[m]
+        up = step * way[m] > 0.0
+        room = ends[i, HIGH] - state.travel[i] if up else state.travel[i] - ends[i, LOW]
+        if abs(step * way[m]) > 0.5 * room:
+            step *= 0.5 * room / abs(step * way[m])
+    return step
