@@ -145,7 +145,7 @@ def plate(ax: Axes, q: np.ndarray, colour: str, *, first: bool) -> None:
     ax.plot(*q, "o", color=colour, markersize=6.5, zorder=6)
     ax.text(10.0, -19.5, point(q), ha="center", va="top", fontsize=7.5)
     if first:
-        along_y(ax, -15, -10, -6.0, "5 mm", feet=0.0, colour=VERMILLION)
+        along_y(ax, (-15, -10), (0.0, -6.0), "5 mm", colour=VERMILLION)
 
 
 def surely(found: sw.Yield) -> str:

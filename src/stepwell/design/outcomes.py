@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from operator import itemgetter
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ class _Work(NamedTuple):
     order: Ints  # (2, n) cells in the order in which they load, and unload
 
     @classmethod
-    def of(cls, base: Floats) -> _Work:
+    def of(cls, base: Floats) -> Self:
         """For designs whose numbers are such."""
         n = len(base)
         return cls(base.copy(), np.empty((2, n)), np.empty(n), np.empty((2, n), np.int64))

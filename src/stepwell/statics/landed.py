@@ -1,5 +1,7 @@
 """For which mobilities of its cells a snap lands where it does."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -195,7 +195,8 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
             if after < 0:
                 rest = _with(rest, edges[1, ranks[k], picks[k]], add)
             else:
-                rest = _with(rest, segments[ranks[k], ranks[after], picks[k], picks[after]], add)
+                way = float(segments[ranks[k], ranks[after], picks[k], picks[after]])
+                rest = _with(rest, way, add)
         if k != above and _next_below(ranks, depth, ranks[k]) < 0:
             rest = _with(rest, edges[0, ranks[k], picks[k]], add)
     for c in range(len(out)):

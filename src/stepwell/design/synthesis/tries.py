@@ -1,5 +1,7 @@
 """Everything that is tried to make a chain do what is wanted, one thing after the other."""
 
+from __future__ import annotations
+
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
