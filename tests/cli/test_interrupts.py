@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from sizes import SIZE
+
 COMMAND = Path(sys.executable).parent / "stepwell"
 SLACK = """
 [chain]
@@ -64,22 +66,25 @@ def interrupted(
     pytest.fail(f"{arguments} was done within {after} s")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("run", "long.toml", "--out", "out"),
+# One call of a kernel, many calls, a simulation, and many robots on all cores.
+LONG = [
+    ("run", "long.toml", "--out", "out"),
+    ("map", "slack.toml", "--x", "0:20:400", "--out", "out"),
+    ("maze", "robot-antennas", "three-walls", "--out", "out"),
+    ("robot", "sweep", "robot-forward", "floor.foot_friction=0.3:0.8:400", "--out", "out"),
+]
+if SIZE == "full":
+    LONG += [
         ("yield", "slack.toml", "--samples", "10000000", "--out", "out"),
         ("map", "slack.toml", "--across", "inner.friction=0:0.02:200", "--up",
          "inner.stiffness=20:40:200", "--out", "out"),
-        ("map", "slack.toml", "--x", "0:20:400", "--out", "out"),
         ("design", "0000>0001>0011>0111>1111>1110>1100>1000>0000", "--holes", "1.5",
          "--samples", "10000000"),
-        ("maze", "robot-antennas", "three-walls", "--out", "out"),
-        ("robot", "sweep", "robot-forward", "floor.foot_friction=0.3:0.8:400", "--out", "out"),
-    ],
-    ids=lambda arguments: " ".join(arguments[:2]),
-)  # fmt: skip
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", LONG, ids=lambda arguments: " ".join(arguments[:2]))
 def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
     (tmp_path / "long.toml").write_text(long_chain())
     (tmp_path / "slack.toml").write_text(SLACK)
@@ -123,6 +128,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_path):
     (tmp_path / "swallows.py").write_text(SWALLOWS)
     (tmp_path / "opens.py").write_text(OPENS)
@@ -151,6 +157,7 @@ except KeyboardInterrupt:
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_though_the_compiler_drops_exceptions(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", COMPILES], cwd=tmp_path, capture_output=True, text=True, timeout=60
@@ -173,7 +180,10 @@ def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
     assert process.returncode == 130 and told.startswith("Interrupted"), told
 
 
-@pytest.mark.parametrize("after", [0.05, 0.1, 0.15, 0.25, 0.4, 0.7])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "after", [0.05, 0.15, 0.4] if SIZE == "ci" else [0.05, 0.1, 0.15, 0.25, 0.4, 0.7]
+)
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     (tmp_path / "slack.toml").write_text(SLACK)
     code, told = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
@@ -184,7 +194,9 @@ def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
         assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
 
 
+# In the quick run one is interrupted above, and another one goes on, in tests/cli/test_robot.py.
 @pytest.mark.slow
+@pytest.mark.skipif(SIZE == "ci", reason="forty robots, twice")
 def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     values = "floor.foot_friction=0.3:0.8:40"
     sweep = [
