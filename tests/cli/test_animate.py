@@ -4,6 +4,7 @@ import pytest
 from PIL import Image
 
 
+@pytest.mark.slow
 def test_it_writes_a_gif_of_the_asked_length(stepwell, tmp_path):
     result = stepwell("animate", "forward.toml", "-o", "c.gif", "--seconds", 2, "--fps", 5)
     assert (result.exit_code, result.stdout) == (0, "Wrote c.gif\n")

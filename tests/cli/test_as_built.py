@@ -1,9 +1,12 @@
 """`stepwell lab as-built`."""
 
+import pytest
+
 import stepwell as sw
 from stepwell.design import parameters
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_build_and_the_move(stepwell):
     line = ("lab", "as-built", "preset:paper-forward", "--seen", "00>01>11>10>00", "--samples", 100)
     result = stepwell(*line, "--out", "out")

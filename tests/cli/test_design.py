@@ -15,6 +15,7 @@ BACK = "00>01>11>10>00"
 FEW = ("--samples", 2000)
 
 
+@pytest.mark.slow
 def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     result = stepwell("design", BACK, *FEW, "--out", "out")
     assert result.exit_code == 0
@@ -26,6 +27,7 @@ def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     assert BACK in stepwell("run", "out/design.toml").stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_json_alone_says_everything(stepwell, tmp_path):
     result = stepwell("design", "all:3", *FEW, "--holes", 5, "--out", "out", "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
@@ -126,6 +128,7 @@ def test_the_bands_of_a_design_file_can_be_had_measured_ones_too(tmp_path):
     assert rubber.stiffness * rubber.law.shape[-1] == pytest.approx(1.1)
 
 
+@pytest.mark.slow
 def test_measured_bands_are_placed(stepwell, tmp_path):
     (tmp_path / "rubber.toml").write_text(
         "[chain]\nband = { rest_length_mm = 10, table_mm_N = [[0, 0], [10, 0.3], [40, 1.1]] }\n"
@@ -176,6 +179,7 @@ def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
     assert "largest_gap_N" not in record and record["cells"] is None
 
 
+@pytest.mark.slow
 def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
     found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]

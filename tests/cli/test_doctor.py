@@ -29,6 +29,7 @@ def test_it_says_what_is_here_and_ends_with_0(stepwell):
         assert re.search(rf"^{re.escape(name)} ", result.stdout, re.M), name
 
 
+@pytest.mark.slow
 def test_the_json_says_all_that_the_screen_says(stepwell):
     record = json.loads(stepwell("doctor", "--json").stdout)
     assert violations(record) == []
@@ -111,6 +112,7 @@ def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form
         assert "Packages are missing" in form and "numpy" in form
 
 
+@pytest.mark.slow
 def test_what_is_missing_can_be_reported_without_any_package():
     # What the command imports before it examines anything.
     program = (

@@ -13,6 +13,7 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
+from sizes import SIZE
 from stepwell import files, lab, studies
 from stepwell.accounts import account
 from stepwell.cli import app
@@ -212,6 +213,10 @@ def test_every_name_of_the_json_is_documented():
         assert any(f"`{one}`" in text or f'"{one}"' in text for one in told), name
 
 
+# In the quick run all commands once, on their own page, and two shorter ones.
+SHOWN = ["design-files", "commands", "how-to/bring-your-own-element"]
+if SIZE == "full":
+    SHOWN += ["how-to/first-one", "how-to/many-designs", "atlas"]
 # Pictures of a page that its own commands draw.
 PICTURES = {
     "atlas": {"three/machines.svg": "atlas.svg"},
@@ -233,13 +238,7 @@ def _charted_once(charted):
 
 @pytest.mark.slow
 @pytest.mark.shown
-@pytest.mark.parametrize(
-    "name",
-    [
-        *("design-files", "commands", "how-to/bring-your-own-element", "how-to/first-one"),
-        *("how-to/many-designs", "atlas"),
-    ],
-)
+@pytest.mark.parametrize("name", SHOWN)
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypatch):
     monkeypatch.delenv("COLUMNS")
     # In this process: starting others takes longer than the studies of the pages.
@@ -267,6 +266,7 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypat
         assert (tmp_path / drawn).read_bytes() == (DOCS / "img" / shown).read_bytes(), shown
 
 
+@pytest.mark.slow
 def test_every_design_on_the_page_that_is_not_called_wrong_loads(tmp_path):
     for language, title, body in FENCE.findall(page("design-files")):
         if title:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
+pytestmark = pytest.mark.slow
 
 SWEEP = ("sweep", "cycle", "forward.toml", "--vary", "outer.q.x=0:20:12", "--chunk", "3")
 

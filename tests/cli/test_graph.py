@@ -64,6 +64,7 @@ def test_from_one_state_only_what_can_be_reached_is_there(stepwell):
     assert record["garden_of_eden"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf", ".graphml", ".dot", ".json"])
 def test_the_suffix_says_how_it_is_written(stepwell, tmp_path, suffix):
     file = tmp_path / f"wave{suffix}"

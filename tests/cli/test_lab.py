@@ -40,6 +40,7 @@ def data(tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp_path):
     (data / "broken.txt").write_bytes(b"\x00\x01")
     (data / "film.mp4").write_bytes(b"")
@@ -88,6 +89,7 @@ def test_options_of_the_band_command_reach_the_fit(stepwell, data):
     assert record["rest_length_mm"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -120,6 +122,7 @@ def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell
     assert names == {"compare.json", "curves.csv", "report.html"} | kinds
 
 
+@pytest.mark.slow
 def test_baselines_and_designs_can_be_given(stepwell, data, tmp_path):
     plain = json.loads(stepwell("lab", "compare", "data", "--json").stdout)
     none = json.loads(stepwell("lab", "compare", "data", "--no-baseline", "--json").stdout)
@@ -146,17 +149,18 @@ def test_a_design_can_overrule_the_names(stepwell, data):
 
 @pytest.mark.slow
 def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
-    result = stepwell("lab", "calibrate", "data", "--law", "linear", "--out", "fit")
+    result = stepwell("lab", "calibrate", "data", "--law", "linear", "--out", "fit", "--json")
     assert result.exit_code == 0, result.stderr
     text = (tmp_path / "fit" / "band.toml").read_text("utf-8")
     chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n").chain
     assert chain.levers[0].bands[0].stiffness == pytest.approx(28.5, rel=0.05)
-    record = json.loads(stepwell("lab", "calibrate", "data", "--json").stdout)
+    record = json.loads(result.stdout)
     assert record["schema"] == "stepwell.lab.calibrate/2"
     # Three unit cells, and both cells of a pair.
     assert [one["in_pair"] for one in record["errors"]] == [False] * 3 + [True] * 2
 
 
+@pytest.mark.slow
 def test_a_failure_leaves_no_folder_behind(stepwell, data, tmp_path, monkeypatch):
     from stepwell import figures
 

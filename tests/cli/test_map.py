@@ -4,20 +4,50 @@ import csv
 import json
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 import typer
 import xarray as xr
+from typer.testing import CliRunner
 
 import stepwell as sw
 from cli.folders import written
+from stepwell.cli import app
 from stepwell.cli.motion import cell_of, marks
 from stepwell.cli.ranges import Range, grid
 from stepwell.design import parameter_boundaries, parameter_map
 
 FOUR = [pathway for pathway in sw.Pathway if pathway is not sw.Pathway.OTHER]
 SMALL = ("--x", "0:20:41", "--y", "-15:15:41")
+TWO = ("--across", "outer.q.x=0:20:11", "--up", "inner.stiffness=20:40:9")
+NAMES = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv", "report.html"}
+
+
+class Made(NamedTuple):
+    """A map in a folder, and what the screen said."""
+
+    folder: Path
+    record: dict[str, Any]
+
+
+def made(folder: Path, *axes: str) -> Made:
+    words = ["map", "preset:paper-forward", *axes, "--out", str(folder), "--json"]
+    return Made(
+        folder, json.loads(CliRunner().invoke(app, words).stdout, parse_constant=pytest.fail)
+    )
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> Made:
+    return made(tmp_path_factory.mktemp("small") / "out", *SMALL)
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory) -> Made:
+    return made(tmp_path_factory.mktemp("two") / "out", *TWO)
 
 
 def test_the_papers_map_has_the_papers_areas(stepwell):
@@ -31,6 +61,7 @@ def test_the_papers_map_has_the_papers_areas(stepwell):
     assert by_sequence == found
 
 
+@pytest.mark.slow
 def test_the_same_shares_are_printed(stepwell):
     record = json.loads(stepwell("map", "forward.toml", *SMALL, "--json").stdout)
     text = stepwell("map", "forward.toml", *SMALL).stdout
@@ -42,20 +73,20 @@ def test_the_same_shares_are_printed(stepwell):
     assert f"{100 * record['monostable_fraction']:.1f} %" in text
 
 
-def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
-    result = stepwell("map", "forward.toml", *SMALL, "--out", "out", "--json")
-    record = json.loads(result.stdout)
-    out = tmp_path / "out"
-    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv", "report.html"}
-    assert written(out) == names
-    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
-    assert record == json.loads((out / "map.json").read_text())
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["small", "two"])
+def test_the_folder_holds_picture_data_and_boundaries(which, request):
+    out, record = request.getfixturevalue(which)
+    assert written(out) == NAMES
+    assert {*map(Path, record["files"])} == {out / name for name in NAMES}
+    kept = json.loads((out / "map.json").read_text())
+    assert kept == {name: value for name, value in record.items() if name != "files"}
     assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_netcdf_reads_back_as_the_map(stepwell, tmp_path):
-    stepwell("map", "forward.toml", *SMALL, "--out", "out")
-    again = xr.load_dataset(tmp_path / "out" / "map.nc")
+@pytest.mark.slow
+def test_the_netcdf_reads_back_as_the_map(small):
+    again = xr.load_dataset(small.folder / "map.nc")
     xs, ys = np.linspace(0, 0.02, 41), np.linspace(-0.015, 0.015, 41)
     expected = sw.transition_map(sw.preset("paper-forward"), 1, x=xs, y=ys)
     assert again.equals(expected)
@@ -63,10 +94,10 @@ def test_the_netcdf_reads_back_as_the_map(stepwell, tmp_path):
     assert again.attrs.keys() == expected.attrs.keys()
 
 
-def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell, tmp_path):
-    stepwell("map", "forward.toml", *SMALL, "--out", "out")
+@pytest.mark.slow
+def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(small):
     inner, outer = sw.preset("paper-forward").cells
-    with open(tmp_path / "out" / "boundaries.csv", newline="") as file:
+    with open(small.folder / "boundaries.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["kind"].endswith("_order")]
     assert {row["kind"] for row in rows} == {"loading_order", "unloading_order"}
     assert len(rows) > 100
@@ -114,15 +145,9 @@ def test_wrong_options_end_in_code_2_with_what_is_allowed(stepwell, arguments, m
     assert message in result.output
 
 
-def test_any_two_parameters_span_a_map(stepwell, tmp_path):
-    axes = ("--across", "outer.q.x=0:20:11", "--up", "inner.stiffness=20:40:9")
-    result = stepwell("map", "forward.toml", *axes, "--out", "out", "--json")
-    record = json.loads(result.stdout, parse_constant=pytest.fail)
-    out = tmp_path / "out"
-    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv", "report.html"}
-    assert written(out) == names
-    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
-    assert record == json.loads((out / "map.json").read_text())
+@pytest.mark.slow
+def test_any_two_parameters_span_a_map(two):
+    out, record = two
     assert record["schema"] == "stepwell.map/3"
     assert record["across"] == {
         "parameter": "outer.q.x",
@@ -140,11 +165,10 @@ def test_any_two_parameters_span_a_map(stepwell, tmp_path):
     assert again.equals(parameter_map(chain, ("outer.q.x", xs), ("inner.stiffness", ys)))
 
 
-def test_the_boundary_of_two_parameters_is_where_forces_are_equal(stepwell, tmp_path):
-    axes = ("--across", "outer.q.x=0:20:5", "--up", "inner.stiffness=20:40:5")
-    stepwell("map", "forward.toml", *axes, "--out", "out")
+@pytest.mark.slow
+def test_the_boundary_of_two_parameters_is_where_forces_are_equal(two):
     inner, outer = sw.preset("paper-forward").cells
-    with open(tmp_path / "out" / "boundaries.csv", newline="") as file:
+    with open(two.folder / "boundaries.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["kind"] != "bistable"]
     assert len(rows) > 20
     for row in rows:
@@ -199,6 +223,7 @@ def test_two_parameters_have_to_go_together(stepwell, across, options, message):
     assert message in result.output
 
 
+@pytest.mark.slow
 def test_a_chain_of_any_length_has_a_map_over_an_anchor(stepwell):
     axes = ("--x", "0:20:5", "--y", "-15:15:5", "--cell", "2")
     record = json.loads(stepwell("map", "preset:three-wave", *axes, "--json").stdout)

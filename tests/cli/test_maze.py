@@ -32,10 +32,10 @@ def test_a_contact_is_reported_with_the_leg_that_it_reprograms(stepwell, tmp_pat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("option", ["--disconnect", "--no-antennas"])
-def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option):
+@pytest.mark.parametrize(("option", "limit"), [("--disconnect", 36), ("--no-antennas", 60)])
+def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option, limit):
     result = stepwell(
-        "maze", "robot-explorer", "cylinder", "--limit", 60, option, "--json",
+        "maze", "robot-explorer", "cylinder", "--limit", limit, option, "--json",
         "--out", "out", "--no-video",
     )  # fmt: skip
     record = json.loads(result.stdout)
@@ -47,6 +47,7 @@ def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option):
     assert [one.connected for one in written.antennas] == [False] * len(record["antennas"])
 
 
+@pytest.mark.slow
 def test_seeds_move_start_and_walls_and_nothing_else_does(stepwell):
     def ended(*options):
         result = stepwell("maze", "robot-forward", "three-walls", "--limit", 1, "--json", *options)
@@ -63,6 +64,7 @@ def test_seeds_move_start_and_walls_and_nothing_else_does(stepwell):
     assert walls["start_mm"] == plain["start_mm"]
 
 
+@pytest.mark.slow
 def test_an_arena_of_the_users_own_is_drawn_or_written(stepwell, tmp_path):
     (tmp_path / "yard.txt").write_text("cell 100 mm\n######\n#....#\n#>..G#\n#....#\n######\n")
     record = json.loads(

@@ -46,6 +46,7 @@ def test_json_holds_every_claim_as_text(stepwell, verdicts):
     assert record["files"] == []
 
 
+@pytest.mark.slow
 def test_figures_go_into_the_folder_and_the_command_says_where(
     stepwell, tmp_path, monkeypatch, verdicts
 ):
@@ -61,6 +62,7 @@ def test_figures_go_into_the_folder_and_the_command_says_where(
     assert kept["claims"] == shown["claims"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("failure", "code"), [(KeyboardInterrupt, 130), (OSError, 1)])
 def test_a_failure_leaves_no_figure_behind(
     stepwell, tmp_path, monkeypatch, verdicts, failure, code

@@ -44,6 +44,7 @@ def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
     assert record["arrives"] is record["turning_points_mm"] is None
 
 
+@pytest.mark.slow
 def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(stepwell, tmp_path):
     result = stepwell("program", "forward.toml", "--target", "01", "--out", "out", "--json")
     record = json.loads(result.stdout)
@@ -60,6 +61,7 @@ def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(step
     assert files.loads(text).chain == sw.load("forward.toml")
 
 
+@pytest.mark.slow
 def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
     stepwell("program", "preset:three-wave", "--target", "001", "--out", "out")
     result = stepwell("program", "out/design.toml", "--json", "--out", "again")

@@ -86,10 +86,10 @@ def test_draws_come_from_their_seed(stepwell):
         )  # fmt: skip
         return json.loads(result.stdout)["trials"]
 
-    three = drawn(3, 5)
-    assert drawn(4, 5)[:3] == three
-    assert drawn(3, 6) != three
-    assert all(0 <= trial["values"][0] <= 0.5 for trial in three)
+    two = drawn(2, 5)
+    assert drawn(3, 5)[:2] == two
+    assert drawn(1, 6) != two[:1]
+    assert all(0 <= trial["values"][0] <= 0.5 for trial in two)
 
 
 @pytest.mark.slow
@@ -157,6 +157,7 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
     assert (model.tendon_rgba[:, 3] > 0).any()
 
 
+@pytest.mark.slow
 def test_the_viewers_command_is_the_one_that_walks(stepwell):
     robot = files.load("preset:robot-forward").robot
     settings = Settings()

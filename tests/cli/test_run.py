@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from cli.folders import written
+from sizes import SIZE
 from stepwell import reports
 from stepwell.accounts import About, Account, account, terminal
 from stepwell.design import Run
@@ -18,6 +19,9 @@ FILES = {
     *(f"{name}.{kind}" for name in ("force-stroke", "travel-stroke", "landscape", "mechanism",
       "margins", "around", "yield") for kind in ("png", "svg")),
 }  # fmt: skip
+
+# Of chains of up to twelve cells.
+DRAWINGS = {"landscape", "mechanism", "around", "yield"}
 
 
 def _screen(found: Account) -> str:
@@ -59,12 +63,16 @@ def test_the_output_of_a_pipe_is_plain(stepwell):
     assert all(line == line.rstrip() for line in text.split("\n"))
 
 
+@pytest.mark.slow
 def test_the_folder_holds_figures_data_report_and_the_design(stepwell, tmp_path):
-    result = stepwell("run", "forward.toml", "--out", "deep/out")
+    # What the screen says of them stands on the page of the commands.
+    result = stepwell("run", "forward.toml", "--json", "--out", "deep/out")
     out = tmp_path / "deep" / "out"
     assert result.exit_code == 0
     assert written(out) == FILES
-    assert all(name in result.stdout.splitlines()[-1] for name in FILES)
+    screen = json.loads(result.stdout)
+    assert {tmp_path / name for name in screen.pop("files")} == {out / name for name in FILES}
+    assert screen == json.loads((out / "result.json").read_text())
     assert {file.name for file in tmp_path.iterdir()} == {"forward.toml", "deep"}
     assert [file.name for file in (tmp_path / "deep").iterdir()] == ["out"]
 
@@ -79,16 +87,6 @@ def test_the_folder_holds_figures_data_report_and_the_design(stepwell, tmp_path)
     assert [float(row["force_N"]) for row in rows] == pytest.approx(path.force, rel=1e-11)
 
 
-@pytest.mark.slow
-def test_the_json_in_the_folder_is_the_json_of_the_screen(stepwell, tmp_path):
-    screen = json.loads(stepwell("run", "forward.toml", "--json", "--out", "out").stdout)
-    written = json.loads((tmp_path / "out" / "result.json").read_text())
-    assert {tmp_path / name for name in screen.pop("files")} == {
-        tmp_path / "out" / name for name in FILES
-    }
-    assert screen == written
-
-
 def test_a_preset_is_a_design(stepwell):
     assert stepwell("run", "preset:paper-forward").stdout == stepwell("run", "forward.toml").stdout
 
@@ -98,12 +96,13 @@ def chain_file(cells: int) -> str:
     return "[chain]\n" + "".join(f"[[chain.cell]]\n{text}" for text in anchors)
 
 
+# In the quick run a chain of 61 misses that figure, and another one.
 @pytest.mark.slow
+@pytest.mark.skipif(SIZE == "ci", reason="a chain of 61 is written")
 def test_a_chain_too_long_to_draw_misses_that_figure_alone(stepwell, tmp_path):
     (tmp_path / "long.toml").write_text(chain_file(13))
     assert stepwell("run", "long.toml", "--out", "out").exit_code == 0
-    drawings = {"landscape", "mechanism", "around", "yield"}
-    expected = {name for name in FILES if name.partition(".")[0] not in drawings}
+    expected = {name for name in FILES if name.partition(".")[0] not in DRAWINGS}
     assert written(tmp_path / "out") == expected
 
 
@@ -158,20 +157,16 @@ def test_a_tie_is_no_error(stepwell):
 
 
 @pytest.mark.slow
-def test_results_from_python_are_written_with_a_design_file_made_for_them(tmp_path):
-    chain, seen = sw.preset("paper-via-10"), []
+def test_results_from_python_are_written_with_a_design_file_and_without_lanes_of_too_many_cells(
+    tmp_path,
+):
+    cell = sw.preset("paper-cell-10-0").cells[0]
+    chain = sw.Chain([cell.with_anchors(q=(0.01 + 1e-4 * k, 0.0)) for k in range(61)])
+    seen = []
     names = reports.write(
         Run.of(chain), tmp_path / "out", progress=lambda done, total: seen.append((done, total))
     )
-    assert set(names) == FILES
+    assert {name.partition(".")[0] for name in FILES - set(names)} == DRAWINGS | {"travel-stroke"}
+    assert set(names) <= FILES
     assert sw.load(tmp_path / "out" / "design.toml") == chain
-    assert seen == [(done, len(FILES)) for done in range(1, len(FILES) + 1)]
-
-
-@pytest.mark.slow
-def test_a_chain_too_long_for_lanes_is_written_without_them(tmp_path):
-    cell = sw.preset("paper-cell-10-0").cells[0]
-    chain = sw.Chain([cell.with_anchors(q=(0.01 + 1e-4 * k, 0.0)) for k in range(61)])
-    names = reports.write(Run.of(chain), tmp_path / "out")
-    assert "force-stroke.svg" in names
-    assert not any(name.startswith("travel-stroke") for name in names)
+    assert seen == [(done, len(names)) for done in range(1, len(names) + 1)]

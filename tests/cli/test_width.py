@@ -6,14 +6,16 @@ import sys
 
 import pytest
 
+from sizes import SIZE
 from stepwell.accounts.rendering import terminal as fold
 from stepwell.cli import screen
 
 # Narrower and wider terminals, and what the pages and a pipe have; that no screen of a golden case
 # is wider than 80 letters, those cases hold (tests/golden).
-WIDTHS = (40, 60, 72, 80, 100)
+WIDTHS = (40, 60, 72, 80, 100) if SIZE == "full" else (40, 72, 100)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
@@ -37,6 +39,7 @@ def test_a_screen_fits_the_terminal_and_tells_the_same_numbers(stepwell, monkeyp
     assert all(found == numbers[0] for found in numbers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_a_table_of_any_shape_fits_and_keeps_every_word(monkeypatch, width):
     monkeypatch.setenv("COLUMNS", str(width))

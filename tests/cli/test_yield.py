@@ -75,9 +75,8 @@ def test_sensitivities_of_a_band_with_a_table_come_with_how_well_they_tell(stepw
         .replace("stiffness_N_per_m = 28.5", "table_mm_N = [[0, 0], [10, 0.285], [40, 1.14]]")
     )
     (tmp_path / "table.toml").write_text(text)
-    options = "table.toml", "--sensitivity", "--samples", 20
-    assert json.loads(stepwell("yield", *options, "--json").stdout)["gap_agreement"] == 1.0
-    assert "in 100 % of the samples" in " ".join(stepwell("yield", *options).stdout.split())
+    shown = stepwell("yield", "table.toml", "--sensitivity", "--samples", 10).stdout
+    assert "in 100 % of the samples" in " ".join(shown.split())
 
 
 def test_sensitivities_are_sorted_and_never_below_zero(stepwell):
@@ -93,6 +92,7 @@ def test_sensitivities_are_sorted_and_never_below_zero(stepwell):
     assert min(float(cell) for row in rows for cell in row[1:]) >= 0
 
 
+@pytest.mark.slow
 def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
     result = stepwell("yield", "forward.toml", *ROUGH, "--out", "out", "--json")
     record = json.loads(result.stdout)
@@ -108,6 +108,7 @@ def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
     assert sum(int(row["count"]) for row in rows) == 20_000
 
 
+@pytest.mark.slow
 def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tmp_path):
     options = ("--program", "--anchor", 3, "--samples", 30, "--json", "--out", "out")
     record = json.loads(stepwell("yield", "preset:finger-selector", *options).stdout)

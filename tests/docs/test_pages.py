@@ -19,6 +19,7 @@ from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
 from docs.what_decides import PAGE, PICTURES, commands, drawn, records, written
+from sizes import SIZE
 
 PAGES = [
     *("README.md", "docs/index.md", "docs/tutorial.md", "docs/gallery.md"),
@@ -40,17 +41,16 @@ def read(page: str) -> str:
 # What draws the pictures of the README and of the pages.
 DRAWN = ("00_figures_of_the_pages", "00_pictures_of_the_front_page")
 
-# The README's, and one of every kind, in the quick run.
-QUICK = ("README.md", "docs/index.md", "docs/theory.md", "docs/how-to/read-a-result.md")
+# In the quick run the tutorial walks a robot, plays a program and draws as these do.
+FULL = ("docs/gallery.md", "docs/how-to/robots.md", "docs/how-to/stroke-programs.md")
+RUN = [page for page in (*PAGES, *HOW_TO) if SIZE == "full" or page not in FULL]
+# Those that are not slow.
+QUICK = ("README.md", "docs/index.md", "docs/how-to/read-a-result.md")
 
 
 @pytest.mark.shown
 @pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, marks=[pytest.mark.slow] * (page not in QUICK))
-        for page in (*PAGES, *HOW_TO)
-    ],
+    "page", [pytest.param(page, marks=[pytest.mark.slow] * (page not in QUICK)) for page in RUN]
 )
 def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -157,6 +157,7 @@ def test_the_four_pictures_of_the_readme_are_of_one_size():
     assert sizes == {(640, 400)}
 
 
+@pytest.mark.slow
 def test_the_moving_picture_repeats_and_is_small_enough_to_be_waited_for():
     file = ROOT / "docs" / "img" / "stepwell.gif"
     with Image.open(file) as movie:
@@ -239,6 +240,7 @@ def difference(one: Path, other: Path) -> float:
     return float(np.mean(np.abs(seen[0] - seen[1])))
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     """A record has the identity of the study that the command on the page begins."""
@@ -265,6 +267,7 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
         assert drawn(name) == file.read_text("utf-8"), name
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_path, monkeypatch):
     """The page's commands begin the studies of the records, and hand on the best of each."""

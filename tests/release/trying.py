@@ -13,7 +13,10 @@ import time
 import urllib.request
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
+
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).resolve().parents[2]
 # What pip and venv bring is no part of what Stepwell asks for.
@@ -109,6 +112,29 @@ class Fresh:
         if told.returncode:
             raise CannotInstall(told.stderr.strip().splitlines()[-1])
 
+    def link(self, what: str) -> None:
+        """Install a wheel; link what it needs, by what it says itself, from this environment.
+
+        In a fraction of the time, and in the versions of the lock, which are those here.
+
+        Args:
+            what: the wheel's file, with extras in brackets where they are wanted.
+        """
+        name, end, extras = what.partition(".whl")
+        target = Path(self.run("-c", _PACKAGES).strip())
+        if not (target / "stepwell").exists():
+            pip = [sys.executable, "-m", "pip", "--python", str(self.python), "install", "--quiet"]
+            own = ["--disable-pip-version-check", "--no-index", "--no-deps", "--no-compile"]
+            words = [*pip, *own, name + end]
+            subprocess.run(words, check=True, env=self.environment, cwd=self.folder)
+        (asking,) = metadata.distributions(name="stepwell", path=[str(target)])
+        for needed in _needed(asking, tuple(extras.strip("[]").split(","))):
+            # Commands lie outside of the folder of packages, and are left out.
+            for top in {file.parts[0] for file in needed.files or ()} - {"..", "__pycache__"}:
+                source, link = Path(str(needed.locate_file(top))), target / top
+                if source.exists() and not link.exists():
+                    link.symlink_to(source)
+
     def run(self, *words: str, code: int = 0) -> str:
         """What a command prints on both streams; it must end with this code."""
         told = subprocess.run(
@@ -140,16 +166,49 @@ class Fresh:
 
     def sizes(self) -> dict[str, float]:
         """What each package takes on the disk [MB], the largest first, compiled files included."""
-        where = "import sysconfig; print(sysconfig.get_path('purelib'))"
-        packages = Path(self.run("-c", where).strip())
+        packages = Path(self.run("-c", _PACKAGES).strip())
         found: dict[str, int] = {}
-        for file in packages.rglob("*"):
-            name = file.relative_to(packages).parts[0]
-            if file.is_file() and not name.startswith(NOT_OURS):
+        # With what is linked, whose compiled files are not counted.
+        for folder, _, names in os.walk(packages, followlinks=True):
+            for file in (Path(folder, name) for name in names):
+                name = file.relative_to(packages).parts[0]
+                if name.startswith(NOT_OURS) or _is_linked_bytecode(packages / name, file):
+                    continue
                 # numpy.libs is NumPy's, and so is numpy-2.4.dist-info.
                 own = re.split(r"[.-]", name)[0].lower()
                 found[own] = found.get(own, 0) + file.stat().st_size
         return {name: found[name] / 1e6 for name in sorted(found, key=lambda one: -found[one])}
+
+
+# Prints where packages of an environment lie.
+_PACKAGES = "import sysconfig; print(sysconfig.get_path('purelib'))"
+
+
+def _needed(asking: metadata.Distribution, extras: tuple[str, ...]) -> list[metadata.Distribution]:
+    """All that a distribution asks for with some of its extras, as it is here, and so on."""
+    found: dict[str, metadata.Distribution] = {}
+    seen: set[tuple[str, tuple[str, ...]]] = set()
+    left = [(asking, extras)]
+    while left:
+        one, wanted = left.pop()
+        if (one.name, wanted) in seen:
+            continue
+        seen.add((one.name, wanted))
+        for text in one.requires or ():
+            need = Requirement(text)
+            if need.marker and not any(need.marker.evaluate({"extra": name}) for name in wanted):
+                continue
+            # An extra of ours may ask for others of ours, of the wheel and not of this checkout.
+            there = asking if need.name == asking.name else metadata.distribution(need.name)
+            assert need.specifier.contains(there.version, prereleases=True), (text, there.version)
+            left.append((there, tuple(sorted(need.extras)) or ("",)))
+            if there is not asking:
+                found[there.name] = there
+    return list(found.values())
+
+
+def _is_linked_bytecode(package: Path, file: Path) -> bool:
+    return package.is_symlink() and file.suffix == ".pyc"
 
 
 def _of_tests(name: str) -> bool:
