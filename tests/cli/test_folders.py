@@ -80,8 +80,9 @@ def test_the_same_command_replaces_its_own_and_another_one_does_not(stepwell, tm
 def test_a_folder_may_hold_the_design_that_is_run(stepwell, tmp_path):
     before = (tmp_path / "forward.toml").read_bytes()
     (tmp_path / "design.toml").write_bytes(before)
-    assert stepwell("robot", "show", "robot-forward", "--out", "robot").exit_code == 0
-    assert stepwell("robot", "show", "robot/robot.toml", "--out", "robot").exit_code == 0
+    plan = ("--target", "01", "--out", "plan")
+    assert stepwell("program", "forward.toml", *plan).exit_code == 0
+    assert stepwell("program", "plan/design.toml", *plan).exit_code == 0
     result = stepwell("program", "design.toml", "--target", "01", "--out", ".")
     assert result.exit_code == 2
     assert "design.toml" in result.stderr

@@ -1,9 +1,14 @@
 """A store that lacks designs is told from a whole one by every command, and by its exit code."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from stepwell.cli import app
+from stepwell.files import preset_text
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
 pytestmark = pytest.mark.slow
@@ -11,10 +16,22 @@ pytestmark = pytest.mark.slow
 SWEEP = ("sweep", "cycle", "forward.toml", "--vary", "outer.q.x=0:20:12", "--chunk", "3")
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A study of 4 chunks."""
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        Path("forward.toml").write_text(preset_text("paper-forward"), "utf-8")
+        words = [*SWEEP, "--workers", "0", "--out", "study.zarr"]
+        assert CliRunner().invoke(app, words).exit_code == 0
+    return folder / "study.zarr"
+
+
 @pytest.fixture
-def damaged(stepwell):
-    """`stepwell`, in a folder with a study of 4 chunks: the second is damaged, the last is gone."""
-    assert stepwell(*SWEEP, "--workers", "0", "--out", "study.zarr").exit_code == 0
+def damaged(stepwell, whole):
+    """`stepwell`, in a folder with the study: its second chunk is damaged, the last is gone."""
+    shutil.copytree(whole, "study.zarr")
     file = Path("study.zarr/snaps/c/1")
     spoilt = bytearray(file.read_bytes())
     spoilt[len(spoilt) // 2] ^= 4

@@ -124,6 +124,7 @@ RUNS = """
 import sys
 from stepwell.cli import main
 sys.argv = ["stepwell", "run", "long.toml"]
+print("begins", flush=True)
 main()
 """
 
@@ -171,10 +172,12 @@ def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
     (tmp_path / "long.toml").write_text(long_chain())
     (tmp_path / "runs.py").write_text(RUNS)
     process = subprocess.Popen(
-        [sys.executable, "-c", "import runs"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
-    )
+        [sys.executable, "-c", "import runs"], cwd=tmp_path, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout is not None and process.stdout.readline() == "begins\n"
     with pytest.raises(subprocess.TimeoutExpired):
-        process.wait(2.5)
+        process.wait(1.5)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=30)
     assert process.returncode == 130 and told.startswith("Interrupted"), told

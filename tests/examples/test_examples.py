@@ -59,7 +59,9 @@ LONG = "10_antennas_in_the_three_wall_arena"
 def test_the_example_comes_to_its_number(name, capsys, monkeypatch):
     part = name == LONG and SIZE == "ci"
     if part:
-        monkeypatch.setattr(Robot, "maze", lambda robot, arena, limit=0: maze(robot, arena, 40.0))
+        monkeypatch.setattr(
+            Robot, "maze", lambda robot, arena, limit=0: maze(robot, arena, limit=40)
+        )
     found = runpy.run_path(str(EXAMPLES / f"{name}.py"))
     key, number, near = NUMBERS[name]
     assert part or found[key] == (number if near is None else pytest.approx(number, abs=near))

@@ -334,9 +334,11 @@ def studio(env: Fresh) -> None:
 def everything(env: Fresh) -> None:
     """A map and a walk in folders of their own."""
     places = "--x", "0:20:20", "--y", "-15:15:20"
-    env.stepwell("map", "preset:paper-forward", *places, "--out", "map")
+    env.each(
+        ("map", "preset:paper-forward", *places, "--out", "map"),
+        ("walk", "robot-forward", "--cycles", "1", "--no-video", "--out", "walk"),
+    )
     assert (env.folder / "map" / "map.nc").is_file()
-    env.stepwell("walk", "robot-forward", "--cycles", "1", "--no-video", "--out", "walk")
     assert (env.folder / "walk" / "walk.nc").is_file()
 
 
