@@ -10,8 +10,9 @@ import sys
 
 import pytest
 
-from claims import CLAIMS, ROOT, assert_committed, same
+from claims import CLAIMS, ROOT, assert_committed, committed, same
 from facts import refuses
+from sizes import SIZE
 from stepwell import paper
 from stepwell.accounts import account
 from stepwell.paper import Judgement, Verdicts, measured as _measured, steering
@@ -27,10 +28,19 @@ PAGES = [
 ]
 
 
+# A third of a minute: chains that go back the way they came, as long as those that are brought to
+# every state; what an antenna does with other numbers of bands.
+LONG = ("more-cells-sequenced", "antennas-paper-numbers")
+
+
 @pytest.fixture(scope="module")
 def computed() -> dict[str, paper.ClaimVerdict]:
-    """Every claim judged anew: half a minute, so this file's tests of it are the only ones."""
-    return {verdict.claim.id: verdict for verdict in paper.run()}
+    """Every claim judged anew, in the quick size but those for which another of its kind stands."""
+    known = {verdict.claim.id: verdict for verdict in committed()}
+    return {
+        claim.id: known[claim.id] if SIZE == "ci" and claim.id in LONG else claim.judge()
+        for claim in paper.claims()
+    }
 
 
 def test_the_comparison_sees_a_changed_number_and_a_changed_word():
