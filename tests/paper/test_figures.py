@@ -1,6 +1,9 @@
 """The paper's figures come from the model, whole or not at all, and can be read."""
 
+from functools import cache, partial
+
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from cli.folders import written
@@ -12,10 +15,16 @@ from stepwell.reports import paper as figures
 DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 
 
+@cache
+def drawn(name: str) -> Figure:
+    """A figure of the paper, which nothing changes."""
+    return DRAWN[name]()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
-    figure = DRAWN[name]()
+    figure = drawn(name)
     assert [each for part in figure.subfigs or [figure] for each in untidy(part)] == []
 
 
@@ -26,32 +35,35 @@ def test_every_page_of_the_paper_is_there():
         "fig1", "fig2", "fig2c", "fig3", "fig4"
     ]  # fmt: skip
     for name in figures.FIGURES:
-        wide, high = figures.FIGURES[name]().get_size_inches() * 25.4
+        wide, high = drawn(name).get_size_inches() * 25.4
         assert wide <= 180.1
         assert high <= 247.0
 
 
+@pytest.mark.slow
 def test_six_cells_are_told_apart_by_their_anchors():
-    for part in figures.unit_cells().subfigs:
+    for part in drawn("fig1").subfigs:
         anchors = [text for text in says(part) if "mm" in text]
         assert len(set(anchors)) == len(anchors) == 6
 
 
+@pytest.mark.slow
 def test_a_figure_is_asked_for_by_its_name():
     assert reports.figure_of("fig1").subfigs
     with refuses(ValueError, "'fig2d'", "no such figure", "fig2?"):
         reports.figure_of("fig2d")
 
 
+@pytest.mark.slow
 def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
-    written = says(figures.map_())
+    written = says(drawn("fig2c"))
     assert {"clockwise", "counterclockwise", "via 01", "via 10"} <= set(written)
     assert {"(20, 0)", "(0, 0)", "(10, \N{MINUS SIGN}15)", "(10, 15)"} <= set(written)
 
 
 @pytest.mark.slow
 def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch, known_verdicts):
-    chosen = {"fig1": figures.unit_cells, "fig2c": figures.map_}
+    chosen = {name: partial(drawn, name) for name in ("fig1", "fig2c")}
     monkeypatch.setattr(figures, "FIGURES", chosen)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     told = []
@@ -68,11 +80,12 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
     assert len(told) == 2 * len(chosen) + 2
 
 
+@pytest.mark.slow
 def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatch, known_verdicts):
     def fails():
         raise RuntimeError("no ink")
 
-    monkeypatch.setattr(figures, "FIGURES", {"fig1": figures.unit_cells, "broken": fails})
+    monkeypatch.setattr(figures, "FIGURES", {"fig2c": partial(drawn, "fig2c"), "broken": fails})
     out = tmp_path / "out"
     out.mkdir()
     (out / "claims.json").write_text("old")
