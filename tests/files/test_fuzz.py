@@ -151,11 +151,13 @@ def test_any_text_ends_in_a_clean_message(text):
         loads(text)
 
 
+@pytest.mark.slow
 @given(documents())
 def test_any_toml_with_our_keys_ends_in_a_chain_or_a_clean_message(text):
     check(text)
 
 
+@pytest.mark.slow
 @given(chains_of_elements())
 def test_any_toml_with_elements_ends_in_a_chain_or_a_clean_message(text):
     check(text)
@@ -229,14 +231,14 @@ def check_arena(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(120, full=6000))
+@settings(max_examples=examples(50, full=6000))
 @given(wrong_robots)
 def test_thousands_of_wrong_robots_end_in_a_design_or_a_clean_message(text):
     check(text)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(200, full=10_000))
+@settings(max_examples=examples(70, full=10_000))
 @given(documents() | wrong_chains | chains_of_elements())
 def test_thousands_of_wrong_files_end_in_a_chain_or_a_clean_message(text):
     check(text)

@@ -164,6 +164,7 @@ def test_only_a_chain_is_written_with_a_program():
         dumps(preset("robot-forward"), program=WrittenProgram("00", (0.0,)))
 
 
+@pytest.mark.slow
 @given(st.sampled_from(CHAINS).map(preset), st.lists(st.floats(-1, 1), max_size=5), st.data())
 def test_any_program_reads_back_to_the_last_bit(chain, points, data):
     state = st.text("01", min_size=len(chain), max_size=len(chain))
