@@ -68,55 +68,69 @@ def nodes_of(file: Path) -> list[ast.AST]:
     return [*ast.walk(tree_of(file))]
 
 
-def loaded_by(code: str) -> set[str]:
-    """Heavy packages in memory after a fresh interpreter has run the code."""
-    script = f"import sys\n{code}\nprint(*{{m.partition('.')[0] for m in sys.modules}})"
-    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    return HEAVY & set(result.stdout.splitlines()[-1].split())
-
-
-def test_importing_stepwell_costs_numpy_and_no_more():
-    assert loaded_by("import stepwell") == set()
-
-
-def test_asking_the_command_for_help_opens_no_numerical_library():
-    code = """
-sys.argv = ["stepwell", "--help"]
-from stepwell.cli import main
-try:
-    main()
-except SystemExit as end:
-    assert not end.code, end.code
-"""
-    assert loaded_by(code) - {"pydantic"} == set()
-
-
-def test_a_run_of_a_chain_opens_what_it_needs_and_no_more(tmp_path):
-    code = f"""
-import os
-os.chdir({str(tmp_path)!r})
-sys.argv = ["stepwell", "run", "preset:paper-forward"]
-from stepwell.cli import main
-try:
-    main()
-except SystemExit as end:
-    assert not end.code, end.code
-rooms = "lab", "reports", "robot", "simulation", "studies", "studio"
-others = "design.maps", "design.synthesis", "files.schema.robot", "sequences.transition_graph"
-opened = [name for name in (*rooms, *others) if f"stepwell.{{name}}" in sys.modules]
-assert opened == [], opened
-"""
-    assert loaded_by(code) - {"pydantic"} == set()
-
-
-def test_a_graph_and_its_reading_open_no_networkx():
-    code = """
-import stepwell as sw
+# Each is run after what comes before it, which opens less.
+STEPS = {
+    "import": "import stepwell",
+    "help": "command('--help')",
+    "run": "command('run', 'preset:paper-forward')",
+    "graph": """
 for drive in ("stroke", "force"):
-    print(sw.preset("three-wave").graph(drive).reading)
+    print(stepwell.preset("three-wave").graph(drive).reading)
+""",
+}
+RUN = """
+import sys
+
+def command(*words):
+    from stepwell.cli import main
+    sys.argv = ["stepwell", *words]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, end.code
+
+for name, step in {steps!r}.items():
+    exec(step)
+    print("<opened>", name, *sys.modules)
 """
-    assert loaded_by(code) <= {"pydantic", "scipy"}
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory) -> dict[str, set[str]]:
+    """Modules in memory after each step of a fresh interpreter."""
+    done = subprocess.run(
+        [sys.executable, "-c", RUN.format(steps=STEPS)],
+        cwd=tmp_path_factory.mktemp("fresh"),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    lines = [line.split() for line in done.stdout.splitlines() if line.startswith("<opened>")]
+    return {name: set(modules) for _, name, *modules in lines}
+
+
+def heavy(modules: set[str]) -> set[str]:
+    return HEAVY & {name.partition(".")[0] for name in modules}
+
+
+def test_importing_stepwell_costs_numpy_and_no_more(opened):
+    assert heavy(opened["import"]) == set()
+
+
+def test_asking_the_command_for_help_opens_no_numerical_library(opened):
+    assert heavy(opened["help"]) <= {"pydantic"}
+
+
+def test_a_run_of_a_chain_opens_what_it_needs_and_no_more(opened):
+    assert heavy(opened["run"]) <= {"pydantic"}
+    rooms = "lab", "reports", "robot", "simulation", "studies", "studio"
+    others = "design.maps", "design.synthesis", "files.schema.robot", "sequences.transition_graph"
+    assert opened["run"] & {f"stepwell.{name}" for name in (*rooms, *others)} == set()
+
+
+def test_a_graph_and_its_reading_open_no_networkx(opened):
+    assert heavy(opened["graph"]) <= {"pydantic", "scipy"}
+    assert "networkx" not in opened["graph"]
 
 
 def test_every_public_name_can_be_had_from_the_root():
