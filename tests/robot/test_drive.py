@@ -1,6 +1,7 @@
 """A drive that gives: how far it takes the legs, what it needs for a gait, what becomes of it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from facts import says
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
-from stepwell.robot.prediction import drive_needs, predicted_gaits, too_soft
+from stepwell.robot.prediction import DriveNeeds, drive_needs, predicted_gaits, too_soft
 from stepwell.robot.rounds import rounds
 from stepwell.robot.stance import Spring, largest
 
@@ -20,6 +21,12 @@ BARE = {"floor": Floor(gravity=0.0), "blocks": Blocks(damping=1e-9)}
 
 def driven(stiffness: float, left: float = 0.020, right: float | None = None, **more) -> Robot:
     return robot(left, right, drive=Drive(stiffness=stiffness), **more)
+
+
+@cache
+def needed() -> DriveNeeds:
+    """What the paper's robot needs of its drive."""
+    return drive_needs(robot())
 
 
 def strokes(one: Robot) -> tuple[float, float]:
@@ -33,10 +40,11 @@ def engine(chain: sw.Chain) -> tuple[float, float]:
     return float(out.sum()), float(back.sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_alike_legs_go_as_far_as_one_leg_behind_half_of_the_spring(seed):
     rng = np.random.default_rng(seed)
-    for _ in range(examples(3)):
+    for _ in range(examples(2)):
         stiffness, q = np.exp(rng.uniform(3.0, 6.0)), rng.uniform(0.004, 0.024)
         chain = replace(leg("left", q).chain, actuator_stiffness=stiffness / 2)
         assert strokes(driven(stiffness, q, **BARE)) == pytest.approx(engine(chain), abs=2e-5)
@@ -46,7 +54,7 @@ def test_alike_legs_go_as_far_as_one_leg_behind_half_of_the_spring(seed):
 @pytest.mark.parametrize("seed", range(2))
 def test_unlike_legs_go_as_far_as_two_elements_side_by_side(seed):
     rng = np.random.default_rng(10 + seed)
-    for _ in range(examples(2)):
+    for _ in range(examples(1)):
         stiffness, q = np.exp(rng.uniform(3.0, 6.0)), rng.uniform(0.004, 0.024, 2)
         legs = [sw.Element.from_chain(leg("left", one).chain) for one in q]
         chain = sw.Chain([sw.Element.side_by_side(legs)], actuator_stiffness=stiffness)
@@ -90,7 +98,7 @@ def test_a_drive_that_is_too_soft_leaves_the_robot_in_a_state_after_the_first_st
 
 @pytest.mark.slow
 def test_the_least_stiffness_parts_drives_that_keep_the_gait_from_those_that_do_not():
-    needs = drive_needs(driven(2000.0))
+    needs = needed()
     # The simulated robot walks at 70 N/m and not at 60.
     assert 60.0 < needs.stiffness < 70.0
     for share, keeps in ((1.01, True), (0.98, False)):
@@ -111,6 +119,7 @@ def test_a_drive_needs_the_forces_of_both_legs():
 
 @pytest.mark.slow
 def test_a_drive_near_its_least_stiffness_is_too_close_to_call():
-    least = drive_needs(driven(2000.0)).stiffness
+    least = needed().stiffness
     assert not driven(1.02 * least).predict().confident
-    assert driven(2 * least).predict().confident
+    # As stiff as it usually is, which other tests predict too.
+    assert robot().drive.stiffness > 2 * least and robot().predict().confident

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 import stepwell as sw
 from facts import says
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, gaits, leg, motion, robot
-from sizes import examples
+from sizes import SIZE, examples
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Motion, PushEnd, Robot
 from stepwell.robot.prediction import TURNS, changes, depths
 from stepwell.statics import StaticsError
@@ -34,12 +34,14 @@ def with_force(one: Robot, force: float) -> Robot:
 
 
 # Kamp et al. 2024, Fig. 3: outer anchors q_x left and right, what the robot does with them.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("left", "right", "motion", "gaits"),
     [
         (0.020, 0.020, Motion.FORWARD, (FORWARD, FORWARD)),
         (0.005, 0.005, Motion.BACKWARD, (BACKWARD, BACKWARD)),
-        pytest.param(*(0.020, 0.005, Motion.RIGHT, (FORWARD, BACKWARD)), marks=pytest.mark.slow),
+        # The mirror image of the next.
+        *[(0.020, 0.005, Motion.RIGHT, (FORWARD, BACKWARD))] * (SIZE == "full"),
         (0.005, 0.020, Motion.LEFT, (BACKWARD, FORWARD)),
         (0.015, 0.015, Motion.NONE, (VIA_01, VIA_01)),
     ],
@@ -50,6 +52,7 @@ def test_the_papers_robots_do_what_the_paper_says(left, right, motion, gaits):
     assert tuple(found.gaits.values()) == gaits
 
 
+@pytest.mark.slow
 def test_the_paper_robots_advance_and_turn_about_as_far_as_measured():
     # Kamp et al. 2024: 0.71 forward, 0.96 backward, a turn of 15 deg. A snap that takes no time
     # leaves a backward leg short, and a foot that takes none to grip carries a forward one far.
@@ -66,8 +69,7 @@ def test_q_out_15_is_clockwise_in_the_air_and_walks_nowhere_on_the_floor():
     hung = robot(0.015, floor=Floor(gravity=0.0)).predict()
     assert set(hung.gaits.values()) == {FORWARD}
     assert hung.legs[0].pushes == ()
-    dragless = robot(0.015, floor=Floor(drag=0.0)).predict()
-    assert set(dragless.gaits.values()) == {VIA_01}
+    assert set(gaits(robot(0.015, floor=Floor(drag=0.0))).values()) == {VIA_01}
 
 
 @pytest.mark.slow
@@ -80,7 +82,7 @@ def test_gaits_and_displacement_are_those_that_the_other_tests_take_without_the_
 
 @pytest.mark.slow
 @given(designs)
-@settings(max_examples=examples(5))
+@settings(max_examples=examples(2, full=100))
 def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
     found = motion(robot(q, floor=Floor(gravity=0.0)))
     assert found.gaits["left"] == str(leg("left", q).chain.cycle().sequence)
@@ -89,7 +91,7 @@ def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
 
 @pytest.mark.slow
 @given(designs, floors, feet)
-@settings(max_examples=examples(6))
+@settings(max_examples=examples(3, full=120))
 def test_like_legs_go_straight(q, floor, foot):
     found = motion(robot(q, floor=floor, foot=foot))
     assert found.gaits["left"] == found.gaits["right"]
@@ -100,7 +102,7 @@ def test_like_legs_go_straight(q, floor, foot):
 
 @pytest.mark.slow
 @given(designs, designs, floors, feet)
-@settings(max_examples=examples(4))
+@settings(max_examples=examples(2, full=80))
 def test_a_mirrored_robot_turns_the_other_way(left, right, floor, foot):
     one = motion(robot(left, right, floor=floor, foot=foot))
     other = motion(robot(right, left, floor=floor, foot=foot))
@@ -111,13 +113,14 @@ def test_a_mirrored_robot_turns_the_other_way(left, right, floor, foot):
 
 @pytest.mark.slow
 def test_a_robot_gets_further_where_the_floor_drags_less():
-    gains = [motion(robot(floor=Floor(drag=drag))).advance for drag in (0.1, 0.7, 1.6)]
+    gains = [motion(robot(floor=Floor(drag=drag))).advance for drag in (0.1, 1.6)]
     assert gains == sorted(gains, reverse=True)
     assert gains[-1] < 0.1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("q", [0.004, 0.0155, 0.023])
+# Those of the first two sizes are predicted by other tests too.
+@pytest.mark.parametrize("q", [0.005, 0.020, *[0.004, 0.0155, 0.023] * (SIZE == "full")])
 def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
     one = robot(q)
     said = one.predict().leg("left")
@@ -155,12 +158,13 @@ def test_a_push_slips_beyond_its_largest_drag_and_not_well_before():
     assert push.step > 0
 
     def gain(drag):
-        return robot(floor=Floor(drag=drag)).predict().legs[0].advance
+        return motion(robot(floor=Floor(drag=drag))).advance
 
     assert gain(2.0 * push.largest_drag) < 0.1
     assert gain(0.3 * push.largest_drag) > 0.7
 
 
+@pytest.mark.slow
 def test_the_largest_drag_is_friction_at_balance_by_hand():
     # Feet that carry N each hold 2 µ N against the drag share of the rest of the weight.
     one = robot(0.005)
@@ -218,10 +222,10 @@ def test_a_leg_of_three_cells_is_predicted_too():
 
 @pytest.mark.slow
 def test_a_drive_that_turns_back_early_never_opens_both_cells():
-    said = robot(drive=Drive(amplitude=0.020)).predict()
-    assert "11" not in said.gaits["left"]
+    assert "11" not in gaits(robot(drive=Drive(amplitude=0.020)))["left"]
 
 
+@pytest.mark.slow
 def test_a_prediction_is_frozen_and_says_what_it_rests_on():
     said = robot().predict()
     with pytest.raises(FrozenInstanceError):
@@ -256,13 +260,14 @@ def test_unlike_legs_on_the_floor_lift_together_or_not_at_all():
         floor=Floor(drag=0.222),
         body=Body(mass=0.273, centre=(0.0264, -0.0021, 0.012)),
     )
-    assert one.predict().gaits == {"left": VIA_01, "right": VIA_01}
+    assert gaits(one) == {"left": VIA_01, "right": VIA_01}
 
 
 def below(one, depth):
     return replace(one, foot=replace(one.foot, below=depth))
 
 
+@pytest.mark.slow
 def test_feet_stand_in_the_middle_of_the_depths_at_which_the_papers_robots_do_as_they_should():
     # q_out = 20 mm walks unless the feet are too deep, 15 mm does not unless they are too flat.
     walks, stays = robot(0.020), robot(0.015)

@@ -24,6 +24,7 @@ def met():
     return maze(explorer(), Arena([WALL, FAR]), limit=24.0)
 
 
+@pytest.mark.slow
 def test_a_wall_on_the_left_presses_the_left_antenna_and_the_robot_turns_right(met):
     assert met.outcome is Outcome.TIMED_OUT
     assert met.contacts
@@ -32,6 +33,7 @@ def test_a_wall_on_the_left_presses_the_left_antenna_and_the_robot_turns_right(m
     assert turned < -20.0
 
 
+@pytest.mark.slow
 def test_touches_name_the_obstacle_and_its_first_time(met):
     assert list(met.touched) == ["wall 1", "wall 2"]
     assert met.touched["wall 2"] is None
@@ -42,6 +44,7 @@ def test_touches_name_the_obstacle_and_its_first_time(met):
     assert abs(first - met.contacts[0].begin) < 2.0
 
 
+@pytest.mark.slow
 def test_contacts_are_where_an_antenna_is_turned(met):
     walk = met.walk
     for contact in met.contacts:
@@ -53,6 +56,7 @@ def test_contacts_are_where_an_antenna_is_turned(met):
     assert begins == sorted(begins)
 
 
+@pytest.mark.slow
 def test_the_press_changes_the_gait_of_the_opposite_leg_and_of_no_other(met):
     first = met.changes[0]
     assert (first.leg, first.before) == ("right", FORWARD)
@@ -103,7 +107,8 @@ def test_from_some_starts_the_second_of_two_cylinders_in_a_row_is_met_too():
     # From straight behind the first it is never met: the robot has turned away for good.
     row = (Cylinder((0.36, 0.0)), Cylinder((0.86, 0.0)))
     aside = Arena((), row, start=(0.0, -0.160), heading=math.radians(6))
-    both = maze(load("preset:robot-antennas").robot, aside, limit=100.0)
+    coarse = Settings(time_step=2e-3, contact_time=4e-3) if SIZE == "ci" else None
+    both = maze(load("preset:robot-antennas").robot, aside, limit=100.0, settings=coarse)
     first, second = both.touched["cylinder 1"], both.touched["cylinder 2"]
     assert first is not None
     assert second is not None
@@ -123,6 +128,7 @@ def test_a_corridor_of_600_mm_that_bends_can_trap_the_robot():
     assert stuck.walk.x[-1] > 1.0 > stuck.walk.y[-1] + 0.5
 
 
+@pytest.mark.slow
 def test_cylinders_come_after_walls():
     arena = Arena([FAR], [Cylinder((0.25, 0.05))])
     seen = maze(explorer(), arena, limit=12.0)

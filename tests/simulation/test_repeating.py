@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from simulation.robots import explorer, mirrored, robot, walked
+from sizes import SIZE
 from stepwell.simulation import Linkage, Settings, engine, mjcf, spec, walk
 from stepwell.simulation.simulator import mujoco
+
+TURNS = 0.005, 0.020
 
 READINGS = (
     *("time", "x", "y", "z", "yaw", "pitch", "roll", "stroke", "travel", "actuator_force"),
@@ -15,32 +18,36 @@ READINGS = (
 )
 
 
+@pytest.mark.slow
 def test_the_same_walk_twice_gives_the_same_numbers():
-    one, again = walk(robot(), 2), walk(robot(), 2)
+    one, again = walked(*TURNS, 2), walk(robot(*TURNS), 2)
     for name in READINGS:
         assert np.array_equal(getattr(one, name), getattr(again, name)), name
 
 
+@pytest.mark.slow
 def test_how_often_a_run_is_looked_at_changes_no_number(monkeypatch):
-    whole = walk(robot(), 2)
+    whole = walked(*TURNS, 2)
     monkeypatch.setattr(engine, "CHUNK", 0.13)
-    pieces = walk(robot(), 2)
+    pieces = walk(robot(*TURNS), 2)
     for name in READINGS:
         assert np.array_equal(getattr(whole, name), getattr(pieces, name)), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [1.0, 0.7553], ids=["a cycle", "between two samples"])
 def test_a_walk_that_goes_on_from_another_gives_the_numbers_of_one_walk(first):
-    whole = walk(robot(0.005, 0.020), 2)
-    begun = walk(robot(0.005, 0.020), first)
-    rest = walk(robot(0.005, 0.020), 2 - first, start=begun)
+    whole = walked(*TURNS, 2)
+    begun = walk(robot(*TURNS), first)
+    rest = walk(robot(*TURNS), 2 - first, start=begun)
     for name in READINGS:
         pieces = np.concatenate([getattr(begun, name), getattr(rest, name)])
         assert np.array_equal(getattr(whole, name), pieces), name
 
 
+@pytest.mark.slow
 def test_a_walk_that_goes_on_counts_its_own_cycles():
-    begun = walk(robot(), 1)
+    begun = walked(0.020, 0.020, 1)
     rest = walk(robot(), 2, start=begun)
     whole = walk(robot(), 3)
     assert (begun.cycles, rest.cycles) == (1, 2)
@@ -49,8 +56,9 @@ def test_a_walk_that_goes_on_counts_its_own_cycles():
     assert rest.gaits["left"] == whole.gaits["left"][1:]
 
 
+@pytest.mark.slow
 def test_an_anchor_moved_on_the_way_changes_the_gait_from_there_on():
-    begun = walk(robot(), 2)
+    begun = walked(0.020, 0.020, 1)
     other = robot().with_anchors("left", "outer", q=(0.005, 0.0))
     turning = walk(other, 3, start=begun)
     assert turning.time[0] > begun.time[-1]
@@ -69,8 +77,8 @@ def test_a_walk_goes_on_neither_from_other_parts_nor_from_a_broken_one():
 
 @pytest.mark.slow
 def test_a_mirror_image_of_a_robot_walks_the_mirror_image_of_its_way():
-    for one in (robot(0.005, 0.020), robot(0.020, 0.012)):
-        way, image = walk(one, 3), walk(mirrored(one), 3)
+    for one in (robot(*TURNS), *[robot(0.020, 0.012)] * (SIZE == "full")):
+        way, image = walk(one, 2), walk(mirrored(one), 2)
         for name in ("x", "z", "pitch", "stroke", "actuator_force"):
             assert getattr(image, name) == pytest.approx(getattr(way, name), abs=1e-7), name
         for name in ("y", "yaw", "roll"):
@@ -78,13 +86,15 @@ def test_a_mirror_image_of_a_robot_walks_the_mirror_image_of_its_way():
         assert image.travel == pytest.approx(way.travel[:, ::-1], abs=1e-7)
 
 
+@pytest.mark.slow
 def test_a_mirror_image_of_the_robot_with_antennas_turns_the_other_way():
     one = explorer()
-    left, right = walk(one.pressed({"left": 0.48}), 3), walk(one.pressed({"right": 0.48}), 3)
+    left, right = walk(one.pressed({"left": 0.48}), 2), walk(one.pressed({"right": 0.48}), 2)
     assert left.turn == pytest.approx(-right.turn, abs=1e-3)
     assert left.advance == pytest.approx(right.advance, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", list(Linkage))
 def test_plain_mujoco_steps_the_model_to_the_same_numbers(linkage):
     way = walked(0.005, 0.020, linkage=linkage)
@@ -104,6 +114,7 @@ def test_plain_mujoco_steps_the_model_to_the_same_numbers(linkage):
     assert means == pytest.approx(way._samples.data[:n, forces], abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", list(Linkage))
 def test_the_exported_file_walks_the_same_way_in_plain_mujoco(linkage):
     way = walked(0.005, 0.020, linkage=linkage)
