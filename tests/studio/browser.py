@@ -27,6 +27,11 @@ if __name__ == "__main__":
     )
 """
 
+# What rests before it is asked or kept rests for a moment: no number depends on how long.
+HASTY = """
+const later = window.setTimeout;
+window.setTimeout = (call, ms, ...more) => later(call, ms > 100 && ms < 500 ? 40 : ms, ...more);
+"""
 # What stands in the fields of these names.
 VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
@@ -53,8 +58,19 @@ def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
         assert server.stdout is not None
         try:
             yield server.stdout.readline().strip()
-        finally:  # a test that fails would wait for it forever
-            server.terminate()
+        finally:
+            # How it ends by itself is tested where servers are; here it would first have to begin.
+            server.kill()
+
+
+def without(kind: str) -> str:
+    """A script that has a page never ask for what follows its design and takes long."""
+    return f"""
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (message) {{
+  if (JSON.parse(message).type !== "{kind}") send.call(this, message);
+}};
+"""
 
 
 def begun(page: Page, address: str, preset: str) -> Page:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, Page, ViewportSize
 
     from chromium import Opened
+
+WIDE: ViewportSize = {"width": 1280, "height": 800}
 
 
 @pytest.fixture(scope="session")
@@ -37,19 +39,59 @@ def empty_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield found
 
 
-@pytest.fixture
-def opened(browser: Browser) -> Iterator[Opened]:
-    from chromium import Opened
-
-    context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme="light")
-    found = Opened(context.new_page())
-    yield found
-    context.close()
+def blameless(found: Opened) -> None:
+    """Nothing went wrong in a page, and all that it asked for is of this machine."""
     assert not found.wrong
     elsewhere = [
         url for url in found.asked if not re.match(r"(http://127\.0\.0\.1:|data:|blob:)", url)
     ]
     assert not elsewhere
+
+
+@pytest.fixture
+def opened(browser: Browser) -> Iterator[Opened]:
+    from chromium import Opened
+
+    context = browser.new_context(viewport=WIDE, color_scheme="light")
+    found = Opened(context.new_page())
+    yield found
+    context.close()
+    blameless(found)
+
+
+@pytest.fixture(scope="session")
+def only(browser: Browser) -> Iterator[Opened]:
+    """One page for most tests of a process: to open another takes as long as such a test."""
+    from chromium import Opened
+    from studio.browser import HASTY, without
+
+    context = browser.new_context(viewport=WIDE, color_scheme="light")
+    found = Opened(context.new_page())
+    found.page.add_init_script(HASTY)
+    # A yield keeps a process busy for a second; those who look at one open a page of their own.
+    found.page.add_init_script(without("yield"))
+    yield found
+    context.close()
+
+
+@pytest.fixture
+def shared(only: Opened, address: str) -> Iterator[Opened]:
+    """The page of most tests with the leg, as if nothing had been opened before."""
+    from playwright.sync_api import expect
+
+    from studio.browser import output
+
+    only.wrong.clear()
+    only.asked.clear()
+    only.page.set_viewport_size(WIDE)
+    only.page.goto(address)
+    expect(output(only.page, "sequence")).to_be_visible()
+    yield only
+    # Nothing that is kept after a rest is kept for the next.
+    only.page.evaluate("localStorage.clear(); Storage.prototype.setItem = () => {}")
+    only.page.mouse.move(0, 0)
+    only.page.goto("about:blank")
+    blameless(only)
 
 
 @pytest.fixture
@@ -68,11 +110,5 @@ def offline(browser: Browser) -> Iterator[Opened]:
 
 
 @pytest.fixture
-def page(opened: Opened, address: str) -> Page:
-    from playwright.sync_api import expect
-
-    from studio.browser import output
-
-    opened.page.goto(address)
-    expect(output(opened.page, "sequence")).to_be_visible()
-    return opened.page
+def page(shared: Opened) -> Page:
+    return shared.page

@@ -41,9 +41,9 @@ def traced(page: Page, tmp_path: Path) -> Page:
     return page
 
 
-def test_it_is_moved_turned_scaled_hidden_and_removed(traced: Page, opened: Opened):
+def test_it_is_moved_turned_scaled_hidden_and_removed(traced: Page, shared: Opened):
     page = traced
-    sent = len([url for url in opened.asked if not url.startswith("blob:")])
+    sent = len([url for url in shared.asked if not url.startswith("blob:")])
     page.get_by_role("button", name="Move", exact=True).click()
     page.get_by_role("button", name="The photo: arrow keys").focus()
     before = value(page, "Middle of the photo, x in mm")
@@ -69,7 +69,7 @@ def test_it_is_moved_turned_scaled_hidden_and_removed(traced: Page, opened: Open
     expect(page.locator("image")).to_have_count(0)
     settled(page)
     compare(page)
-    assert len([url for url in opened.asked if not url.startswith("blob:")]) == sent
+    assert len([url for url in shared.asked if not url.startswith("blob:")]) == sent
 
 
 def test_two_points_of_a_known_distance_set_its_scale(traced: Page):

@@ -14,7 +14,7 @@ from stepwell import files
 from stepwell.robot import Robot
 from stepwell.simulation import Maze
 from stepwell.studio.standalone import replay
-from studio.browser import Opened, middle, number, output, served, settled, shown_as
+from studio.browser import Opened, middle, number, output, served, settled, shown_as, without
 from studio.test_page_photo import png
 
 from playwright.sync_api import Page, expect  # isort: skip
@@ -27,15 +27,6 @@ PATIENT = 120_000
 def robot_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with served(tmp_path_factory.mktemp("robot"), "robot-explorer") as found:
         yield found
-
-
-# A prediction keeps a process busy for ten seconds, whatever else is asked.
-UNPREDICTED = """
-const send = WebSocket.prototype.send;
-WebSocket.prototype.send = function (message) {
-  if (JSON.parse(message).type !== "predict") send.call(this, message);
-};
-"""
 
 
 # No file is read before the test lets it be.
@@ -57,7 +48,8 @@ Object.defineProperty(HTMLImageElement.prototype, "src", {
 @pytest.fixture
 def robot_page(opened: Opened, robot_address: str) -> Page:
     """A robot with antennas, which is not predicted: one test looks at predictions."""
-    opened.page.add_init_script(UNPREDICTED)
+    # A prediction keeps a process busy for ten seconds, whatever else is asked.
+    opened.page.add_init_script(without("predict"))
     opened.page.goto(robot_address)
     expect(button(opened.page, "Walk")).to_be_enabled()
     return opened.page
@@ -287,8 +279,8 @@ def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
-def test_three_dimensions_are_loaded_for_robots_alone(page: Page, opened: Opened):
-    assert not [url for url in opened.asked if url.endswith("scene.js")]
+def test_three_dimensions_are_loaded_for_robots_alone(page: Page, shared: Opened):
+    assert not [url for url in shared.asked if url.endswith("scene.js")]
     assert page.get_by_role("region", name="Robot").count() == 0
 
 
