@@ -1,8 +1,12 @@
 """How large the slow suites are."""
 
 import os
+from collections.abc import Iterable
+from typing import TypeVar
 
 import pytest
+
+Case = TypeVar("Case")
 
 SIZE = os.environ.get("STEPWELL_TESTS", "ci")
 if SIZE not in ("ci", "full"):
@@ -12,3 +16,8 @@ if SIZE not in ("ci", "full"):
 def examples(n: int, full: int | None = None) -> int:
     """Size of a slow suite: `n` by default; in a full run `full`, or twenty times as many."""
     return n if SIZE == "ci" else full or 20 * n
+
+
+def cases(every: Iterable[Case], quick: Iterable[Case]) -> list[Case]:
+    """Cases of a slow test: all in a full run; by default those that stand for each kind."""
+    return list(every if SIZE == "full" else quick)

@@ -11,7 +11,15 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from stepwell import figures
+from sizes import cases
+from stepwell import figures, files
+
+# One of each number of cells, actuator and shape of curve.
+PRESETS = cases(
+    sorted(name for name in files.presets() if not name.startswith("robot-")),
+    ("paper-forward", "three-wave", "compliant-actuator", "paper-cell-0-m15", "paper-via-10",
+     "four-shuffle", "metachronal-wave", "balloon"),
+)  # fmt: skip
 
 Array = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ from matplotlib.patches import FancyBboxPatch
 
 from facts import refuses
 from figures.drawn import collisions, legend_of, lines, marks, points, says, untidy
+from sizes import cases
 from stepwell import figures, files
 from stepwell.figures.common.style import LOADING, UNLOADING
 from stepwell.figures.graph_layout import heights
@@ -48,6 +49,15 @@ CHAINS = {
 }
 
 
+LARGE = ["nested 6", "force 6", "spring 6", "shuffle"]
+# Under each control, with and without states out of reach, one cell and the most states.
+DRAWN = cases(
+    CHAINS,
+    ("forward", "undirected", "one cell", "wave", "shuffle", "force", "spring", "soft wave",
+     "nested 4", "nested 6", "force 3"),
+)  # fmt: skip
+
+
 @cache
 def graph_of(name: str):
     """Several tests draw the same graph."""
@@ -72,7 +82,7 @@ def boxes(figure, gid: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS]
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in DRAWN]
 )
 def test_every_state_has_its_name_and_no_word_covers_another(name):
     graph, figure = graph_of(name), figure_of(name)
@@ -84,7 +94,7 @@ def test_every_state_has_its_name_and_no_word_covers_another(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["nested 6", "force 6", "spring 6", "shuffle"])
+@pytest.mark.parametrize("name", cases(LARGE, ["nested 6", "shuffle"]))
 def test_boxes_do_not_touch(name):
     ax = figure_of(name).axes[0]
     drawn = [p.get_window_extent() for p in ax.patches if isinstance(p, FancyBboxPatch)]
@@ -93,10 +103,10 @@ def test_boxes_do_not_touch(name):
 
 
 def test_states_stand_by_their_number_of_cells_at_1():
-    graph = graph_of("nested 5")
-    at = places(figure_of("nested 5"))
+    graph = graph_of("nested 4")
+    at = places(figure_of("nested 4"))
     columns = {
-        ones: {at[v][0] for v in graph.vertices if v.count("1") == ones} for ones in range(6)
+        ones: {at[v][0] for v in graph.vertices if v.count("1") == ones} for ones in range(5)
     }
     assert all(len(column) == 1 for column in columns.values())
     x = [column.pop() for column in columns.values()]
@@ -114,7 +124,13 @@ def test_loading_and_unloading_differ_in_colour_and_line():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 4", "nested 6", "force 6"])
+@pytest.mark.parametrize(
+    "name",
+    cases(
+        ["forward", "wave", "shuffle", "nested 4", "nested 6", "force 6"],
+        ["forward", "shuffle", "nested 6"],
+    ),
+)
 def test_every_snap_is_marked(name):
     graph = graph_of(name)
     snaps = sum(one.kind is TransitionKind.SNAP for *_, one in graph.transitions())
@@ -183,7 +199,7 @@ def test_a_program_is_highlighted_from_start_to_end():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stiffness", [float("inf"), 30.0, 0.0])
+@pytest.mark.parametrize("stiffness", cases([float("inf"), 30.0, 0.0], [30.0]))
 def test_every_turn_of_a_long_program_has_its_number(stiffness):
     chain = nested(5, stiffness)
     program = chain.program("01010")

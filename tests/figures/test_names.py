@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 import stepwell as sw
 from lab.machine import pair, unit
-from sizes import SIZE
+from sizes import cases
 from stepwell import figures, files, lab, simulation
 from stepwell.design import (
     Tolerances,
@@ -32,9 +32,10 @@ from stepwell.paper import Effect, Sensitivity
 from stepwell.studies import Axis, DecidingNumbers, Influence, Space, sweep
 
 # Mathematics, a field of a format, a name that legends leave out, letters that cannot be printed.
-NAMES = ["$\\frac$", "{}", "_hidden", "a\u202eb"]
-if SIZE == "full":
-    NAMES += ["$$", "$a$", "a_b^c", "%", "\\", "\x1b[1m"]
+NAMES = cases(
+    ["$\\frac$", "{}", "_hidden", "a\u202eb", "$$", "$a$", "a_b^c", "%", "\\", "\x1b[1m"],
+    ["_hidden{}", "$\\frac$a\u202eb"],
+)
 ALL = "$\\frac$_^%"
 
 
@@ -48,7 +49,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     chain = named(sw.preset("paper-forward"), name)
     cycle, x, y = chain.cycle(), np.linspace(0, 0.02, 4), np.linspace(-0.015, 0.015, 4)
     parameters = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
-    spread = yields(chain, Tolerances(anchor=0.003), samples=100, sensitivity=True)
+    spread = yields(chain, Tolerances(anchor=0.003), samples=40, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
     yield partial(figures.compose, {name: [partial(figures.force_stroke, cycle)]})
@@ -91,7 +92,7 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     legs = [replace(leg, name=name + leg.name, chain=named(leg.chain, name)) for leg in robot.legs]
     antennas = [replace(a, name=name + a.name, leg=name + a.leg, cell=0) for a in robot.antennas]
     robot = replace(robot, legs=legs, antennas=antennas, title=name)
-    maze = robot.maze(replace(files.load_arena("cylinder"), title=name), limit=12)
+    maze = robot.maze(replace(files.load_arena("cylinder"), title=name), limit=4)
     yield partial(figures.robot_drawing, robot)
     yield partial(figures.robot_above, robot)
     yield partial(figures.robot_side, robot)

@@ -385,17 +385,22 @@ class Layout:
         b = np.array([x1 - side * way.direction * self.half(way.target)[0], y1 + shift])
         far = max(0.45 * abs(b[0] - a[0]), 2.0 if ahead > 0 else _ROUND)
         reach = np.array([far * way.direction, 0.0])
-        others = [label for label in self.at if label not in (way.source, way.target)]
         curves = [
             _bezier(a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b)
             for bow in (_BOWS if ahead > 1 else _BOWS[:1])
         ]
-        # The flattest of those that run through the fewest other nodes.
-        return min(curves, key=lambda curve: sum(self._meets(curve, v) for v in others))
+        if len(curves) == 1:
+            return curves[0]
+        others = [label for label in self.at if label not in (way.source, way.target)]
+        at = np.array([self.at[label] for label in others]).reshape(-1, 1, 2)
+        half = np.array([self.half(label) for label in others]).reshape(-1, 1, 2)
 
-    def _meets(self, curve: Floats, label: str) -> bool:
-        """Whether a curve runs through a node."""
-        return bool(np.any(np.all(np.abs(curve - self.at[label]) < self.half(label), axis=1)))
+        def met(curve: Floats) -> int:
+            """Number of other nodes that a curve runs through."""
+            return int((np.abs(curve - at) < half).all(axis=2).any(axis=1).sum())
+
+        # The flattest of those that run through the fewest other nodes.
+        return min(curves, key=met)
 
 
 def apart(values: Sequence[float], gap: float) -> list[float]:
