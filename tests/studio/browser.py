@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from chromium import Opened as Opened, needed
 from stepwell import files
@@ -32,6 +33,30 @@ HASTY = """
 const later = window.setTimeout;
 window.setTimeout = (call, ms, ...more) => later(call, ms > 100 && ms < 500 ? 40 : ms, ...more);
 """
+# Of what a page asks, how much has no answer yet.
+COUNTED = """
+const said = WebSocket.prototype.send, asked = new Map(), heard = new WeakSet();
+window.unanswered = () => asked.size;
+WebSocket.prototype.send = function (message) {
+  if (!heard.has(this)) {
+    heard.add(this);
+    this.addEventListener("message", ({ data }) => {
+      const length = new DataView(data).getUint32(0, true);
+      const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+      const last = !head.progress && !head.part;
+      if (last && asked.get(head.type) === head.seq) asked.delete(head.type);
+    });
+  }
+  const { type, seq } = JSON.parse(message);
+  if (type !== "cancel") asked.set(type, seq);
+  said.call(this, message);
+};
+"""
+ANSWERED = """async (most) => {
+  const end = performance.now() + most;
+  do await new Promise((done) => setTimeout(done, 50));
+  while (unanswered() && performance.now() < end);
+}"""
 # What stands in the fields of these names.
 VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
@@ -73,9 +98,10 @@ WebSocket.prototype.send = function (message) {{
 """
 
 
-def begun(page: Page, address: str, preset: str) -> Page:
-    """The page of a studio with a preset, as its link holds it, answered and kept."""
-    text = json.dumps(files.tables_in(files.preset_text(preset), preset))
+def begun(page: Page, address: str, design: str | dict[str, Any]) -> Page:
+    """The page of a studio with a preset or tables, as its link holds it, answered and kept."""
+    named = isinstance(design, str)
+    text = json.dumps(files.tables_in(files.preset_text(design), design) if named else design)
     held = base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
     page.goto(f"{address}#design={held}")
     expect(output(page, "sequence")).to_be_visible()

@@ -46,7 +46,7 @@ def compared(page: Page, runs: list[Path]) -> lab.Comparison:
     return lab.compare([lab.read(run) for run in runs], [chain_shown(page)], as_designed=True)
 
 
-def test_verdict_snaps_and_fit_are_the_labs(page: Page, runs: list[Path]):
+def test_verdict_snaps_and_fit_are_the_labs_and_the_fit_is_taken(page: Page, runs: list[Path]):
     choose(page, *runs)
     expect(output(page, "fitted stiffness")).to_be_visible(timeout=60_000)
     found = compared(page, runs)
@@ -65,10 +65,7 @@ def test_verdict_snaps_and_fit_are_the_labs(page: Page, runs: list[Path]):
         assert told[1:3] == [f"{predicted * 1e3:.4g}", f"{measured * 1e3:.4g}"]
         difference = (measured - predicted) * 1e3
         assert float(told[3].replace("−", "-")) == float(f"{difference:.3g}")
-
-
-def test_the_fit_is_taken_in_one_step_that_can_be_undone(page: Page, runs: list[Path]):
-    choose(page, *runs)
+    # It is taken in one step that can be undone.
     before = anchors(page, "inner")
     peak = number(page, "peak force")
     page.get_by_role("button", name="Take the fit").click()
@@ -81,10 +78,8 @@ def test_the_fit_is_taken_in_one_step_that_can_be_undone(page: Page, runs: list[
     page.get_by_role("button", name="Undo").click()
     settled(page)
     assert number(page, "peak force") == peak
-
-
-def test_the_design_in_the_page_is_the_one_compared(page: Page, runs: list[Path]):
-    choose(page, *runs)
+    # The design in the page is the one compared.
+    done(page)
     first = output(page, "RMS difference of mine, loading")
     expect(first).to_be_visible(timeout=60_000)
     before = first.inner_text()
