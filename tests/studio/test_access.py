@@ -1,12 +1,14 @@
 """The page keeps nobody out: axe finds nothing, by all of its rules and in all that is shown."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from chromium import nothing_found
-from sizes import SIZE
-from studio.browser import Opened, begun, field, output, served, settled
+from sizes import SIZE, cases
+from stepwell import files
+from studio.browser import ANSWERED, COUNTED, HASTY, Opened, begun, field, output, served, settled
 
 from playwright.sync_api import Browser, Page, expect  # isort: skip
 
@@ -25,7 +27,7 @@ def each_tab(page: Page, axe: str) -> None:
     for k, tab in enumerate(page.get_by_role("tab").all()):
         tab.click()
         settled(page)
-        page.wait_for_timeout(700)  # what follows the design is asked after a rest
+        page.evaluate(ANSWERED, 700)  # what follows the design is asked after a rest
         # A tab changes its panel alone: in the quick run the whole page is examined once.
         nothing_found(page, axe, None if k == 0 or SIZE == "full" else "[role=tabpanel]")
 
@@ -33,8 +35,15 @@ def each_tab(page: Page, axe: str) -> None:
 @pytest.fixture(params=WINDOWS)
 def window(request: pytest.FixtureRequest, browser: Browser) -> Iterator[Page]:
     context = browser.new_context(**WINDOWS[request.param])
-    yield context.new_page()
+    yield told(context.new_page())
     context.close()
+
+
+def told(page: Page) -> Page:
+    """A page that is soon told all that it asks."""
+    page.add_init_script(HASTY)
+    page.add_init_script(COUNTED)
+    return page
 
 
 def test_the_gallery(window: Page, empty_address: str, axe: str):
@@ -50,13 +59,27 @@ def test_a_chain_with_each_tab_open(window: Page, address: str, axe: str):
     assert window.evaluate("document.documentElement.scrollWidth") <= window.evaluate("innerWidth")
 
 
-@pytest.mark.parametrize("preset", ["balloon", "robot-forward", "friction", "paper-forward-double"])
+@pytest.mark.parametrize(
+    "design",
+    cases(
+        ["balloon", "robot-forward", "friction", "paper-forward-double"],
+        ["balloon", "robot-forward", "both"],
+    ),
+)
 def test_elements_robots_searched_margins_and_several_bands(
-    browser: Browser, empty_address: str, axe: str, preset: str
+    browser: Browser, empty_address: str, axe: str, design: str
 ):
-    page = browser.new_page(viewport={"width": 1280, "height": 800})
-    each_tab(begun(page, empty_address, preset), axe)
+    page = told(browser.new_page(viewport={"width": 1280, "height": 800}))
+    each_tab(begun(page, empty_address, rubbing_bands() if design == "both" else design), axe)
     page.close()
+
+
+def rubbing_bands() -> dict[str, Any]:
+    """A margin that is searched for, and several bands on a cell."""
+    design = files.tables_in(files.preset_text("paper-forward-double"))
+    for cell in design["chain"]["cell"]:
+        cell["friction_N"] = 0.02
+    return design
 
 
 def test_a_problem_a_lock_and_holes(page: Page, axe: str):
@@ -68,7 +91,7 @@ def test_a_problem_a_lock_and_holes(page: Page, axe: str):
     nothing_found(page, axe)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", cases(["light", "dark"], ["dark"]))
 def test_the_design_as_text(page: Page, axe: str, scheme: str):
     if scheme == "dark":
         page.get_by_role("button", name="Dark colours").click()

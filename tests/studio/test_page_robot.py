@@ -141,15 +141,24 @@ AT_ONCE = """() => new MutationObserver((changes, watch) => {
 }).observe(document.body, { subtree: true, attributeFilter: ["disabled"] })"""
 
 
-def test_the_cursor_stays_where_it_is_put_as_soon_as_a_run_has_ended(robot_page: Page):
+def test_the_cursor_stays_as_soon_as_a_run_has_ended_which_is_exported_then(robot_page: Page):
     page = robot_page
     typed(page, "Cycles to walk", "1")
+    button(page, "Export").click()
+    expect(button(page, "Run as HTML")).to_have_count(0)
+    button(page, "Close").click()
     page.evaluate(AT_ONCE)
     button(page, "Walk").click()
     page.locator("body[data-moved]").wait_for(timeout=PATIENT)
     moved = number(page, "time")
     page.wait_for_timeout(400)  # twice as long as the picture takes to catch up
     assert number(page, "time") == moved < 0.1
+    button(page, "Export").click()
+    with page.expect_download(timeout=PATIENT) as saved:
+        button(page, "Run as HTML").click()
+    assert saved.value.suggested_filename.endswith("-run.html")
+    text = saved.value.path().read_text("utf-8")
+    assert text == replay(sw.preset("robot-explorer").walk(1))
 
 
 def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
@@ -239,22 +248,6 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
     tip.press("ArrowUp")
     assert design_kept(page).antennas[0] != before
     button(page, "Undo").click()
-
-
-def test_a_walk_is_exported_as_a_replay(robot_page: Page):
-    page = robot_page
-    typed(page, "Cycles to walk", "1")
-    button(page, "Export").click()
-    expect(button(page, "Run as HTML")).to_have_count(0)
-    button(page, "Close").click()
-    button(page, "Walk").click()
-    expect(output(page, "distance")).to_be_visible(timeout=PATIENT)
-    button(page, "Export").click()
-    with page.expect_download(timeout=PATIENT) as saved:
-        button(page, "Run as HTML").click()
-    assert saved.value.suggested_filename.endswith("-run.html")
-    text = saved.value.path().read_text("utf-8")
-    assert text == replay(sw.preset("robot-explorer").walk(1))
 
 
 def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
