@@ -262,6 +262,20 @@ def _pack(cells: Sequence[OracleCell]):
     return np.array(rows + others), band_array, load_array
 
 
+@njit(cache=True)
+def _copy(source, target):
+    """The same rows: an assignment of slices compiles the words of its errors, for seconds."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@njit(cache=True)
+def _copy_rows(source, target):
+    for i in range(len(source)):
+        for k in range(len(source[i])):
+            target[i, k] = source[i, k]
+
+
 # --- one cell -------------------------------------------------------------------------------
 # In Cartesian coordinates of the outer block, no angles: along travel y = s - r sin θc, across
 # it x = sqrt(r² - y²). Then dx/ds = -y/x and dy/ds = 1.
@@ -581,7 +595,8 @@ def _advance(mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, b
             if abs(b - drive) > 1e-9:
                 return lam, work, rubbed, viscous, False
             drive, ramping = b, False
-            v[:] = 0.0
+            for i in range(n):
+                v[i] = 0.0
             continue
         behind = mode == COMPLIANT and abs(stiff * (b - total) - lam) > tol
         if not ramping and hardest < tol and not behind:
@@ -621,7 +636,7 @@ def _advance(mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, b
                 if not joined and dt_stop > 0.5 * dt:
                     short = short or who >= 0
                     dt = dt_stop
-                    v[:] = mean
+                    _copy(mean, v)
                 else:
                     who = -1
 
@@ -637,7 +652,8 @@ def _advance(mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, b
             rubbed += geometry[i, FRICTION] * abs(ds)
             leads = int(geometry[i, ABOVE if v[i] > 0.0 else BELOW])
             if v[i] != 0.0 and s[i] == geometry[i, end] and leads >= 0:
-                geometry[i] = sheets[leads]
+                for k in range(geometry.shape[1]):
+                    geometry[i, k] = sheets[leads, k]
         if ramping:
             if short:
                 target = drive + rate * dt
@@ -711,7 +727,8 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
         return rows, jumps[:0], codes[1:1], True
     cells, total = _energies(mode, stiff, points[0], s, geometry, bands, loads)
     rows[0, 0], rows[0, 1], rows[0, 2], rows[0, 3] = points[0], lam, cells, total
-    rows[0, 4 : 4 + n], rows[0, 4 + n :] = s, geometry[:, SHEET]
+    for i in range(n):
+        rows[0, 4 + i], rows[0, 4 + n + i] = s[i], geometry[i, SHEET]
     saved, stood = s.copy(), geometry.copy()
     row = 0
     for leg in range(legs):
@@ -733,8 +750,8 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
                 for stroke in vertex:
                     if min(x, y) + 1e-12 < stroke < max(x, y) - 1e-12:
                         y = stroke
-                saved[:] = s
-                stood[:] = geometry
+                _copy(s, saved)
+                _copy_rows(geometry, stood)
                 noted = codes[0]
                 lam_saved, total_saved = lam, total
                 lam, work, rubbed, viscous, ok = _advance(
@@ -747,8 +764,8 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
                 for i in range(n):
                     jump = max(jump, abs(s[i] - saved[i]))
                 if jump > threshold and abs(y - x) > whole * 1.5 * 0.5**REFINE:
-                    s[:] = saved
-                    geometry[:] = stood
+                    _copy(saved, s)
+                    _copy_rows(stood, geometry)
                     lam = lam_saved
                     codes[0] = noted
                     part = 0.5 * abs(y - x)
@@ -761,8 +778,8 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
                     jumps[found, 3] = lam
                     jumps[found, 4] = total_saved + work - rubbed - total
                     jumps[found, 5] = viscous
-                    jumps[found, 6 : 6 + n] = saved
-                    jumps[found, 6 + n :] = s
+                    for i in range(n):
+                        jumps[found, 6 + i], jumps[found, 6 + n + i] = saved[i], s[i]
                     found += 1
                 x = y
                 if x == end:
@@ -771,5 +788,6 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
                 part = min(2.0 * part, whole)
             row += 1
             rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3] = end, lam, cells, total
-            rows[row, 4 : 4 + n], rows[row, 4 + n :] = s, geometry[:, SHEET]
+            for i in range(n):
+                rows[row, 4 + i], rows[row, 4 + n + i] = s[i], geometry[i, SHEET]
     return rows, jumps[:found], codes[1 : 1 + codes[0]], False

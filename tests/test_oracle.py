@@ -427,7 +427,7 @@ def test_a_folded_curve_jumps_at_the_ends_of_its_sheets():
 @pytest.mark.slow
 def test_result_does_not_depend_on_the_drive_step():
     rng = np.random.default_rng(7)
-    for _ in range(examples(3, full=60)):
+    for _ in range(examples(1, full=60)):
         cells = [
             OracleCell(
                 R,

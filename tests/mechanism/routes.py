@@ -27,7 +27,7 @@ from stepwell.concave import (
     simple,
     slopes_by_sizes,
 )
-from stepwell.design import BoundaryKind, boundaries, parameter_boundaries
+from stepwell.design import BoundaryKind, boundaries, map_boundaries, parameter_boundaries
 from stepwell.design.margins.reprogramming import Resistance
 from stepwell.design.margins.robustness import robustness
 from stepwell.design.plane import Box
@@ -209,18 +209,24 @@ def _():
     return [v for v in np.ravel(_map().snap_loading.values) if not math.isnan(v)]
 
 
+# Fewer nodes than between which these curves are looked for, for the interpreter.
+COARSE = mock.patch.object(map_boundaries, "_GRID", 21)
+
+
 @route("boundaries of a map over two parameters", PLACE)
 def _():
-    found = parameter_boundaries(
-        PAIR, ("inner.q.x", (0.006, 0.016)), ("outer.q.y", (-0.012, -0.002)), search=5
-    )
+    with COARSE:
+        found = parameter_boundaries(
+            PAIR, ("inner.q.x", (0.006, 0.016)), ("outer.q.y", (-0.012, -0.002)), search=5
+        )
     # One of the two is that of the grid.
     return [np.sum(line.points[0]) for line in found]
 
 
 @route("boundaries of an anchor's map", PLACE)
 def _():
-    found = boundaries(PAIR, 1, x=(0.006, 0.026), y=(-0.012, 0.008), search=5)
+    with COARSE:
+        found = boundaries(PAIR, 1, x=(0.006, 0.026), y=(-0.012, 0.008), search=5)
     orders = BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER
     # Where they cross may stay where it is.
     return [np.sum(line.points[len(line.points) // 2]) for line in found if line.kind in orders]
