@@ -37,7 +37,7 @@ def rests(cycle: sw.Cycle) -> list[np.ndarray]:
 def test_end_forces_that_decide_a_cycle_decide_it_for_any_mobilities(stiffness, lever):
     rng = np.random.default_rng(7)
     judged = landed = 0
-    for _ in range(examples(30, full=1200)):
+    for _ in range(examples(12, full=1200)):
         cells = [concave_cell(rng) for _ in range(int(rng.integers(2, 7)))]
         cells = [
             replace(
@@ -77,7 +77,7 @@ def test_sorting_is_not_used_where_mobilities_differ_since_they_change_its_landi
 @pytest.mark.slow
 def test_relays_under_a_prescribed_force_feel_no_mobilities():
     rng = np.random.default_rng(3)
-    for _ in range(examples(20)):
+    for _ in range(examples(8, full=400)):
         springs = [
             sw.elements.trilinear((0.004, peak), (0.012, peak - drop))
             for peak, drop in rng.uniform(0.3, 1.5, (2, 2)).tolist()
@@ -93,7 +93,7 @@ def test_relays_under_a_prescribed_force_feel_no_mobilities():
 @pytest.mark.slow
 def test_a_pair_under_a_prescribed_stroke_feels_no_mobilities():
     rng = np.random.default_rng(4)
-    for _ in range(examples(40)):
+    for _ in range(examples(16, full=800)):
         chain = concave_chain(rng, 2)
         there, moved = chain.cycle(), any_mobilities(chain, rng).cycle()
         assert len(there.events) == len(moved.events)
@@ -106,7 +106,7 @@ def test_a_pair_under_a_prescribed_stroke_feels_no_mobilities():
 def test_a_stroke_leads_from_ideal_to_ideal_for_any_mobilities():
     # Theory page, "Stroke programs", (a): turned at vertices, a chain moves as its relays do.
     rng = np.random.default_rng(5)
-    for _ in range(examples(30)):
+    for _ in range(examples(10, full=600)):
         chain = any_mobilities(concave_chain(rng, 4), rng)
         cells = chain.levers
         up, down = [c.force_0 for c in cells], [c.force_1 for c in cells]

@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from facts import says
+from sizes import examples
 from stepwell.design import Boundary, BoundaryKind, boundaries
 from stepwell.design.plane import trace
 
@@ -184,7 +185,7 @@ def test_a_limit_of_bistability_has_a_bistable_side(moved):
     chain = sw.Chain((cell(10, 0), moved))
     found = [
         b
-        for b in boundaries(chain, x=(-0.010, 0.020), y=Y, search=15)
+        for b in boundaries(chain, x=(-0.010, 0.020), y=Y, search=examples(9, full=15))
         if b.kind is BoundaryKind.BISTABLE
     ]
     assert found

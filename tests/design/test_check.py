@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from facts import says
-from sizes import examples
+from sizes import SIZE, examples
 from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
@@ -18,6 +18,10 @@ from stepwell.files import presets
 from stepwell.mechanism import Band, Cell, Chain
 
 CELL = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
+# One of each kind: a cell alone, tied cells, a spring or a force at the end, friction, slack, rubber,
+# many cells, elements and volumes.
+KINDS = ["paper-cell-0-0", "paper-identical", "compliant-actuator", "force-control", "friction"]
+KINDS += ["slack", "rubber", "three-wave", "kresling", "balloon"]
 CHAINS = [name for name in presets() if not name.startswith("robot-")]
 
 
@@ -68,7 +72,7 @@ def random_chains(count: int) -> list[Chain]:
 
 @pytest.mark.slow
 def test_the_killer_breaks_it_and_a_tenth_less_does_not():
-    for chain in random_chains(examples(6)):
+    for chain in random_chains(examples(4, full=120)):
         found = check(chain, samples=300)
         killer = found.killer
         if killer is None:
@@ -100,7 +104,7 @@ def moved(killer, by: float) -> Chain:
 @pytest.mark.slow
 def test_wider_tolerances_never_make_a_verdict_better():
     order = [Verdict.WONT, Verdict.FRAGILE, Verdict.WORKS]
-    for chain in random_chains(examples(4)):
+    for chain in random_chains(examples(2, full=80)):
         ranks = [
             order.index(check(chain, None, Tolerances(anchor, 0.05), samples=2000).verdict)
             for anchor in (0.0001, 0.001, 0.004)
@@ -111,7 +115,7 @@ def test_wider_tolerances_never_make_a_verdict_better():
 @pytest.mark.slow
 def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     tried = 0
-    for chain in random_chains(examples(10)):
+    for chain in random_chains(examples(5, full=200)):
         tolerances = Tolerances(0.0015, 0.10)
         found = check(chain, None, tolerances, samples=4000)
         counted = yields(chain, tolerances, samples=4000, target=found.target)
@@ -129,7 +133,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize("name", CHAINS if SIZE == "full" else KINDS)
 def test_every_design_gets_a_verdict(name):
     found = check(sw.load(f"preset:{name}"), samples=20)
     assert isinstance(found, Check) and found.reason

@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from sizes import examples
+from sizes import SIZE, examples
 from stepwell.design.synthesis import placement as outline
 from stepwell.design.synthesis.candidates import Kind, Rule
 from stepwell.design.synthesis.designed import Design, Impossible
@@ -96,11 +96,13 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("cells", "cases"), [(2, 20), (3, 10)])
+@pytest.mark.parametrize(
+    ("cells", "cases"), [(2, 400), (3, 200)] if SIZE == "full" else [(2, 10), (3, 5)]
+)
 def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
     rng = np.random.default_rng(cells)
     proved = found = tried = 0
-    for _ in range(examples(cases)):
+    for _ in range(cases):
         box, pitch, band, wanted = random_case(rng, cells)
         ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
         # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
@@ -123,9 +125,9 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
 def test_sets_of_states_called_impossible_and_proved_have_no_witness():
     rng = np.random.default_rng(4)
     proved = 0
-    for cells, cases in ((2, 6), (3, 3)):
+    for cells, cases in ((2, examples(4, full=120)), (3, examples(2, full=60))):
         every = ["".join(bits) for bits in product("01", repeat=cells)]
-        for _ in range(examples(cases)):
+        for _ in range(cases):
             box, pitch, band, _ = random_case(rng, cells)
             ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
             columns, wanted = [], set()

@@ -60,7 +60,7 @@ def tasks(seed: int, count: int) -> list[tuple[sw.Chain, str, str, float]]:
 
 @pytest.mark.slow
 def test_the_target_is_done_just_past_the_displacement_and_reached_no_later_than_known():
-    for chain, by, target, known in tasks(1, examples(25)):
+    for chain, by, target, known in tasks(1, examples(10, full=500)):
         result = reprogram(chain, target, by, reach=REACH)
         assert result.distance <= known + 1e-12
         assert math.hypot(*result.move) == pytest.approx(result.distance, rel=1e-12)
@@ -74,7 +74,7 @@ def test_the_target_is_done_just_past_the_displacement_and_reached_no_later_than
 def test_no_shorter_displacement_in_the_plane_does_the_target():
     rng = np.random.default_rng(2)
     exact = 0
-    for chain, by, target, _ in tasks(2, examples(12)):
+    for chain, by, target, _ in tasks(2, examples(5, full=240)):
         result = reprogram(chain, target, by, reach=REACH)
         if result.method != "exact":
             continue
@@ -87,7 +87,7 @@ def test_no_shorter_displacement_in_the_plane_does_the_target():
 @pytest.mark.slow
 def test_any_other_sequence_is_as_near_as_the_margin_says():
     rng = np.random.default_rng(3)
-    for _ in range(examples(12)):
+    for _ in range(examples(5, full=240)):
         chain = concave_chain(rng, int(rng.integers(2, 6)))
         for change in sw.margin(chain, reach=REACH).changes:
             if change.parameter != "anchor" or change.method != "exact":
@@ -111,7 +111,7 @@ def test_the_sequence_across_the_nearest_boundary_is_reached_there():
 @pytest.mark.slow
 def test_an_exact_place_has_equal_forces_to_rounding():
     met = 0
-    for chain, by, target, _ in tasks(4, examples(15)):
+    for chain, by, target, _ in tasks(4, examples(7, full=300)):
         result = reprogram(chain, target, by, reach=REACH)
         if result.method != "exact":
             continue
@@ -144,7 +144,7 @@ def test_moving_p_is_moving_q_the_other_way():
 def test_on_a_line_a_brute_force_scan_finds_nothing_nearer():
     rng = np.random.default_rng(5)
     finite = 0
-    for chain, by, target, _ in tasks(5, examples(12)):
+    for chain, by, target, _ in tasks(5, examples(5, full=240)):
         angle = rng.uniform(0, 2 * math.pi)
         along = np.array([math.cos(angle), math.sin(angle)])
         result = reprogram(chain, target, by, along=tuple(along), reach=REACH)
@@ -239,7 +239,7 @@ def test_without_a_closed_form_it_is_searched_and_says_so(chain):
         assert result.resolution in str(result)
         assert result.after != result.before
         assert target in (None, result.after)
-        for _ in range(examples(15, full=600)):
+        for _ in range(examples(7, full=600)):
             near = does(chain, "outer.q", somewhere(rng, 0.98 * result.distance))
             assert near == result.before if target is None else near != target
         on_line = reprogram(chain, target, "outer.q", along=(1, -1), reach=REACH)

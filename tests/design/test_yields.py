@@ -15,7 +15,7 @@ from facts import refuses, says
 from sizes import examples
 from stepwell.concave import ASK, DrawJudge
 from stepwell.design.orders import numbered_cycle, orders_of
-from stepwell.design.tolerances import draws as _draws, tally
+from stepwell.design.tolerances import draws as _draws, sensitivity, tally
 from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
 from stepwell.design.tolerances.yields import Yield, yields
@@ -206,14 +206,15 @@ def test_the_interval_covers_a_probability_known_on_paper():
 
 @pytest.mark.slow
 def test_nineteen_intervals_in_twenty_cover_it():
+    times = examples(80, full=200)
     chain = leg()
     a, b = (c.force_0 for c in chain.levers)
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     covered = 0
-    for seed in range(200):
+    for seed in range(times):
         low, high = yields(chain, Tolerances(stiffness=0.12), samples=500, seed=seed).interval
         covered += low <= truth <= high
-    assert covered >= 185
+    assert covered >= 0.925 * times
 
 
 def test_exact_parts_always_work():
@@ -594,13 +595,14 @@ def tables(rest: float = 0.010) -> sw.Chain:
 
 
 @pytest.mark.slow
-def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds():
+def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(monkeypatch):
+    monkeypatch.setattr(sensitivity, "_POWER_BUILT", examples(9, full=10))
     tolerances = Tolerances(anchor=0.002, stiffness=0.05, rest_length=0.02)
     found = yields(tables(), tolerances, samples=20, sensitivity=True).sensitivities
     closed = yields(leg(), tolerances, samples=20, sensitivity=True).sensitivities
     assert found is not None and closed is not None
     assert found.parameters == closed.parameters
-    assert (found.points, closed.points) == (1024, 4096)
+    assert (found.points, closed.points) == (2 ** examples(9, full=10), 4096)
     np.testing.assert_allclose(found.first_order, closed.first_order, atol=0.06)
     np.testing.assert_allclose(found.total, closed.total, atol=0.06)
     assert found.deviation == pytest.approx(closed.deviation, rel=0.05)
@@ -610,7 +612,8 @@ def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(
 
 
 @pytest.mark.slow
-def test_parts_of_several_bands_in_a_cell_are_one_part():
+def test_parts_of_several_bands_in_a_cell_are_one_part(monkeypatch):
+    monkeypatch.setattr(sensitivity, "_POWER_BUILT", examples(7, full=10))
     two = sw.Cell((*cell(10).bands, *cell(12).bands))
     chain = sw.Chain((two, cell(18)), 100.0)
     found = yields(chain, Tolerances(stiffness=0.05), samples=5, sensitivity=True).sensitivities

@@ -12,7 +12,7 @@ from lab.machine import pair
 from sizes import examples
 from stepwell.base import StepwellError
 from stepwell.design import Draws, Parameter, Tolerances, parameter
-from stepwell.lab import AsBuilt, LabError, Observed, Pull, as_built, pulls_of
+from stepwell.lab import AsBuilt, LabError, Observed, Pull, as_built, builds, pulls_of
 from stepwell.lab.builds import Holes, outer_anchors, population
 from stepwell.lab.first_build import best_moves
 
@@ -221,7 +221,8 @@ def test_elements_of_other_measures_have_scales_and_no_anchors():
 
 
 @pytest.mark.slow
-def test_what_no_build_does_is_said_with_what_to_look_at():
+def test_what_no_build_does_is_said_with_what_to_look_at(monkeypatch):
+    monkeypatch.setattr(builds, "_ROUNDS", examples(2, full=builds._ROUNDS))
     with refuses(LabError, "none of 100", "8 times", "anchors ±1 mm", "innermost"):
         as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), samples=100)
 

@@ -49,7 +49,7 @@ def untied(chain: sw.Chain, drive: str) -> TransitionGraph:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15))
+@settings(max_examples=examples(6, full=300))
 @given(SEEDS, st.integers(1, 4), SOFT)
 def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed_force(
     seed, cells, power
@@ -76,7 +76,7 @@ def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15))
+@settings(max_examples=examples(6, full=300))
 @given(SEEDS, st.integers(1, 4), SOFT)
 def test_behind_the_softest_springs_any_cells_do_as_under_a_prescribed_force(seed, cells, power):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
@@ -87,7 +87,7 @@ def test_behind_the_softest_springs_any_cells_do_as_under_a_prescribed_force(see
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15))
+@settings(max_examples=examples(6, full=300))
 @given(SEEDS, st.integers(1, 4), STIFF, st.booleans())
 def test_behind_the_stiffest_springs_a_chain_does_as_under_a_prescribed_stroke(
     seed, cells, power, concave
@@ -107,7 +107,7 @@ def test_behind_the_stiffest_springs_a_chain_does_as_under_a_prescribed_stroke(
         assert snap.released == pytest.approx(like.released, rel=1e-4, abs=1e-9)
 
 
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(1, 5), st.floats(math.log10(SOFTEST), math.log10(STIFFEST)))
 def test_equilibrium_and_energy_hold_to_rounding_behind_every_spring(seed, cells, power):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)

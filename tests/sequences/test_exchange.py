@@ -60,7 +60,7 @@ def same(one: TransitionGraph, other: TransitionGraph) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("out", "back"), WAYS)
-@settings(max_examples=examples(8, full=300))
+@settings(max_examples=examples(4, full=300))
 @given(seed=SEEDS, cells=st.integers(1, 4), drive=DRIVES)
 def test_a_graph_comes_back_the_same_to_the_last_bit(out, back, seed, cells, drive):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
@@ -215,7 +215,7 @@ def test_a_graph_of_its_own_fields_is_the_same_graph_under_a_force(seed, cells):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15, full=600))
+@settings(max_examples=examples(6, full=600))
 @given(SEEDS, st.integers(1, 5), st.floats(0.5, 30))
 def test_behind_a_soft_spring_cells_are_hysterons_that_the_stroke_couples(seed, cells, stiffness):
     # Avalanches included: the rule of switching fields against the engine's flow.

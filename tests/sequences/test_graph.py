@@ -96,7 +96,7 @@ def within(node: Node, share: float) -> float:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(20, full=800))
+@settings(max_examples=examples(8, full=800))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_node_stands_from_one_end_to_the_other_with_nothing_happening(seed, cells, drive):
     found = drawn(seed, cells, drive)
@@ -140,7 +140,7 @@ def middle(found: TransitionGraph, node: Node) -> list[float]:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(20, full=800))
+@settings(max_examples=examples(8, full=800))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells, drive):
     found = drawn(seed, cells, drive)
@@ -164,7 +164,7 @@ def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(examples(2, full=60)))
+@pytest.mark.parametrize("seed", range(examples(1, full=60)))
 @pytest.mark.parametrize("control", ["stroke", 120.0])
 def test_edges_are_what_a_brute_force_follower_does(seed, control):
     rng = np.random.default_rng(seed)
@@ -209,7 +209,7 @@ def _followed(found: TransitionGraph, label: str, direction: int, drive: float):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(13, full=500))
+@settings(max_examples=examples(6, full=500))
 @given(SEEDS, st.integers(1, 6))
 def test_concave_cells_under_a_force_have_the_engines_graph_in_closed_form(seed, cells):
     rng = np.random.default_rng(seed)
@@ -261,7 +261,7 @@ def relay_graph(up, down) -> TransitionGraph:
     return from_switching_fields(np.where(at_1, down, up))
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, pytest.param(6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", range(1, examples(5, full=6) + 1))
 def test_relays_reach_as_many_states_as_there_are_falling_subsequences(n):
     # Terzi and Mungan 2020; all permutations.
     for order in itertools.permutations(range(n)):
@@ -284,7 +284,7 @@ def test_so_do_random_ones_up_to_ten_and_both_extremes(n):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(10, full=400))
+@settings(max_examples=examples(5, full=400))
 @given(SEEDS, st.integers(2, 5), DRIVES)
 def test_from_all_0_every_ideal_is_reached_and_nothing_else_if_the_order_is_kept(
     seed, cells, drive
@@ -374,7 +374,7 @@ def test_the_counter_example_of_the_theory_page_has_gardens_that_the_ends_of_the
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(10, full=400))
+@settings(max_examples=examples(5, full=400))
 @given(SEEDS, st.integers(2, 6), DRIVES)
 def test_a_garden_of_eden_is_out_of_reach_and_under_a_force_the_fields_tell_which(
     seed, cells, drive

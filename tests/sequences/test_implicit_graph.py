@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings, strategies as st
 import stepwell as sw
 from chains import any_chain, concave_cell, concave_chain
 from facts import refuses, says
-from sizes import examples
+from sizes import SIZE, examples
 from stepwell.concave import relays
 from stepwell.sequences import ImplicitGraph, TransitionGraph
 from stepwell.sequences.implicit import shown_count
@@ -72,7 +72,7 @@ def assert_the_same(implicit: ImplicitGraph, listed: TransitionGraph):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(13, full=500))
+@settings(max_examples=examples(6, full=500))
 @given(SEEDS, st.integers(1, 7))
 def test_under_a_force_it_is_the_listed_graph(seed, cells):
     chain = forced(seed, cells)
@@ -92,7 +92,7 @@ def test_under_a_force_it_is_the_listed_graph(seed, cells):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells", [9, 10])
+@pytest.mark.parametrize("cells", [9, 10] if SIZE == "full" else [10])
 def test_of_ten_cells_too(cells):
     for seed in range(examples(1, full=40)):
         chain = forced(seed, cells, concave_chain)

@@ -118,7 +118,7 @@ def test_turning_just_outside_a_window_ends_elsewhere_or_needs_another_branch():
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=examples(10, full=500))
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 4))
 def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_reachability(
     seed, cells
@@ -135,7 +135,7 @@ def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_rea
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=examples(10, full=500))
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_from_all_at_0_no_snap_follows_another_without_a_state_between_where_the_leaders_win(
     seed, cells
@@ -152,7 +152,7 @@ def test_from_all_at_0_no_snap_follows_another_without_a_state_between_where_the
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=examples(10, full=500))
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cells):
     chain = concave_chain(np.random.default_rng(seed), cells)
@@ -169,7 +169,7 @@ def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cell
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=examples(15, full=800))
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(seed, cells):
     random = np.random.default_rng(seed)
@@ -191,7 +191,7 @@ def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(see
 def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
     # An independent search, state by state, over every field between two switching fields.
     random = np.random.default_rng(1)
-    for _ in range(30):
+    for _ in range(examples(12, full=30)):
         n = int(random.integers(2, 6))
         fields = np.sort(random.permutation(2 * n).reshape(n, 2) * 1.0, axis=1)
         down, up = fields.T
@@ -271,7 +271,7 @@ def test_curves_that_cross_let_a_chain_reach_more_than_the_order_of_its_forces_s
 def test_nothing_but_ideals_is_reached_exactly_where_the_full_cycle_says_so():
     # Against every branch there is; the theory page proves both directions.
     said = {True: 0, False: 0}
-    for seed in range(examples(40)):
+    for seed in range(examples(24, full=800)):
         rng = np.random.default_rng(seed)
         chain = like_crossed(rng) if seed % 3 else concave_chain(rng, int(rng.integers(3, 7)))
         fields, n = relays(chain), len(chain)

@@ -99,7 +99,7 @@ def test_loops_of_three_nested_relays_written_out_by_hand():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(2, 5), DRIVES)
 def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, drive):
     found = drawn(seed, cells, drive)
@@ -117,7 +117,7 @@ def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, driv
         assert passed == {found.node(label).state for label in loop.vertices}
 
 
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(1, 6))
 def test_all_that_relays_reach_lies_on_the_main_loop_and_its_sub_loops(seed, n):
     # Terzi and Mungan 2020.
@@ -158,9 +158,9 @@ def test_three_nested_cells_forget_a_turning_point():
 
 @pytest.mark.slow
 def test_a_soft_actuator_remembers_what_a_stiff_one_forgets():
-    # The stiffness at which that changes, by bisection.
-    low, high = 40.0, 80.0
-    while high - low > 1e-6:
+    # The stiffness at which that changes, by bisection between two that are looked at below.
+    low, high = 53.0, 53.1
+    while high - low > 1e-5:
         middle = (low + high) / 2
         if graph(NESTED, middle, start="000").reading.return_point_memory.holds:
             low = middle
@@ -174,7 +174,7 @@ def test_a_soft_actuator_remembers_what_a_stiff_one_forgets():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(30))
+@settings(max_examples=examples(12, full=600))
 @given(SEEDS, st.tuples(LEVERS, LEVERS))
 def test_two_concave_cells_remember_under_a_prescribed_stroke_whatever_their_travels(seed, levers):
     # Proved on the theory page: they are one relay at most.
@@ -226,7 +226,7 @@ def test_two_concave_cells_behind_a_spring_can_forget():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(1, 5), st.booleans())
 def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
     # Each is alone with the force.
@@ -234,7 +234,7 @@ def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(30, full=1200))
+@settings(max_examples=examples(12, full=1200))
 @given(SEEDS, st.integers(3, 5), DRIVES, st.booleans())
 def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, concave):
     found = drawn(seed, cells, drive, concave)
@@ -250,7 +250,7 @@ def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, con
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(30, full=1200))
+@settings(max_examples=examples(12, full=1200))
 @given(SEEDS, st.integers(2, 4), DRIVES, st.booleans())
 def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells, drive, concave):
     found = drawn(seed, cells, drive, concave)
@@ -341,7 +341,7 @@ def test_the_extremes_of_a_count_may_be_off_by_its_slack():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(15, full=600))
+@settings(max_examples=examples(7, full=600))
 @given(SEEDS, st.integers(2, 4), DRIVES)
 def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):
     found = drawn(seed, cells, drive)
@@ -409,7 +409,7 @@ def test_relays_are_never_scrambled():
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(8, full=300))
+@settings(max_examples=examples(4, full=300))
 @given(SEEDS, st.integers(3, 5))
 def test_what_is_scrambled_flips_in_either_order_by_the_engine(seed, cells):
     rng = np.random.default_rng(seed)

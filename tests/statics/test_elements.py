@@ -65,7 +65,7 @@ def test_random_chains_of_elements_go_where_small_steps_of_the_flow_lead(stiffne
     at = rng.uniform(0.5e-3, 1.5e-3, (many, cells))
     to = at + rng.uniform(1.5e-3, 4e-3, (many, cells))
     # The quick run takes the first of the same chains.
-    many = examples(9, full=many)
+    many = examples(4, full=many)
     peak, valley, at, to = (drawn[:many] for drawn in (peak, valley, at, to))
     brute = Brute(peak, valley, at, to, stiffness)
     chains = [

@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 import stepwell as sw
 from chains import any_cell
-from sizes import SIZE
+from sizes import SIZE, examples
 from stepwell.statics import StaticsError, drive_range
 from stepwell.statics.following import log as logged
 
@@ -85,24 +85,26 @@ def followed(
             return chain.path(turns)
 
 
+# The event loop is interpreted here.
+LONG = examples(4, full=6)
 KINDS = ("tables", "smooth tables", "stopped tables", "levers", "levers and tables", "two turns")
 
 
 def long_chain(seed: int, kind: str) -> sw.Chain:
     rng = np.random.default_rng(seed)
     if kind == "levers":
-        return sw.Chain([any_cell(rng, friction=False) for _ in range(6)])
+        return sw.Chain([any_cell(rng, friction=False) for _ in range(LONG)])
     rows = {"smooth tables": 15, "levers and tables": 12}.get(kind, 0)
     stops, turns = kind == "stopped tables", 2 if kind == "two turns" else 1
     cells: list[sw.Cell | sw.Element] = [
-        Table(rng, turns).element(rows, stops=stops) for _ in range(6)
+        Table(rng, turns).element(rows, stops=stops) for _ in range(LONG)
     ]
     if kind == "levers and tables":
         cells[::2] = [any_cell(rng, friction=False) for _ in cells[::2]]
     return sw.Chain(cells)
 
 
-# The event loop is interpreted here: the quick run takes each kind once.
+# The quick run takes each kind once.
 FOLLOWED = [
     (kind, spring)
     for number, kind in enumerate(KINDS)
@@ -137,7 +139,7 @@ def test_queues_and_event_loop_give_one_path(kind, spring, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells", [3, 30, 100 if SIZE == "ci" else 300])
+@pytest.mark.parametrize("cells", [3, examples(60, full=300)])
 def test_tables_snap_where_a_follower_without_the_engine_says(cells):
     rng = np.random.default_rng(cells)
     tables = [Table(rng) for _ in range(cells)]

@@ -321,7 +321,7 @@ def test_a_prescribed_force_and_a_very_soft_actuator_make_a_preisach_set(seed, c
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(100))
+@settings(max_examples=examples(40, full=2000))
 @given(seeds, st.integers(1, 6), st.sampled_from([math.inf, 1000.0, 100.0, 20.0, 0.0]))
 def test_no_chain_and_no_list_of_turning_points_defeats_the_follower(seed, cells, stiffness):
     chain = chain_of(seed, cells, stiffness=stiffness)

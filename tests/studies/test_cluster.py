@@ -24,7 +24,7 @@ from studies_bytes import bytes_of
 
 LEG = sw.preset("paper-forward")
 GRID = Space((Axis("outer.q.x", 0.0, 0.020, 9), Axis("outer.q.y", -0.015, 0.015, 7)))
-KILLS = examples(2, 40)
+KILLS = examples(1, 40)
 
 
 class Cluster:
@@ -56,9 +56,10 @@ class Cluster:
             one.wait()
 
 
-@pytest.fixture
-def cluster(tmp_path) -> Iterator[Cluster]:
-    found = Cluster(tmp_path)
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory) -> Iterator[Cluster]:
+    """One for both tests: the last of them kills it."""
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
     yield found
     found.end()
 
@@ -66,7 +67,7 @@ def cluster(tmp_path) -> Iterator[Cluster]:
 @pytest.mark.slow
 def test_a_cluster_whose_workers_are_killed_writes_what_this_machine_writes(tmp_path, cluster):
     here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
-    sweep(LEG, "cycle", GRID, here, chunk=4, workers=1)
+    sweep(LEG, "cycle", GRID, here, chunk=4, workers=0)
     luck, killed = random.Random(4), []
 
     def kill(done: int, _all: int) -> None:
@@ -95,4 +96,4 @@ def test_a_scheduler_that_is_killed_is_told_and_another_one_goes_on(tmp_path, cl
     assert 2 <= status(folder).done < 16
     with refuses(SweepError, "chunks", cluster.address, "no Dask scheduler"):
         resumed(opened(folder), scheduler=cluster.address)
-    assert resumed(opened(folder), 1).finished
+    assert resumed(opened(folder), 0).finished

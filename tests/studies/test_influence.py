@@ -84,7 +84,9 @@ def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
 
 
 def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
-    found = sweep(LEG, "cycle", Space((Axis("outer.q.x", 0.0, 0.020, 5),)), tmp_path / "a.zarr")
+    found = sweep(
+        LEG, "cycle", Space((Axis("outer.q.x", 0.0, 0.020, 5),)), tmp_path / "a.zarr", workers=0
+    )
     record = account(found).record
     assert record["decided"] == []
     assert {one["share_low"] for one in record["outcomes"]} == {None}
@@ -121,7 +123,7 @@ def test_figures_of_a_study_are_read_on_a_phone_too(study, width):
 @pytest.mark.slow
 def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp_path):
     axes = Axis("outer.q.x", 0.0, 0.020, 5), Axis("outer.q.y", -0.015, 0.015, 5)
-    plane = sweep(LEG, "cycle", Space(axes), tmp_path / "plane.zarr").study
+    plane = sweep(LEG, "cycle", Space(axes), tmp_path / "plane.zarr", workers=0).study
     drawn = figures.outcomes(plane)
     first = drawn.axes[0]
     assert (first.get_xlabel(), first.get_ylabel()) == ("outer.q.x [mm]", "outer.q.y [mm]")
@@ -130,7 +132,7 @@ def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp
     told = [text.get_text() for text in key.get_texts()]
     assert {*told[told.index("Snaps") + 1 :][:2]} == {"0", "2"}
     alike = Space((Axis("outer.q.x", 0.018, 0.0181, 2),))
-    same = sweep(LEG, "graph", alike, tmp_path / "same.zarr").study
+    same = sweep(LEG, "graph", alike, tmp_path / "same.zarr", workers=0).study
     with refuses(ValueError, "all designs", "same"):
         figures.outcomes(same)
 
@@ -140,6 +142,8 @@ def test_an_atlas_has_no_report_of_a_study(tmp_path):
     from stepwell.studies import atlas
 
     cell = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
-    found = atlas(sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr")
+    found = atlas(
+        sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr", workers=0
+    )
     with pytest.raises(ValueError, match="stepwell atlas show"):
         reports.write(found, tmp_path / "out")
