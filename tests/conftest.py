@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[1]
 
 # No deadlines: the first call of a compiled kernel takes seconds, and no test asserts a time.
-settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=30)
+settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=20)
 settings.register_profile("full", deadline=None, print_blob=True, max_examples=1000)
 settings.load_profile(SIZE)
 

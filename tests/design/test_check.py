@@ -18,8 +18,8 @@ from stepwell.files import presets
 from stepwell.mechanism import Band, Cell, Chain
 
 CELL = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
-# One of each kind: a cell alone, tied cells, a spring or a force at the end, friction, slack, rubber,
-# many cells, elements and volumes.
+# One of each kind: a cell alone, tied cells, a spring or a force at the end, friction, slack,
+# rubber, many cells, elements and volumes.
 KINDS = ["paper-cell-0-0", "paper-identical", "compliant-actuator", "force-control", "friction"]
 KINDS += ["slack", "rubber", "three-wave", "kresling", "balloon"]
 CHAINS = [name for name in presets() if not name.startswith("robot-")]

@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from sizes import SIZE, examples
+from sizes import examples
 from stepwell.design.synthesis import placement as outline
 from stepwell.design.synthesis.candidates import Kind, Rule
 from stepwell.design.synthesis.designed import Design, Impossible

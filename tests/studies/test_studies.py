@@ -67,7 +67,8 @@ from stepwell.studies import Axis, Space, sweep
 
 if __name__ == "__main__":
     axes = Axis("outer.q.x", 0.0, 0.020, 9), Axis("outer.q.y", -0.015, 0.015, 7)
-    sweep(sw.preset("paper-forward"), "cycle", Space(axes), sys.argv[1], chunk=8, workers=int(sys.argv[2]))
+    folder, workers = sys.argv[1], int(sys.argv[2])
+    sweep(sw.preset("paper-forward"), "cycle", Space(axes), folder, chunk=8, workers=workers)
 """
 
 
