@@ -97,7 +97,7 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("cells", "cases"), [(2, 400), (3, 200)] if SIZE == "full" else [(2, 10), (3, 5)]
+    ("cells", "cases"), [(2, examples(10, full=400)), (3, examples(5, full=200))]
 )
 def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
     rng = np.random.default_rng(cells)

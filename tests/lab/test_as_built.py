@@ -65,7 +65,7 @@ def test_numbers_of_a_build_lie_within_their_doubt():
     """The truth is drawn as the builds are, so errors in doubts are about normal."""
     rng = np.random.default_rng(1)
     errors: list[float] = []
-    for k in range(examples(2, 200)):
+    for k in range(examples(1, 200)):
         truth = Draws(LEG, OFF, 101).sample(k)
         found = as_built(LEG, seen(truth, rng), OFF, samples=100)
         for one in found.known:

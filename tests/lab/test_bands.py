@@ -128,7 +128,8 @@ def lab_estimate(values):
 @pytest.mark.slow
 @pytest.mark.parametrize("draw", range(examples(1, full=20)))
 def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
-    assert lab.choose_law(curves(lambda f: line(f * 28.5), seed=draw)).chosen.law.name == "linear"
+    straight = curves(lambda f: line(f * 28.5), samples=2, seed=draw)
+    assert lab.choose_law(straight).chosen.law.name == "linear"
     cubic = lab.choose_law(curves(softening, seed=draw)) if draw else chosen()
     assert cubic.chosen.law.name == "cubic"
     assert cubic.named("linear").score > 5 * cubic.chosen.score

@@ -243,7 +243,7 @@ def covered(draws: int, shape, readings: int = 7) -> tuple[int, int, int]:
 def test_the_intervals_of_seven_readings_hold_the_truth_and_the_law_is_the_one_that_made_them(
     shape,
 ):
-    draws = examples(20, full=400)
+    draws = examples(10, full=400)
     k_in, rest_in, right = covered(draws, shape)
     # 95 % of a few draws; of many, 90 to 99.
     least = 0.90 if draws > 100 else 0.80

@@ -135,7 +135,7 @@ def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_e
 @pytest.mark.slow
 def test_a_chain_with_the_mobilities_that_were_found_lands_where_they_say():
     looked = 0
-    for seed in range(examples(40)):
+    for seed in range(examples(20, full=800)):
         chain = any_chain(np.random.default_rng(seed), 4, friction=False)
         path = chain.cycle().path
         own = starts(path)
@@ -239,10 +239,10 @@ def test_a_landing_of_five_per_cent_is_within_the_bound_nineteen_times_in_twenty
         assert np.all(landed.settled)
         return np.max(np.abs(landed.travel - snap.travel), axis=1) > 1e-4
 
-    count = examples(4000, full=20_000)
+    count = examples(2000, full=20_000)
     truth = np.mean(elsewhere(factors_of(3, ratio, count, seed=10**6)))
     assert truth == pytest.approx(0.05, abs=0.015)
-    seeds = examples(150, full=1000)
+    seeds = examples(60, full=1000)
     draws = [factors_of(3, ratio, 59, seed) for seed in range(seeds)]
     hits = np.sum(elsewhere(np.concatenate(draws)).reshape(seeds, 59), axis=1)
     bounds = [claim(int(k)).bound for k in hits]
@@ -308,7 +308,7 @@ def test_a_pair_that_a_third_cell_may_join_is_not_proved_by_its_freedom():
 @pytest.mark.slow
 def test_what_is_proved_no_sample_contradicts():
     proved = 0
-    for path in paths(range(examples(20, full=800))):
+    for path in paths(range(examples(12, full=800))):
         full, n = path._problem.laws.full, len(path.chain)
         factors = factors_of(n, 10.0, examples(60, full=500), 0)
         for landing, snap in zip(path.landings(bound=0.5), starts(path), strict=True):
@@ -319,7 +319,7 @@ def test_what_is_proved_no_sample_contradicts():
             assert np.all(landed.settled)
             assert np.all(landed.sheet == snap.sheet)
             assert np.max(np.abs(landed.travel - snap.travel) / full) < 1e-6
-    assert proved > 25
+    assert proved > examples(15, full=25)
 
 
 def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
