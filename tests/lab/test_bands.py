@@ -11,7 +11,7 @@ from sizes import SIZE, examples
 from stepwell import files, lab
 from stepwell.lab.bands.laws import LAWS
 
-DRAWS = examples(30, full=1600)
+DRAWS = examples(80)
 OFTEN = 0.90
 TRUE = {"stiffness": 28.5, "onset": -0.005}
 
@@ -100,7 +100,7 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
     basis = law.basis(u - onset, length, exponent)
     inside: dict[str, int] = {}
     # To fit exponents takes ten times as long.
-    draws = examples(10, 1600) if name == "Ogden" else DRAWS
+    draws = examples(20 if name == "Ogden" else 40, full=1600)
     for seed in range(draws):
         rng = np.random.default_rng(seed)
         each: dict[str, dict[int, float]] = {}

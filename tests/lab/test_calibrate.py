@@ -15,7 +15,7 @@ from stepwell.lab.fit_model import force, law_of, rows
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
-DRAWS = examples(6, 200)
+DRAWS = examples(10, 200)
 OFTEN = 0.90
 D = [(10, 0), (10, 15), (10, -15), (20, 0), (20, 15), (20, -15), (30, 0), (30, 15), (30, -15)]
 TRUE = {
