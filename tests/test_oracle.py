@@ -15,6 +15,8 @@ from facts import refuses
 from oracle import OracleCell, OracleSheet, follow
 from sizes import examples
 
+pytestmark = pytest.mark.slow
+
 R = 0.010 * math.sqrt(2)
 LIMIT = math.pi / 4
 S = 0.020
@@ -424,7 +426,6 @@ def test_a_folded_curve_jumps_at_the_ends_of_its_sheets():
     assert snap.released == pytest.approx(0.8 * 0.005 - (3.65e-3 - 3.2e-3), rel=3e-3)
 
 
-@pytest.mark.slow
 def test_result_does_not_depend_on_the_drive_step():
     rng = np.random.default_rng(7)
     for _ in range(examples(1, full=60)):

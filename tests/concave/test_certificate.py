@@ -44,6 +44,7 @@ def numbers(cell: sw.Cell) -> Simple:
     return found
 
 
+@pytest.mark.slow
 def test_a_certified_cell_is_taut_and_its_force_falls():
     rng = np.random.default_rng(1)
     cells = [any_simple(rng) for _ in range(examples(1000))]

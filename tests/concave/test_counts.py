@@ -90,6 +90,7 @@ def check(windows: Windows):
     return relays
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", range(1, 11))
 def test_counts_of_hysterons_are_those_of_all_their_states(n):
     rng = np.random.default_rng(n)
@@ -111,6 +112,7 @@ def test_counts_of_hysterons_are_those_of_all_their_states_up_to_fourteen(n):
 fields = st.integers(-4, 4)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(fields, fields).map(sorted), min_size=1, max_size=7))
 def test_fields_may_tie(pairs):
     down, up = zip(*pairs, strict=True)
@@ -140,6 +142,7 @@ def test_elements_of_several_phases_are_counted_even_where_one_is_passed_by(cell
     check(cells)
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(1, 3), min_size=1, max_size=5), st.randoms(use_true_random=False))
 def test_elements_whose_fields_rise_are_as_many_relays(steps, random):
     cells = []

@@ -87,6 +87,7 @@ def test_across_an_exact_boundary_the_sequence_changes_within_a_nanometre():
             assert len(sequences_around(PAPER, 1, q, 1e-9)) == 2
 
 
+@pytest.mark.slow
 def test_exact_boundaries_run_from_rim_to_crossing_and_stay_in_the_box():
     for boundary in boundaries(PAPER, x=X, y=Y):
         x, y = boundary.points.T
@@ -99,6 +100,7 @@ def test_exact_boundaries_run_from_rim_to_crossing_and_stay_in_the_box():
             assert to_rim < 1e-15 or np.linalg.norm(end - (0.010, 0.0)) < 1e-9
 
 
+@pytest.mark.slow
 def test_chords_of_an_exact_boundary_stay_close_to_the_curve():
     diagonal = math.hypot(0.020, 0.030)
     stays = PAPER.levers[0]
@@ -201,6 +203,7 @@ def test_a_limit_of_bistability_has_a_bistable_side(moved):
             assert {c.is_bistable for c in around} == {True, False}
 
 
+@pytest.mark.slow
 def test_on_the_limits_of_bistability_an_end_force_is_zero():
     for state, boundary in enumerate(boundaries(PAPER, x=X, y=Y)[4:]):
         assert f"F{state} = 0" in boundary.changes

@@ -53,6 +53,7 @@ def test_two_bands_in_one_hole_are_odd_once():
     assert len(told) == len(set(told)) == 1
 
 
+@pytest.mark.slow
 def test_what_stands_between_two_sequences_never_works():
     for place in (0.010, 0.020):
         pair = Chain([CELL.with_anchors(q=(place, 0.0))] * 2)

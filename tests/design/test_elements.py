@@ -79,6 +79,7 @@ def test_switching_forces_tell_the_cycle_of_any_curves(seed):
     assert cycle.degenerate or relay_cycle(chain) == cycle.sequence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", [FORCE, STROKE])
 def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     rises = sw.Element.from_points([0.0, 1e-3, 2e-3], [0.0, 1.0, 2.5], "rises")
@@ -150,6 +151,7 @@ def test_the_forces_of_drawn_elements_are_those_of_the_elements_that_are_built()
     assert draws.sample(7).elements[1].travel_scale != 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", [FORCE, STROKE, 2000.0])
 def test_yields_count_what_the_engine_finds_of_each_mechanism(drive):
     chain = sw.Chain([strong(SNAP, 1.0, "a"), strong(SOFT, 1.1, "b")], drive)
@@ -162,6 +164,7 @@ def test_yields_count_what_the_engine_finds_of_each_mechanism(drive):
     assert found.by_engine == (0 if drive == FORCE else 40)
 
 
+@pytest.mark.slow
 def test_relays_of_several_phases_are_judged_as_the_engine_does():
     chain = sw.Chain([LEAPS, strong(STEPS, 0.9, "b")], FORCE)
     found = chain.yields(TOLERANCES, samples=30, seed=1)
@@ -172,6 +175,7 @@ def test_relays_of_several_phases_are_judged_as_the_engine_does():
     assert dict(found.outcomes) == dict(does)
 
 
+@pytest.mark.slow
 def test_yields_of_elements_name_the_critical_switches_and_the_parts_that_count():
     chain = sw.Chain([SNAP, strong(STEPS, 1.05, "steps")], FORCE)
     found = chain.yields(TOLERANCES, samples=2000, sensitivity=True)
@@ -268,6 +272,7 @@ def test_a_mixed_chain_has_margins_of_anchors_and_of_scales():
     assert len(margin.anchors) == len(margin.stiffness) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", [FORCE, STROKE])
 def test_the_nearest_scale_that_reprograms_is_found(drive):
     chain = pair(drive)

@@ -41,6 +41,7 @@ def test_a_fixed_q_may_be_anywhere():
         assert -0.015 <= y <= 0.015
 
 
+@pytest.mark.slow
 def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
     box = AnchorBox(0.0, 0.010, -0.005, 0.005)
     found = sw.design(CYCLE, free="both", within=box, holes=HOLES, objective="worst", samples=20)

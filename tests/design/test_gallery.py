@@ -46,6 +46,7 @@ def test_the_finger_selector_leaves_only_finger_k_up():
         assert state_of(hand, hand.path(turns).end) == "0" * (k - 1) + "1" + "0" * (5 - k)
 
 
+@pytest.mark.slow
 def test_the_lock_opens_for_one_order_of_its_four_turning_points():
     lock, plan = sw.preset("combination-lock"), files.load("preset:combination-lock").program
     assert plan is not None

@@ -95,6 +95,7 @@ def test_the_end_forces_stand_in_the_wanted_orders():
     assert np.argsort(-made.forces[:, 1]).tolist() == [0, 3, 1, 2] == list(made.unloading)
 
 
+@pytest.mark.slow
 def test_which_cell_is_which_does_not_matter_to_where_anchors_go():
     one = design(cycle((0, 1, 2, 3), (2, 0, 3, 1)), samples=1)
     label = [2, 0, 3, 1]
@@ -204,6 +205,7 @@ def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair(
     assert ended > 10
 
 
+@pytest.mark.slow
 def test_small_tolerances_do_not_stop_the_search():
     # Every chance is 1 to the last digit; the gaps are still made as wide as can be.
     exact = design(states="all", cells=3, tolerances=Tolerances(), samples=1)
@@ -616,6 +618,7 @@ def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
     assert several.yield_.share > one.yield_.share + 0.1
 
 
+@pytest.mark.slow
 def test_of_several_levers_one_is_chosen_for_all():
     made = design(NESTED, lever=(0.010, 0.018), within=PAPER_BOX, samples=FEW)
     assert len({cell.lever for cell in made.chain.levers}) == 1
@@ -660,6 +663,7 @@ def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
 # What is told ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_region_holds_the_end_forces_of_all_allowed_anchors_and_no_others():
     made = design(NESTED, samples=FEW)
     (outline,) = made.region
@@ -697,6 +701,7 @@ def test_drawn_anchors_are_whole_micrometres():
     np.testing.assert_allclose(um, np.round(um), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_progress_never_goes_back_and_arrives():
     calls: list[tuple[int, int]] = []
     design(

@@ -143,6 +143,7 @@ def test_concave_cells_do_in_closed_form_what_the_engine_follows():
     assert left > 0
 
 
+@pytest.mark.slow
 def test_snap_strokes_agree_with_brute_force():
     rng = np.random.default_rng(7)
     snapped = 0

@@ -48,6 +48,7 @@ def concave_margins(seed: int, count: int) -> list[tuple[sw.Chain, sw.Margin]]:
     return [(chain, sw.margin(chain)) for chain in chains]
 
 
+@pytest.mark.slow
 def test_a_margin_that_is_proved_is_the_margin():
     for chain, margin in concave_margins(3, examples(10)):
         proved = proved_margin(chain)

@@ -26,6 +26,7 @@ RACE = sw.Chain(
 )
 
 
+@pytest.mark.slow
 def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
     plain, robust = RACE.yields(NARROW, samples=5), RACE.yields(NARROW, samples=5, robust=RATIO)
     assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
@@ -106,6 +107,7 @@ def test_a_mechanism_by_number_is_the_one_that_was_counted():
     assert all(draws.built(rows[k]) == draws.sample(k) for k in (0, 1, 63, 64, 199))
 
 
+@pytest.mark.slow
 def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
     found = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
     assert 0.5 < found.share < 1.0

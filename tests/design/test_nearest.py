@@ -23,6 +23,7 @@ def directions(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
+@pytest.mark.slow
 def test_beyond_several_lines_the_nearest_one_is_found():
     rng = np.random.default_rng(1)
     for _ in range(examples(60)):

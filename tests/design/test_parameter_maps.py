@@ -253,6 +253,7 @@ def test_friction_moves_the_curves_by_its_force_exactly():
             assert abs(gap) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
     stiffness = np.geomspace(3.0, 3000.0, 6)
     data = parameter_map(

@@ -41,6 +41,7 @@ def changed(draw) -> tuple[sw.Chain, Parameter, float | tuple[float, float]]:
     return chain, one, value
 
 
+@pytest.mark.slow
 @given(changed())
 def test_what_is_changed_to_a_value_has_that_value_and_changes_back(case):
     chain, one, value = case

@@ -247,6 +247,7 @@ def test_without_a_closed_form_it_is_searched_and_says_so(chain):
         assert on_line.distance >= result.distance - 2e-6
 
 
+@pytest.mark.slow
 def test_a_search_finds_what_is_exact_where_both_hold():
     # Friction so small that it changes no order, and takes the closed form away.
     rubbing = sw.Chain((replace(PAIR.cells[0], friction=1e-7), PAIR.cells[1]))

@@ -106,6 +106,7 @@ def test_past_the_radius_the_two_that_meet_change_places():
     assert met > 5
 
 
+@pytest.mark.slow
 def test_all_at_once_is_less_than_one_at_a_time():
     rng = np.random.default_rng(2)
     for _ in range(examples(5)):

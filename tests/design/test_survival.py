@@ -18,6 +18,7 @@ def test_without_tolerances_every_mechanism_does_what_the_drawing_does():
     assert survival(LEG, PROGRAM, "10", Tolerances(), start="10", samples=3).successes == 0
 
 
+@pytest.mark.slow
 def test_the_mechanisms_are_those_of_yields():
     wide = Tolerances(anchor=0.004, stiffness=0.1)
     made = survival(LEG, PROGRAM, "01", wide, start="10", samples=60, seed=3)

@@ -332,6 +332,7 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
     assert [*followed(draws, unlucky[None])] == [NOT_BUILT]
 
 
+@pytest.mark.slow
 def test_chains_too_long_to_tell_orders_apart_still_count_successes():
     rng = np.random.default_rng(12)
     chain = concave_chain(rng, 12)

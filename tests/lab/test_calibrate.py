@@ -94,6 +94,7 @@ def test_the_law_that_predicts_better_is_taken_by_default():
     assert fitted(samples(TRUE, rng, noise=0.004)).law == "linear"
 
 
+@pytest.mark.slow
 def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
     rng = np.random.default_rng(2)
     data = samples(TRUE, rng) + samples(TRUE, rng, unloading=True)
@@ -108,6 +109,7 @@ def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
     assert np.all(found.left_out_error[[s.geometry == (0.02, 0.0) for s in odd]] > 0.1)
 
 
+@pytest.mark.slow
 def test_numbers_that_the_data_cannot_tell_apart_are_named():
     found = fitted(samples(CUBIC, np.random.default_rng(3)), "cubic")
     assert any({"quadratic", "cubic"} == {a, b} for a, b, _ in found.tied)
@@ -115,6 +117,7 @@ def test_numbers_that_the_data_cannot_tell_apart_are_named():
     assert "not told apart" in lab.calibrated_table(found)
 
 
+@pytest.mark.slow
 def test_recordings_are_calibrated_from_end_to_end(tmp_path):
     recordings = [unit(f"1unit/friction/friction_{k}.txt", None, seed=k) for k in (1, 2)]
     rubber = paper_cell()
@@ -136,6 +139,7 @@ def test_recordings_are_calibrated_from_end_to_end(tmp_path):
     says(text, "going back", "0.")
 
 
+@pytest.mark.slow
 def test_the_calibrated_band_is_the_model_while_it_loads():
     found = fitted(samples(CUBIC, np.random.default_rng(0), noise=0, scatter=0), "cubic")
     band = found.band(2)
@@ -162,6 +166,7 @@ def test_too_few_geometries_are_refused():
         fitted(samples(TRUE, np.random.default_rng(0)), "quartic")
 
 
+@pytest.mark.slow
 def test_a_calibration_goes_to_xarray_and_json():
     found = fitted(samples(TRUE, np.random.default_rng(0)), "linear")
     data = found.to_xarray()

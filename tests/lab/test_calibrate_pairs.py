@@ -15,6 +15,8 @@ from stepwell.lab.fit_model import force, law_of, rows
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain, Load
 
+pytestmark = pytest.mark.slow
+
 WEIGHT, MACHINE, JOINTS = 0.08, 0.055, 0.012
 STRETCH, GIVEN = 1.02, 0.25e-3
 STIFFNESS, REST = 26.0, 0.0095
@@ -131,7 +133,6 @@ def test_what_happens_at_a_snap_and_after_it_has_no_part_in_the_fit():
         assert again[one.name].value == pytest.approx(one.value, rel=0.02, abs=2e-4), one.name
 
 
-@pytest.mark.slow
 def test_intervals_hold_what_was_put_in_and_snaps_that_no_fit_has_seen():
     """Each series has its own piece of rubber, 2 % stronger or weaker, as real ones more so."""
     draws, inside, snaps = examples(3, 200), {}, []
@@ -150,7 +151,6 @@ def test_intervals_hold_what_was_put_in_and_snaps_that_no_fit_has_seen():
     assert of >= 3 * draws and held >= 0.9 * of, (held, of)
 
 
-@pytest.mark.slow
 def test_one_direction_says_what_it_cannot_tell():
     series = lab.sort_series(everything(ways=(False,))).series
     found = lab.calibrate(lab.prepare(series), "linear")
@@ -260,7 +260,6 @@ def test_a_rig_that_was_found_brings_the_predictions_to_where_the_machine_shows_
     assert np.min(np.abs(gaps(lab.PAPER_RIG))) > 0.6e-3
 
 
-@pytest.mark.slow
 def test_pairs_of_the_paper_are_predicted_as_well_as_the_page_says(kamp2024):
     batch = lab.read_all([kamp2024])
     data = lab.prepare(lab.sort_series(batch.recordings).series)

@@ -226,6 +226,7 @@ def test_pairs_with_other_inner_cells_are_compared_too():
     assert test.right_order is not False
 
 
+@pytest.mark.slow
 def test_a_name_whose_anchors_make_no_sense_is_asked_about():
     """By its letters p and q of the outer cell are one point, where no band pulls."""
     cells = [T.with_anchors(q=q) for q in ((0.010, 0.0), (0.0, 0.0))]
@@ -311,6 +312,7 @@ def test_repeats_are_averaged_where_all_of_them_reach():
     assert test.agrees
 
 
+@pytest.mark.slow
 def test_results_go_to_xarray_csv_and_json(tmp_path):
     data = units("MB", MB) + frictions() + pairs("MMT", DIRECTED) + no_bands()
     comparison = lab.compare(data)
@@ -332,6 +334,7 @@ def test_longer_chains_are_refused_with_a_reason():
         lab.compare([recording("mine/pull_1.txt", up, up)], [Chain([MM, MT, MB])])
 
 
+@pytest.mark.slow
 def test_order_of_runs_does_not_matter():
     data = units("MB", MB) + frictions() + units("MT", MT)
     forward, backward = lab.compare(data), lab.compare(data[::-1])

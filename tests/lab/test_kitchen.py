@@ -190,6 +190,7 @@ def test_the_rest_length_follows_from_lengths_and_a_gauge_beside_them_is_refused
         lab.choose_law(test, 0.010)
 
 
+@pytest.mark.slow
 def test_bands_of_other_lengths_each_count_from_their_own_and_the_mean_is_told():
     extension = np.linspace(0.002, 0.040, 9)
     bands = [
@@ -295,6 +296,7 @@ def said(*arguments: object) -> dict[str, Any]:
     return json.loads(found.stdout)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["linear", "cubic", "neo-Hookean"])
 def test_the_band_of_a_table_goes_into_a_design_for_one_and_for_two_bands_and_runs(law, tmp_path):
     csv = tmp_path / "pull.csv"

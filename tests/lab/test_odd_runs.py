@@ -14,6 +14,8 @@ from stepwell import lab
 from stepwell.lab import Recording
 from stepwell.mechanism import Band, Cell, Chain
 
+pytestmark = pytest.mark.slow
+
 MM = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
 MT, MB = MM.with_anchors(q=(0.020, 0.0)), MM.with_anchors(q=(0.0, 0.0))
 CHAINS = {"MMT": Chain([MM, MT]), "MMB": Chain([MM, MB])}
@@ -204,7 +206,6 @@ def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloadin
     assert test.right_order
 
 
-@pytest.mark.slow
 def test_two_million_rows_say_what_a_thousand_say():
     *whole, base = runs("MMT", False)
     long = sampled(whole[0], 2_000_000 / whole[0].time[-1])

@@ -131,6 +131,7 @@ _FIELD = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(
     st.sampled_from([" ", ",", ";", "\t"]),
     st.lists(st.lists(_FIELD, min_size=1, max_size=4), max_size=12),

@@ -107,6 +107,7 @@ def test_behind_the_stiffest_springs_a_chain_does_as_under_a_prescribed_stroke(
         assert snap.released == pytest.approx(like.released, rel=1e-4, abs=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(1, 5), st.floats(math.log10(SOFTEST), math.log10(STIFFEST)))
 def test_equilibrium_and_energy_hold_to_rounding_behind_every_spring(seed, cells, power):

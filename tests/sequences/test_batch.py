@@ -77,6 +77,7 @@ def assert_the_same(chains: list[sw.Chain]) -> int:
     return ties
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("cells", [1, 2, 3, 4])
 def test_a_batch_of_lever_chains_does_what_each_does_by_itself(cells, drive):

@@ -205,6 +205,7 @@ def assert_alike(one: TransitionGraph, other: TransitionGraph) -> None:
             assert mine.released == pytest.approx(its.released, rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_chain_of_sixteen_phases_and_more_is_seen_whole_under_a_force():
     peaks = np.linspace(0.81, 1.21, 9)
     cells = [element(curve((0, 0), (1, p), (3, -p / 2), (6, 2))) for p in peaks]
@@ -221,6 +222,7 @@ def test_too_many_states_are_refused_by_their_number(monkeypatch):
     assert len(graph(chain, start="000").vertices) > 3
 
 
+@pytest.mark.slow
 def test_a_folded_element_is_the_element_in_front_of_its_spring():
     # A trilinear snap behind 400 N/m inside the element: the same drives as with both in the chain.
     inner = np.linspace(0, 5e-3, 401)

@@ -206,6 +206,7 @@ def test_fields_of_concave_cells_under_a_force_are_a_and_b_in_the_order_of_produ
             assert value == (cell.force_1 if at_1 else cell.force_0)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(1, 5))
 def test_a_graph_of_its_own_fields_is_the_same_graph_under_a_force(seed, cells):

@@ -261,6 +261,7 @@ def relay_graph(up, down) -> TransitionGraph:
     return from_switching_fields(np.where(at_1, down, up))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", range(1, examples(5, full=6) + 1))
 def test_relays_reach_as_many_states_as_there_are_falling_subsequences(n):
     # Terzi and Mungan 2020; all permutations.

@@ -87,6 +87,7 @@ def test_turning_back_past_the_snap_is_the_program_from_10_to_01():
     assert str(program.sequence) == "10>01"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", [math.inf, 200.0, 60.0, 0.0])
 def test_every_state_of_three_nested_cells_is_reached_in_at_most_three_strokes(actuator):
     chain = replace(NESTED, actuator_stiffness=actuator)
@@ -249,6 +250,7 @@ def test_a_state_that_only_a_hand_can_set_is_proved_out_of_reach_with_the_reason
     assert chain.program("01").strokes == 2
 
 
+@pytest.mark.slow
 def test_curves_that_cross_let_a_chain_reach_more_than_the_order_of_its_forces_says():
     # Two full cells race in a snap, and the one that goes up first and down last is left in
     # transit although the other let go: theory page, "Stroke programs".
@@ -289,6 +291,7 @@ def test_nothing_but_ideals_is_reached_exactly_where_the_full_cycle_says_so():
     assert min(said.values()) >= 3
 
 
+@pytest.mark.slow
 def test_the_certificate_tells_for_nearly_every_chain_of_three_to_eight_random_cells():
     # Of 200 each: what is reached for all, the fewest strokes for 199 of three and 173 of eight.
     drawn, reached, fewest = 0, 0, 0
@@ -374,6 +377,7 @@ def test_random_strokes_never_come_to_a_state_that_is_proved_out_of_reach(seed, 
             assert not out & set(sequence_of(path).states)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("to", ["001", "010", "101", "011"])
 def test_a_search_with_friction_finds_programs_and_says_that_it_proves_nothing(to):
     rubbing = sw.Chain([replace(cell, friction=0.01) for cell in NESTED.cells])

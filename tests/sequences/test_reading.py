@@ -117,6 +117,7 @@ def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, driv
         assert passed == {found.node(label).state for label in loop.vertices}
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(1, 6))
 def test_all_that_relays_reach_lies_on_the_main_loop_and_its_sub_loops(seed, n):

@@ -56,6 +56,7 @@ def arrivals(program: sw.Program, tries: int, seed: int = 0) -> set[str]:
     return ends
 
 
+@pytest.mark.slow
 def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_mobilities():
     plain = BEHIND.program("0001")
     hangs = replace(plain, robust=RATIO).hangs
@@ -116,6 +117,7 @@ def test_concave_cells_are_turned_past_vertices_where_a_landing_hangs():
     assert turned
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [math.inf, 100.0])
 @pytest.mark.parametrize("friction", [False, True])
 def test_robust_programs_arrive_with_any_mobilities_within_the_ratio(stiffness, friction):

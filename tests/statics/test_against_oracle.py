@@ -361,6 +361,7 @@ def test_under_a_force_brute_force_with_unequal_mobilities_finds_the_same_path(k
             assert agrees(path, chain)
 
 
+@pytest.mark.slow
 def test_the_third_cell_that_joins_a_snap_may_be_the_one_left_in_transit():
     # Ours: beyond two cells the largest F1 says which snap starts, not where it lands.
     def cell(x, y, k):

@@ -125,6 +125,7 @@ def dense(x, y):
     return np.interp(at, number, x), np.interp(at, number, y)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("levers", [False, True])
 def test_a_chain_inside_an_element_does_what_it_does_written_out(stiffness, levers):

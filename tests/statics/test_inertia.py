@@ -53,6 +53,7 @@ def test_blows_that_rebound_take_it_one_after_the_other():
     assert v[first] == pytest.approx(-0.6 * landing.peak_speed, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.05, 0.4, 20.0])
 def test_on_a_straight_branch_it_swings_as_the_damped_oscillator_does(damping):
     element, mass, k = trilinear(), 0.02, 250.0

@@ -172,6 +172,7 @@ def test_no_proof_is_found_where_the_engine_lands_elsewhere_with_other_mobilitie
     assert apart > 0 or kind != "concave"
 
 
+@pytest.mark.slow
 def test_a_place_where_the_snap_does_not_land_is_never_proved():
     for seed in range(12):
         for problem, snap in _snaps(_chain("any", seed)):
@@ -182,6 +183,7 @@ def test_a_place_where_the_snap_does_not_land_is_never_proved():
             assert not enclosed(problem, snap.start, snap.start.travel, 10.0)
 
 
+@pytest.mark.slow
 def test_a_proof_for_a_ratio_is_one_for_every_smaller_ratio():
     for kind in KINDS:
         for seed in range(6):

@@ -322,6 +322,7 @@ def test_what_is_proved_no_sample_contradicts():
     assert proved > examples(15, full=25)
 
 
+@pytest.mark.slow
 def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
     anchors = np.random.default_rng(0).uniform((5, -3), (22, 3), (16, 2)) * 1e-3
     path = sw.Chain([PAPER.with_anchors(q=tuple(q)) for q in anchors]).cycle().path
@@ -340,6 +341,7 @@ def test_a_landing_says_in_words_whether_it_holds():
     says(repr(RACE.cycle().path.landings()[-1]), "SNAP", "4.693 mm", "unloading")
 
 
+@pytest.mark.slow
 def test_snaps_that_leave_a_saddle_at_once_have_one_landing():
     """Two and two alike cells creep into saddles, which only rounding tells how to leave."""
     rng = np.random.default_rng(133)

@@ -154,6 +154,7 @@ def test_tables_snap_where_a_follower_without_the_engine_says(cells):
         assert snap.force[1] == pytest.approx(after, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "rows"), [(3, 40), (30, 0)])
 @pytest.mark.parametrize("apart", [0.0, 1e-13])
 def test_cells_alike_to_the_last_digit_give_a_sequence_with_ties_named(cells, rows, apart):
@@ -212,6 +213,7 @@ def test_lever_cells_alike_to_eight_digits_let_go_in_their_turn(seed):
     assert cycle.degenerate
 
 
+@pytest.mark.slow
 def test_a_path_of_many_tables_needs_memory_for_what_happens_and_not_for_cells_squared():
     rng = np.random.default_rng(1)
     for cells in (50, 200):

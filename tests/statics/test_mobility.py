@@ -98,6 +98,7 @@ def test_under_a_force_nothing_depends_on_mobility(seed, cells):
     assert not differs(ours.path, theirs.path)
 
 
+@pytest.mark.slow
 @given(seeds, st.floats(-2.0, 2.0))
 def test_a_pair_under_a_stroke_lands_the_same_whatever_its_mobilities(seed, decades):
     chain = any_chain(np.random.default_rng(seed), 2, friction=False)

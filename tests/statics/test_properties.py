@@ -74,6 +74,7 @@ def test_every_point_is_a_certified_stable_equilibrium(seed, cells):
     assert np.min(path.stability[kept]) >= -1e-5 * stiffest
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_travels_add_up_to_the_stroke_and_stay_between_the_stops(seed, cells):
     chain = chain_of(seed, cells)
@@ -164,6 +165,7 @@ def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
             assert released == pytest.approx(twin, abs=blur)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
 def test_shifting_both_anchors_together_changes_nothing(seed, cells, x, y):
     chain = any_chain(np.random.default_rng(seed), cells)
@@ -186,6 +188,7 @@ def test_shifting_both_anchors_together_changes_nothing(seed, cells, x, y):
     assert ours.dissipated == pytest.approx(theirs.dissipated, rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.floats(0.01, 100.0))
 def test_scaling_every_force_scales_the_forces_and_leaves_the_sequence(seed, cells, factor):
     chain = chain_of(seed, cells)
@@ -198,6 +201,7 @@ def test_scaling_every_force_scales_the_forces_and_leaves_the_sequence(seed, cel
     assert [e.stroke for e in theirs.events] == pytest.approx(strokes, abs=1e-7 * chain.full_stroke)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.randoms(use_true_random=False))
 def test_permuting_the_cells_permutes_the_sequence(seed, cells, random):
     chain = chain_of(seed, cells)
@@ -210,6 +214,7 @@ def test_permuting_the_cells_permutes_the_sequence(seed, cells, random):
     assert list(theirs.sequence) == expected
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.floats(0.05, 0.95), st.floats(0.05, 0.95))
 def test_a_stretch_without_event_is_retraced_exactly(seed, cells, at, share):
     chain = chain_of(seed, cells, friction=False)
@@ -226,6 +231,7 @@ def test_a_stretch_without_event_is_retraced_exactly(seed, cells, at, share):
     assert np.allclose(straight.end, back.end, rtol=0, atol=1e-9 * chain.full_stroke)
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.sampled_from([math.inf, 300.0]))
 def test_every_snap_meets_its_stated_condition(seed, cells, stiffness):
     chain = chain_of(seed, cells, friction=False, stiffness=stiffness)
@@ -277,6 +283,7 @@ def _slopes(cell: sw.Cell, s: float) -> tuple[float, float]:
     return (force(s) - force(s - step)) / step, (force(s + step) - force(s)) / step
 
 
+@pytest.mark.slow
 @given(seeds, st.integers(2, 8))
 def test_concave_cells_load_by_ascending_f0_and_unload_by_descending_f1(seed, cells):
     chain = concave_chain(np.random.default_rng(seed), cells)
@@ -289,6 +296,7 @@ def test_concave_cells_load_by_ascending_f0_and_unload_by_descending_f1(seed, ce
     assert len(cycle.sequence) == 2 * cells + 1
 
 
+@pytest.mark.slow
 @given(seeds, sizes)
 def test_a_very_stiff_actuator_acts_like_a_prescribed_stroke(seed, cells):
     chain = concave_chain(np.random.default_rng(seed), cells)
@@ -299,6 +307,7 @@ def test_a_very_stiff_actuator_acts_like_a_prescribed_stroke(seed, cells):
     assert stiff.dissipated == pytest.approx(rigid.dissipated, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(seeds, st.integers(1, 6), st.sampled_from([0.0, 1e-3]))
 def test_a_prescribed_force_and_a_very_soft_actuator_make_a_preisach_set(seed, cells, stiffness):
     rng = np.random.default_rng(seed)

@@ -41,6 +41,8 @@ from stepwell.studies import (
 )
 from stepwell.studies.machines import ways_of
 
+pytestmark = pytest.mark.slow
+
 CELL = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
 
 
@@ -74,7 +76,6 @@ def stores(tmp_path_factory):
     return store
 
 
-@pytest.mark.slow
 def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
     _, found = stores(2, 20_000)
     assert found.whole and found.possible == len(found.machines) == 3
@@ -83,7 +84,6 @@ def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
     assert sum(one.share.times for one in found.cycles) == found.told
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cells", "designs", "drive"), [(2, 20_000, "force"), (3, 2_000, "stroke"), (3, 2_000, "force")]
 )
@@ -153,7 +153,6 @@ def packed_certificate(chain):
     return all((one := simple(cell)) and certify(one, 0.0) for cell in chain.cells)
 
 
-@pytest.mark.slow
 def test_a_store_that_lost_blocks_is_filled_with_the_same_bytes(tmp_path):
     chain, axes = sw.Chain([CELL] * 2), axes_of(2)
     blocks = IndependentBlocks(axes, 500, 6, seed=3)
@@ -232,7 +231,6 @@ def test_tolerances_of_what_no_cell_has_are_refused(stores):
         charted(study, tolerances=Tolerances(friction=0.1))
 
 
-@pytest.mark.slow
 def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
     study, found = stores(2, 20_000)
     machine = min(found.machines, key=lambda one: one.gap)
@@ -329,7 +327,6 @@ def test_the_status_of_an_atlas_is_a_few_numbers(stores):
     assert told == {"told": 20_000, "not_proved": 0, "ties": 0, "wakes": 0}
 
 
-@pytest.mark.slow
 def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
     """A block of it, taken away and computed again, has the same bytes."""
     from stepwell.studies import THREE
@@ -378,7 +375,6 @@ def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:
     return found
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "designs", "low"), [(2, 20_000, -0.008), (3, 2_000, 0.0)])
 def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cells, designs, low):
     study, found = stores(cells, designs, low=low)
@@ -426,7 +422,6 @@ def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
                     assert abs(one.value - points[other[0], k]) <= step
 
 
-@pytest.mark.slow
 def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     chain, axes = sw.Chain([CELL] * 3), axes_of(3)
     each = examples(16, full=30)

@@ -18,6 +18,8 @@ pytest.importorskip("zarr", reason="studies are not tested: zarr is not installe
 from stepwell.studies import Axis, GapError, How, Space, decided, opened, status, sweep
 from stepwell.studies.influence import explained
 
+pytestmark = pytest.mark.slow
+
 LEG = sw.preset("paper-forward")
 
 
@@ -92,7 +94,6 @@ def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
     assert {one["share_low"] for one in record["outcomes"]} == {None}
 
 
-@pytest.mark.slow
 def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
     names = reports.write(study, tmp_path / "out")
     assert {"report.html", "outcomes.svg", "influences.svg", "study.csv", "study.json"} <= {*names}
@@ -120,7 +121,6 @@ def test_figures_of_a_study_are_read_on_a_phone_too(study, width):
         assert untidy(figures.compose([draw], width=width)) == []
 
 
-@pytest.mark.slow
 def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp_path):
     axes = Axis("outer.q.x", 0.0, 0.020, 5), Axis("outer.q.y", -0.015, 0.015, 5)
     plane = sweep(LEG, "cycle", Space(axes), tmp_path / "plane.zarr", workers=0).study
@@ -137,7 +137,6 @@ def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp
         figures.outcomes(same)
 
 
-@pytest.mark.slow
 def test_an_atlas_has_no_report_of_a_study(tmp_path):
     from stepwell.studies import atlas
 

@@ -89,6 +89,7 @@ def filled(study: Study) -> Study:
     return study
 
 
+@pytest.mark.slow
 def test_what_is_kept_what_is_untold_and_some_by_lot_are_computed_and_no_other(make):
     study = filled(make(Wrong(untold=(13, 18))))
     data = study.to_xarray()
@@ -105,6 +106,7 @@ def test_what_is_kept_what_is_untold_and_some_by_lot_are_computed_and_no_other(m
     assert data.depth.values[there] == pytest.approx(depths, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_what_a_screen_says_first_stays_whatever_it_would_say_next(make, tmp_path):
     screen = Wrong(errs=(3,))
     study = filled(make(screen))
@@ -130,6 +132,7 @@ def test_of_two_that_screen_a_chunk_at_once_the_first_is_heard_by_both(make):
     ]
 
 
+@pytest.mark.slow
 def test_agreement_is_what_counting_gives(make):
     errs = tuple(range(0, COUNT, 3))
     study = filled(make(Wrong(errs=errs, untold=(7, 15))))
@@ -154,6 +157,7 @@ def test_agreement_is_what_counting_gives(make):
         assert share is not None and (share.times, share.of) == (times, of) and of > 0
 
 
+@pytest.mark.slow
 def test_shares_are_told_of_designs_drawn_by_lot_and_none_of_those_chosen(make):
     study = filled(make(Wrong()))
     record = account(status(study)).record

@@ -128,6 +128,7 @@ def test_a_store_holds_what_the_engine_says(whole):
     assert not any(data.problem.values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "columns"),
     [("margin", ["anchor", "stiffness"]), ("yield", ["share"]), ("graph", ["states"])],
@@ -139,6 +140,7 @@ def test_other_things_are_computed_too(tmp_path, what, columns):
         assert np.all(np.isfinite(data[name].values))
 
 
+@pytest.mark.slow
 def test_without_processes_the_bytes_are_the_same(tmp_path, undisturbed):
     before = multiprocessing.active_children()
     study = sweep(LEG, "cycle", GRID, tmp_path / "s.zarr", chunk=CHUNK, workers=0).study
@@ -273,6 +275,7 @@ def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_p
         extended(after.study, 10)
 
 
+@pytest.mark.slow
 def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp_path):
     folder, space = tmp_path / "s.zarr", Space((Axis("outer.q.x", 0.0, 0.020),), How.RANDOM, 4, 1)
     study = begun(asked(LEG, "cycle", space, folder, chunk=4))
@@ -290,6 +293,7 @@ def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp
     assert other.done_chunks() == []
 
 
+@pytest.mark.slow
 def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
     for k, designs in enumerate(
         (GRID, ListedDesigns(("outer.q.x",), np.array([[0.01]])), Space(AXES[:1], How.LATIN, 4))
@@ -299,6 +303,7 @@ def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
             extended(study, 400)
 
 
+@pytest.mark.slow
 def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
     from stepwell.design import Draws
 
@@ -313,6 +318,7 @@ def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
         assert found["1.friction"].values[k] == chain.cells[0].friction
 
 
+@pytest.mark.slow
 def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
     first = sweep(LEG, "margin", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=0)
     first.study.to_csv(tmp_path / "all.csv")
@@ -361,6 +367,7 @@ def test_a_study_that_is_cancelled_stops_and_goes_on_later(tmp_path, undisturbed
     assert resumed(study, 0).finished and bytes_of(folder) == undisturbed
 
 
+@pytest.mark.slow
 def test_programs_are_found_of_every_design_or_proved_impossible(tmp_path):
     space = Space((Axis("outer.q.x", 0.0, 0.02, 5),))
     from stepwell.design import parameter
@@ -421,6 +428,7 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
             function_of(f"{file}:{name}", LEG)
 
 
+@pytest.mark.slow
 def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     pytest.importorskip("mujoco", reason="robots' studies are not tested: mujoco is not installed")
     from stepwell.simulation import Trial, walk
@@ -502,6 +510,7 @@ def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
     assert not any(file.stat().st_size > found.disk for one in chunks for file in one.iterdir())
 
 
+@pytest.mark.slow
 def test_the_best_of_a_study_are_a_list_that_another_study_takes(tmp_path):
     first = sweep(LEG, "cycle", GRID, tmp_path / "a.zarr", chunk=CHUNK, workers=0).study
     snaps, peak = first.values("snaps"), first.values("peak_force")
@@ -560,6 +569,7 @@ def test_the_layouts_of_a_maze_differ_by_as_much_as_is_asked(monkeypatch):
         work_of("maze", given | {"layouts": 0, "angle": 1.0}, robot)
 
 
+@pytest.mark.slow
 def test_parquet_holds_what_csv_holds(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is not tested: no pyarrow")
     study = sweep(LEG, "cycle", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=0).study
