@@ -25,10 +25,14 @@ slack cells at once are decided by rounding, not by mechanics.
 
 from __future__ import annotations
 
+import getpass
 import math
+import tempfile
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numba import njit
@@ -189,7 +193,10 @@ def follow(
         raise ValueError(f"start sums to {s.sum()!r} but the stroke starts at {points[0]!r}")
 
     threshold = float(spans.max()) / 100 if snap_travel is None else float(snap_travel)
-    rows, jumps, codes, failed = _follow(mode, stiffness, points, s, int(steps), threshold, *packed)
+    with _compiled_once():
+        rows, jumps, codes, failed = _follow(
+            mode, stiffness, points, s, int(steps), threshold, *packed
+        )
     if failed:
         raise RuntimeError("the flow did not settle within a drive step")
     if len(jumps) == MAX_SNAPS or len(codes) == MAX_VERTICES:
@@ -223,6 +230,15 @@ def follow(
             "".join("1" if code >> i & 1 else "0" for i in range(n)) for code in codes
         ),
     )
+
+
+def _compiled_once() -> AbstractContextManager[object]:
+    """Of several processes one compiles, for many seconds; the others take what it has kept."""
+    if _follow.signatures:
+        return nullcontext()
+    from filelock import FileLock
+
+    return FileLock(Path(tempfile.gettempdir()) / f"oracle-{getpass.getuser()}.lock")
 
 
 def _pack(cells: Sequence[OracleCell]):
