@@ -330,6 +330,7 @@ def _cut_sheet(
     laws: Laws, ends: Floats, i: int, out: Pieces, room: CuttingSpace, total: int
 ) -> int:
     """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
+    # One function: every cut writes to the same arrays, which are taken out once.
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
     sign, picked, rows, cuts = out.sign, out.picked, room.rows, room.cuts
     bands = laws.band_first[i + 1] - laws.band_first[i]

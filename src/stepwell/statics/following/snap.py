@@ -64,6 +64,7 @@ FINE, COARSE = 2e-7, 1e-4
 @leaf
 def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
+    # What is left is one run of steps, each of which may end the snap.
     begun = begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[TRIGGER]
