@@ -152,6 +152,7 @@ def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
     Returns:
         The cell in transit, or -1 where there was no end.
     """
+    # One function: a step works on three arrays that are made once.
     n = len(cells)
     force, rate, half = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(_STEPS):
@@ -262,6 +263,7 @@ def _landing(
 @kernel
 def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -> float:
     """Fill the targets of all nodes to which vertices lead; the clearance, -1 if none is proved."""
+    # One function: every node adds to the same list of those that wait.
     n = len(ends)
     full, clear = full_travel(of_row(cells[0])), np.inf
     waiting, count = np.empty(len(up), np.int64), 0

@@ -352,6 +352,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
 @leaf
 def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
     """Stand where a full cycle begins, and set its turns; False where it cannot be told plainly."""
+    # One function: chains with stops and without fill the same travels and turns.
     laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
     alpha, beta, scale, phases = problem.alpha, problem.beta, problem.scale, work.phases
     travel, sheet, n = work.begin, work.sheet, len(laws.lever)
@@ -404,6 +405,7 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
 @leaf
 def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
     """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
+    # One function: one pass over the cells adds up what decides whether they stand.
     laws, pieces, ends, state = problem.laws, problem.pieces, problem.sheets.ends, work.state
     alpha, beta, scale, travel = problem.alpha, problem.beta, problem.scale, state.travel
     stand_all_on(laws, problem.sheets, pieces, work.sheet)

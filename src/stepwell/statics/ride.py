@@ -131,6 +131,7 @@ def _bounds(
 @kernel
 def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> int:
     """Find which cells move from here on, after cells that leave their sheets; how many."""
+    # One function: bounds, forces and gains of a pass are in arrays made once.
     n = len(motion.travel)
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     end, count = _lambda(problem, body, motion.travel), 0
@@ -401,6 +402,7 @@ def _lost(book: Floats) -> float:
 @kernel
 def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> int:
     """A step, or the part of it up to the first contact that changes."""
+    # One function: a step and the root over its length use the same four arrays.
     k, book = len(leg.cells), motion.book
     pace, force = _pace(motion, leg), np.empty(k)
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)

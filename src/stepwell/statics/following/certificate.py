@@ -103,6 +103,7 @@ def certify(
     kink has two stiffnesses; the smaller counts, unless a cell slides against friction: that one
     cannot give way to what the other side of the kink would set off.
     """
+    # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     ends = problem.sheets.ends
     n = len(travel)

@@ -67,6 +67,7 @@ def floor_of(
 
     `heaviest` is the largest m κ of any cell on a rising branch.
     """
+    # One function: valley, mean and way change together from piece to piece.
     laws, pieces = problem.laws, problem.pieces
     j, p, travel, force, d = falling
     own, others = problem.mobility[j], mobility_of(rising)

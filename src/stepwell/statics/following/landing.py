@@ -246,6 +246,7 @@ def least_pull(
     A least one has more on both sides: so much less pull, and the snap would land there. Without
     one it is inf.
     """
+    # One function: pieces, and whether the pull falls, go on as locals.
     picked, pieces = problem.pieces.picked, problem.pieces
     forth, back = line.forth, line.back
     on_forth = find_piece(pieces, forth, line.from_forth + begin, 1) if forth >= 0 else 0

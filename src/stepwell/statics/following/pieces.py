@@ -110,6 +110,7 @@ def _sort(values: Floats, count: int) -> None:
 @leaf
 def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
+    # One function: bands and loads add to the same list of travels.
     r, sin_limit, low, high = (
         laws.lever[cell],
         laws.sin_limit[cell],
@@ -244,6 +245,7 @@ def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: Cuttin
 
     With them any place where a root cannot be ruled out. The law has been looked at on [a, b].
     """
+    # One function: halves wait on one stack, whose height is a local like the count.
     at, out, picked = room.at, room.cuts, room.rows
     lefts, rights, depth, open_on = room.ends[0], room.ends[1], room.depth[0], room.depth[1]
     lefts[0], rights[0], depth[0], open_on[0] = a, b, 0, 3

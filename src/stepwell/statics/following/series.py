@@ -233,6 +233,7 @@ def _stop_here(
 
     Where it `closes`, the softest cell takes up what rounding left of the stroke.
     """
+    # One function: the last row is written with sums of the pass over the cells.
     pieces, laws, force = problem.pieces, problem.laws, state.force[0]
     kind = MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else HOLD
     _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)

@@ -311,6 +311,7 @@ def _first_to_arrive(
     there both forces rise with the drive, with the leader on its next piece and the other one
     turned back on its own.
     """
+    # One function: both senses compare movers with the first that arrives.
     pieces, rank, force = problem.pieces, problem.rank, state.force[0]
     ends = problem.sheets.ends
     scale = problem.scale
@@ -430,6 +431,7 @@ def _leader(pieces: Pieces, movers: Movers) -> int:
 @leaf
 def move(problem: DrivenChain, state: State, movers: Movers, direction: int, target: float) -> int:
     """Follow one branch to its first event or to the target."""
+    # One function: drive, level and places of a step decide what is done after it.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     toward = direction if _leader(pieces, movers) < 0 else -direction
     begun = begin(problem, state, direction)

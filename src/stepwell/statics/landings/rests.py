@@ -42,6 +42,7 @@ class Stretches(NamedTuple):
 @kernel
 def _branches(problem: DrivenChain, room: Room) -> Stretches:
     """The branches of all cells within their room."""
+    # One function: every cell adds to the same seven arrays.
     pieces, n = problem.pieces, len(room.low)
     count = 0
     for i in range(n):

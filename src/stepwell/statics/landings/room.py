@@ -221,6 +221,7 @@ def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
     Each cell is given the cheapest that all others can do at the same drive. Travels are counted
     from the start in steps, so that those of all cells add up; each bound holds for a whole step.
     """
+    # One function: each cell needs the energies of all others, made once.
     moving = np.flatnonzero(room.high > room.low)
     m, level = len(moving), start.force
     if m == 0:

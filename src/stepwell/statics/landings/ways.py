@@ -285,6 +285,7 @@ def keeps_off(
 
     A ratio of inf asks for energy alone.
     """
+    # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
     seen = np.zeros(boxes, np.int64)
     for c in range(len(others)):
