@@ -233,7 +233,6 @@ def _stop_here(
 
     Where it `closes`, the softest cell takes up what rounding left of the stroke.
     """
-    # One function: the last row is written with sums of the pass over the cells.
     pieces, laws, force = problem.pieces, problem.laws, state.force[0]
     kind = MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else HOLD
     _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
@@ -250,10 +249,14 @@ def _stop_here(
         on = state.piece[softest]
         at = state.travel[softest] + left
         state.travel[softest] = min(max(at, pieces.left[on]), pieces.right[on])
-    row = segment.counts[1]
-    if row < 0:
-        return
-    log = state.log
+    if segment.counts[1] >= 0:
+        _name_all(problem, state, rising, segment)
+
+
+@leaf
+def _name_all(problem: DrivenChain, state: State, rising: Rising, segment: FollowedSegment) -> None:
+    """Name in the row written last all cells that it did not, where they are now."""
+    log, row = state.log, segment.counts[1]
     for m in range(log.first[row], log.first[row + 1]):
         mover = log.movers[m]
         i = int(mover[CELL])
