@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
 from stepwell.cli.options import Group, Json, Output, grouped, local, read_design
 from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, subcommands, usable, warn
 from stepwell.cli.sweep import Effort, going_on, read_axes
-
-if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
-    from stepwell.studies import Atlas, Axis, Study
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
 
@@ -64,20 +61,17 @@ class SpaceOptions(Group):
     ] = 1e6
     seed: parts.Seed = 0
 
-    def read(self) -> tuple[Chain, tuple[Axis, ...]]:
+    def read(self) -> tuple[sw.Chain, tuple[sw.studies.Axis, ...]]:
         """The chain that is varied, and what varies."""
-        from stepwell.mechanism import Band, Cell, Chain
-        from stepwell.studies import Axis
-
         if not math.isfinite(self.designs) or self.designs > 1e12:
             message = f"{self.designs}: must be at most 1e12."
             raise typer.BadParameter(message, param_hint="--designs")
         if self.design is None:
-            band = Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
-            subject = Chain([Cell(band)] * self.cells)
+            band = sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
+            subject = sw.Chain([sw.Cell(band)] * self.cells)
         else:
             _, subject = read_design(self.design)
-            if not isinstance(subject, Chain):
+            if not isinstance(subject, sw.Chain):
                 raise typer.BadParameter("is a robot: must be a chain.", param_hint="DESIGN")
             if not self.vary:
                 raise typer.BadParameter("is needed with a design.", param_hint="--vary")
@@ -85,7 +79,7 @@ class SpaceOptions(Group):
             with usable("--vary"):
                 return subject, read_axes(self.vary, subject, drawn=True)
         return subject, tuple(
-            Axis(f"{cell}.{part}", *ends)
+            sw.studies.Axis(f"{cell}.{part}", *ends)
             for cell in range(1, self.cells + 1)
             for part, ends in _SPACE.items()
         )
@@ -114,13 +108,11 @@ def build(
 
     Example: stepwell atlas build --out two --designs 1e5
     """
-    from stepwell.studies import DRIVES, atlas
-
-    if drive not in DRIVES:
+    if drive not in sw.studies.DRIVES:
         raise typer.BadParameter(f"{drive!r}: must be stroke or force.", param_hint="--drive")
     subject, axes = space.read()
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
-        found = atlas(
+        found = sw.studies.atlas(
             subject, axes, int(space.designs), out,
             drive=drive, seed=space.seed, workers=effort.workers, scheduler=effort.scheduler,
             progress=tell,
@@ -174,29 +166,28 @@ def find(
 
     Example: stepwell atlas find '00>10>11>01>00' --yield 90
     """
-    from stepwell import files, studies
-
     if out is not None and out.suffix != ".toml":
         raise typer.BadParameter(f"{out}: must end in .toml.", param_hint="--out")
     yields = _percent(least)
     study = _opened(store)
     with usable("QUERY"):
-        studies.understood(query)
+        sw.studies.understood(query)
     chart = _charted(study, within, checks=0)
-    machines = studies.find(chart, query, yields)
+    machines = sw.studies.find(chart, query, yields)
     if out is not None and machines:
-        files.save(machines[0].chain, out)
+        sw.files.save(machines[0].chain, out)
         if not as_json:
             show_lines(f"Written into {out}: {machines[0].name}.")
     report(account(chart, machines=machines, query=query), as_json)
 
 
-def _opened(store: Path | None) -> Study:
-    from stepwell.studies import THREE, gaps_text, opened
-
-    study = opened(store or THREE)
+def _opened(store: Path | None) -> sw.studies.Study:
+    study = sw.studies.opened(store or sw.studies.THREE)
     if gaps := study.gaps():
-        warn(f"{study.folder}: {gaps_text(gaps, study.count)}. What follows is of the others.")
+        warn(
+            f"{study.folder}: {sw.studies.gaps_text(gaps, study.count)}. "
+            "What follows is of the others."
+        )
     return study
 
 
@@ -210,16 +201,16 @@ def _percent(text: str) -> float:
     return share
 
 
-def _charted(study: Study, within: parts.BandTolerances, checks: int = 100) -> Atlas:
-    from stepwell.studies import charted
-
+def _charted(
+    study: sw.studies.Study, within: parts.BandTolerances, checks: int = 100
+) -> sw.studies.Atlas:
     with usable("STORE"), progress("machines") as tell:
-        return charted(study, tolerances=within.tolerances(), checks=checks, progress=tell)
+        return sw.studies.charted(
+            study, tolerances=within.tolerances(), checks=checks, progress=tell
+        )
 
 
-def _show(study: Study, found: Atlas, output: Output) -> None:
-    from stepwell.studies import borders
-
+def _show(study: sw.studies.Study, found: sw.studies.Atlas, output: Output) -> None:
     # People look at neighbours in the studio.
-    near = borders(study, found) if output.as_json else ()
+    near = sw.studies.borders(study, found) if output.as_json else ()
     output.report(account(found, borders=near))

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
 from stepwell.cli.options import Design, Group, Output, Robust, grouped, read_chain
@@ -38,8 +39,6 @@ def check(
 
     Example: stepwell check preset:paper-forward --anchor 0.5
     """
-    from stepwell import files
-    from stepwell.accounts import About, account
     from stepwell.design import check
 
     text, chain = read_chain(design)
@@ -48,13 +47,13 @@ def check(
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    program = files.loads(text, design).program if target is None else None
+    program = sw.files.loads(text, design).program if target is None else None
     wanted = target if program is None else own(text, design)
     with usable(design), progress("check") as tell:
         found = check(
             chain, wanted, spread, samples=sampling.samples, seed=sampling.seed, progress=tell
         )
-    output.report(account(found, About(text, design, calibrated)))
+    output.report(sw.accounts.account(found, sw.accounts.About(text, design, calibrated)))
     answered(found.verdict != "won't")
 
 
@@ -111,7 +110,6 @@ def yield_(
 
     Example: stepwell yield preset:paper-forward --samples 1000
     """
-    from stepwell.accounts import About, account
     from stepwell.design import survival, yields
 
     text, chain = read_chain(design)
@@ -147,4 +145,4 @@ def yield_(
                 robust=counted.robust,
                 progress=tell,
             )
-    output.report(account(found, About(text, design, calibrated)))
+    output.report(sw.accounts.account(found, sw.accounts.About(text, design, calibrated)))

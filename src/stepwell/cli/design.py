@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+import stepwell as sw
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
@@ -17,7 +18,6 @@ from stepwell.cli.screen import answered, progress, report, usable
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
-    from stepwell.mechanism import Element
 
 # Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
@@ -200,7 +200,6 @@ def design(
 
     Example: stepwell design '00>10>11>01>00' --out leg
     """
-    from stepwell.accounts import account
     from stepwell.design import Impossible, design
 
     wanted, spread, allowed = wish(target), within.tolerances(), parts.allowed()
@@ -219,10 +218,10 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        report(account(why), output.as_json)
+        report(sw.accounts.account(why), output.as_json)
         answered(False)
     else:
-        output.report(account(found))
+        output.report(sw.accounts.account(found))
 
 
 class Direction(NamedTuple):
@@ -301,7 +300,6 @@ def reprogram(
 
     Example: stepwell reprogram preset:paper-forward --by inner.p
     """
-    from stepwell.accounts import About, account
     from stepwell.design import reprogram
 
     if way.one_way and way.line is None:
@@ -318,7 +316,7 @@ def reprogram(
             reach=from_unit(way.reach, "mm"),
             progress=tell,
         )
-    output.report(account(found, About(text, design)))
+    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
     answered(math.isfinite(found.distance))
 
 
@@ -345,17 +343,15 @@ def wish(text: str) -> dict[str, Any]:
     )
 
 
-def elements_of(text: str) -> "tuple[Element, ...]":
+def elements_of(text: str) -> "tuple[sw.Element, ...]":
     """An element of the library by its name, or the elements of a design file."""
-    from stepwell.mechanism import LIBRARY
-
-    if text in LIBRARY:
-        return (LIBRARY[text].make(name=text),)
+    if text in sw.mechanism.LIBRARY:
+        return (sw.mechanism.LIBRARY[text].make(name=text),)
     _, chain = read_chain(text)
     if not chain.elements:
         raise typer.BadParameter(
             f"{text!r} has no elements: must be a design file that has, or one of "
-            f"{', '.join(LIBRARY)}.",
+            f"{', '.join(sw.mechanism.LIBRARY)}.",
             param_hint="--element",
         )
     return chain.elements
@@ -364,12 +360,11 @@ def elements_of(text: str) -> "tuple[Element, ...]":
 def stocks(text: str) -> "list[Stock]":
     """What `stock` reads, or the bands of a design file."""
     from stepwell.design import Stock
-    from stepwell.mechanism import Cell
 
     if not text.endswith(".toml") and not text.startswith("preset:"):
         return [stock(text)]
     _, chain = read_chain(text)
-    cells = [cell for cell in chain.cells if isinstance(cell, Cell)]
+    cells = [cell for cell in chain.cells if isinstance(cell, sw.Cell)]
     return list(dict.fromkeys(Stock.of(band) for cell in cells for band in cell.bands))
 
 

@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import stepwell as sw
 from stepwell.base import told_in
 from stepwell.cli.screen import progress, usable
-
-if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
-    from stepwell.sequences import Program
 
 
 def drive(text: str) -> str | float:
     """stroke, force, or a stiffness in N/m."""
-    from stepwell.mechanism import SOFTEST, STIFFEST
-
     if text in ("stroke", "force"):
         return text
     try:
         stiffness = float(text)
     except ValueError:
         stiffness = -1.0
-    if not SOFTEST <= stiffness <= STIFFEST:
+    if not sw.mechanism.SOFTEST <= stiffness <= sw.mechanism.STIFFEST:
         raise typer.BadParameter(
-            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, {SOFTEST:g} to "
-            f"{STIFFEST:g}."
+            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, "
+            f"{sw.mechanism.SOFTEST:g} to {sw.mechanism.STIFFEST:g}."
         )
     return stiffness
 
@@ -46,7 +41,7 @@ Drive = Annotated[str | None, _option("N/m, kPa/mL or N m/rad", "as in the desig
 NewDrive = Annotated[str | None, _option("N/m", "the stroke")]
 
 
-def drive_of(drive: str | float | None, chain: Chain) -> str | float | None:
+def drive_of(drive: str | float | None, chain: sw.Chain) -> str | float | None:
     """Such a drive as `Chain.graph` takes it: a stiffness in SI."""
     _, factor = told_in(chain.measure.stiffness_unit)
     return drive / factor if isinstance(drive, float) else drive
@@ -71,11 +66,9 @@ Target = Annotated[
 
 
 def planned(
-    chain: Chain, start: str | None, target: str | None, robust: float | None = None
-) -> Program:
+    chain: sw.Chain, start: str | None, target: str | None, robust: float | None = None
+) -> sw.Program:
     """The shortest program; raises `Unreachable` where there is none."""
-    from stepwell.sequences import Unreachable
-
     if target is None:
         raise typer.BadParameter("needs --target STATE, the state to end in.", param_hint="--from")
     last = chain.last_state
@@ -84,7 +77,7 @@ def planned(
         if state is not None and not _is_state(state, last):
             problem = f"{state!r}: must be {len(chain)} {digits}, inner cell first."
             raise typer.BadParameter(problem, param_hint=option)
-    with usable("--from", Unreachable), progress("program") as tell:
+    with usable("--from", sw.Unreachable), progress("program") as tell:
         return chain.program(target, start=start, robust=robust, progress=tell)
 
 
@@ -93,16 +86,14 @@ def _is_state(state: str, last: str) -> bool:
     return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 
-def own(text: str, design: str) -> Program:
+def own(text: str, design: str) -> sw.Program:
     """The program that stands in a design file, on its chain."""
-    from stepwell import files
-
-    chain, written = files.loads(text, design).chain, files.loads(text, design).program
+    chain, written = sw.files.loads(text, design).chain, sw.files.loads(text, design).program
     if written is None:
-        raise files.DesignError(
+        raise sw.files.DesignError(
             design, ["has no table [program]: pass --target STATE to plan one."]
         )
     try:
         return written.on(chain)
     except ValueError as error:
-        raise files.DesignError(design, [f"program: {error}"]) from None
+        raise sw.files.DesignError(design, [f"program: {error}"]) from None

@@ -7,55 +7,41 @@ from collections.abc import Callable, Iterator
 from dataclasses import MISSING, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
+import stepwell as sw
 from stepwell.base import need, refuse_address
 from stepwell.cli.screen import report, warn
-
-if TYPE_CHECKING:
-    import stepwell.robot as values
-    from stepwell.accounts import Account
-    from stepwell.mechanism import Chain
 
 
 def designs(incomplete: str) -> list[str]:
     """Presets that begin so, behind `preset:`, and design files."""
-    from stepwell.files import presets
-
-    names = (f"preset:{name}" for name in presets())
+    names = (f"preset:{name}" for name in sw.presets())
     return [*_begun(names, incomplete), *_files(incomplete, ".toml")]
 
 
 def robots(incomplete: str) -> list[str]:
     """The robots among the presets, by their names alone or behind `preset:`, and files."""
-    from stepwell.files import presets
-
     before = "preset:" if incomplete.startswith("preset:") else ""
-    names = (f"{before}{name}" for name in presets() if name.startswith("robot-"))
+    names = (f"{before}{name}" for name in sw.presets() if name.startswith("robot-"))
     return [*_begun(names, incomplete), *_files(incomplete, ".toml")]
 
 
 def presets(incomplete: str) -> list[str]:
     """Presets that begin so."""
-    from stepwell import files
-
-    return _begun(iter(files.presets()), incomplete)
+    return _begun(iter(sw.files.presets()), incomplete)
 
 
 def arenas(incomplete: str) -> list[str]:
     """Arenas that begin so, and files of arenas."""
-    from stepwell import files
-
-    return [*_begun(iter(files.arenas()), incomplete), *_files(incomplete, ".toml", ".txt")]
+    return [*_begun(iter(sw.files.arenas()), incomplete), *_files(incomplete, ".toml", ".txt")]
 
 
 def results(incomplete: str) -> list[str]:
     """Results that have a JSON Schema."""
-    from stepwell.accounts import schema_kinds
-
-    return _begun(iter(schema_kinds()), incomplete)
+    return _begun(iter(sw.accounts.schema_kinds()), incomplete)
 
 
 def _begun(names: Iterator[str], incomplete: str) -> list[str]:
@@ -180,7 +166,7 @@ class Output(Group):
         """Refuse a folder where the results of a command may not be written, see `free`."""
         free(self.out, command, self.force, **texts)
 
-    def report(self, account: Account, **options: Any) -> None:
+    def report(self, account: sw.accounts.Account, **options: Any) -> None:
         """Write, print or show what is reported of a result, see `screen.report`."""
         report(account, self.as_json, self.out, self.force, **options)
 
@@ -198,7 +184,7 @@ class FilmedOutput(Output):
 
     no_video: Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")] = False
 
-    def report(self, account: Account, **options: Any) -> None:
+    def report(self, account: sw.accounts.Account, **options: Any) -> None:
         """Write, print or show what is reported of a simulation."""
         super().report(account, video=not self.no_video, warn=warn, **options)
 
@@ -226,37 +212,29 @@ MobilityRatio = Annotated[
 WITHOUT = "Without --out the result is shown, and --json prints all of it."
 
 
-def read_chain(design: str) -> tuple[str, Chain]:
+def read_chain(design: str) -> tuple[str, sw.Chain]:
     """The text of a design file, and the chain that it describes."""
-    from stepwell import files
-
-    file = files.load(design)
+    file = sw.files.load(design)
     return file.text, file.chain
 
 
-def read_design(design: str) -> tuple[str, Chain | values.Robot]:
+def read_design(design: str) -> tuple[str, sw.Chain | sw.robot.Robot]:
     """The text of a design file, and the chain or the robot that it describes."""
-    from stepwell import files
-
     text, design = _by_name(design)
-    return text, files.loads(text, design).subject
+    return text, sw.files.loads(text, design).subject
 
 
-def read_robot(robot: str) -> tuple[str, values.Robot]:
+def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
     """The text of a robot's design file, and the robot; a preset goes by its name alone too."""
-    from stepwell import files
-
     text, robot = _by_name(robot)
-    return text, files.loads(text, robot).robot
+    return text, sw.files.loads(text, robot).robot
 
 
 def _by_name(design: str) -> tuple[str, str]:
     """The text of a design file or of a preset, whose name is enough, and what it is called."""
-    from stepwell import files
-
-    if design in files.presets() and not Path(design).exists():
+    if design in sw.files.presets() and not Path(design).exists():
         design = f"preset:{design}"
-    return files.text_of(design), design
+    return sw.files.text_of(design), design
 
 
 def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
@@ -271,12 +249,10 @@ def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
     Raises:
         ExtraError: what writes them is not installed.
     """
-    from stepwell import files
-
     if out is not None:
-        need(*files.extras_of(command), note=WITHOUT)
+        need(*sw.files.extras_of(command), note=WITHOUT)
         known = {f"{name}.toml": text for name, text in texts.items()}
-        files.check_folder(out, command, force=force, texts=known)
+        sw.files.check_folder(out, command, force=force, texts=known)
 
 
 def free_file(file: Path | None, force: bool) -> None:

@@ -2,14 +2,11 @@
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import typer
 
+import stepwell as sw
 from stepwell.base import require, short
-
-if TYPE_CHECKING:
-    from stepwell.base import Floats
 
 EXAMPLE = "outer.q.x=0:20:41"
 _PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
@@ -28,7 +25,7 @@ class Range:
     name: str = ""
     log: bool = False
 
-    def values(self, factor: float = 1.0) -> "Floats":
+    def values(self, factor: float = 1.0) -> "sw.base.Floats":
         """(count,) the numbers, in a unit that is `factor` times the one they are written in."""
         import numpy as np
 

@@ -16,6 +16,7 @@ from typing import Any, cast
 import typer
 from typer.core import TyperGroup
 
+import stepwell as sw
 from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph, table, terminal
 from stepwell.base import ExtraError, SettingError, on_terminal
 
@@ -131,10 +132,8 @@ def report(
     """
     names: Sequence[str] = ()
     if out is not None:
-        from stepwell import reports
-
         with progress(WRITING) as tell:
-            names = reports.write(account, out, progress=tell, force=force, **options)
+            names = sw.reports.write(account, out, progress=tell, force=force, **options)
     if as_json:
         show_json(account.record, *((out or Path()) / name for name in names))
         return
@@ -293,21 +292,24 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     # Before the rooms are opened, which ask for the settings too.
     if isinstance(error, SettingError):
         return WRONG_INPUT, str(error)
-    from stepwell.files import DesignError, OverwriteError, slips_text
-    from stepwell.lab import LabError
-    from stepwell.mechanism import SlipError
-    from stepwell.sequences import Unreachable
-    from stepwell.statics import StaticsError
-    from stepwell.studies import GapError, StudyError, SweepError, WorkerError
-
-    if isinstance(error, DesignError | LabError | OverwriteError | StudyError):
+    if isinstance(
+        error,
+        sw.files.DesignError | sw.lab.LabError | sw.files.OverwriteError | sw.studies.StudyError,
+    ):
         return WRONG_INPUT, str(error)
-    if isinstance(error, SlipError):
-        return WRONG_INPUT, slips_text(error)
-    if isinstance(error, Unreachable):
+    if isinstance(error, sw.mechanism.SlipError):
+        return WRONG_INPUT, sw.files.slips_text(error)
+    if isinstance(error, sw.Unreachable):
         return NO, str(error)
     # Any other missing module is a bug of ours.
-    if isinstance(error, StaticsError | ExtraError | GapError | SweepError | WorkerError):
+    if isinstance(
+        error,
+        sw.statics.StaticsError
+        | ExtraError
+        | sw.studies.GapError
+        | sw.studies.SweepError
+        | sw.studies.WorkerError,
+    ):
         return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""

@@ -8,18 +8,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import Measure
 from stepwell.cli import screen, tolerances as parts
 from stepwell.cli.options import Design, Folder, Group, Json, grouped, local, read_design
 from stepwell.cli.ranges import read_range
-
-if TYPE_CHECKING:
-    from stepwell.studies import Axis, Designs, Study, StudyEstimate
 
 commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
 
@@ -193,24 +191,24 @@ class _Drawn(Group):
 
     built = None  # an option of chains
 
-    def of(self, subject: Any, seed: int) -> Designs:
+    def of(self, subject: Any, seed: int) -> sw.studies.Designs:
         """The designs, as a study takes them."""
-        from stepwell import studies
-
         ways = ("table", "sobol", "latin", "random", "built")
         chosen = [name for name in ways if getattr(self, name) is not None]
         _refuse_two(chosen, bool(self.vary))
         if self.table is not None:
             with screen.usable("--table"):
-                return studies.read_table(self.table, subject)
+                return sw.studies.read_table(self.table, subject)
         if isinstance(self, _Chosen) and self.built is not None:
             measure = getattr(subject, "measure", Measure.TRAVEL)
             with screen.usable("--built"):
-                return studies.Workshop(self.tolerances(measure), self.built, seed)
+                return sw.studies.Workshop(self.tolerances(measure), self.built, seed)
         count = self.sobol or self.latin or self.random or 0
         with screen.usable("--vary"):
             axes = read_axes(self.vary or [], subject, drawn=bool(count))
-            return studies.Space(axes, studies.How(chosen[0] if chosen else "grid"), count, seed)
+            return sw.studies.Space(
+                axes, sw.studies.How(chosen[0] if chosen else "grid"), count, seed
+            )
 
 
 @dataclass(frozen=True)
@@ -234,20 +232,19 @@ def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
     """A command for something that is computed of chains, or of robots."""
 
     def run(design: Design, own: Group, out: _Store, designs: _Drawn, how: _Study) -> None:
-        from stepwell import studies
         from stepwell.kernels import cores
 
         _, subject = read_design(design)
         chosen = designs.of(subject, how.seed)
         with screen.usable(what):
             given = _given(own, subject)
-            study = studies.asked(subject, what, chosen, out, given=given, chunk=how.chunk)
+            study = sw.studies.asked(subject, what, chosen, out, given=given, chunk=how.chunk)
         if how.estimate:
             workers = cores() if how.workers is None else max(how.workers, 1)
-            _show_estimate(studies.estimate(study, workers))
+            _show_estimate(sw.studies.estimate(study, workers))
             return
         with screen.usable(design):
-            begun = studies.begun(study)
+            begun = sw.studies.begun(study)
         _resumed(begun, how, how.as_json)
 
     run.__annotations__ |= {"own": own, "designs": _Chosen if chains else _Drawn}
@@ -297,9 +294,7 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
 
     Example: stepwell sweep resume store
     """
-    from stepwell.studies import opened
-
-    _resumed(opened(store), effort, as_json)
+    _resumed(sw.studies.opened(store), effort, as_json)
 
 
 @commands.command(epilog=screen.EXIT_CODES)
@@ -314,10 +309,8 @@ def extend(
 
     Example: stepwell sweep extend store --count 2048
     """
-    from stepwell.studies import extended, opened
-
     with screen.usable("--count"):
-        study = extended(opened(store), count)
+        study = sw.studies.extended(sw.studies.opened(store), count)
     _resumed(study, effort, as_json)
 
 
@@ -327,9 +320,7 @@ def cancel(store: _There) -> None:
 
     Example: stepwell sweep cancel store
     """
-    from stepwell.studies import cancel, opened
-
-    cancel(opened(store))
+    sw.studies.cancel(sw.studies.opened(store))
     screen.show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
 
 
@@ -339,9 +330,7 @@ def status(store: _There, as_json: Json = False) -> None:
 
     Example: stepwell sweep status store
     """
-    from stepwell import studies
-
-    found = studies.status(store)
+    found = sw.studies.status(store)
     screen.report(account(found), as_json)
     if any(gap.damaged for gap in found.gaps):
         raise typer.Exit(screen.FAILED)
@@ -384,14 +373,12 @@ def export(
 
     Example: stepwell sweep export store --out table.csv
     """
-    from stepwell.studies import opened
-
     if bool(best) != bool(by):
         raise typer.BadParameter("must both be given, or neither.", param_hint="--best, --by")
     if out.suffix not in ((".csv",) if best else (".csv", ".parquet")):
         ends = ".csv" if best else ".csv or .parquet"
         raise typer.BadParameter(f"{out}: must end in {ends}.", param_hint="--out")
-    study = opened(store)
+    study = sw.studies.opened(store)
     if best and by:
         with screen.usable("--by"):
             table = study.best(best, by, partial=partial)
@@ -411,24 +398,20 @@ def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
 
     Example: stepwell sweep report store --out report
     """
-    from stepwell.studies import status
-
     output.free("sweep report")
-    found = status(store)
+    found = sw.studies.status(store)
     if not partial:
         found.study.require_whole()
     output.report(account(found), partial=partial)
 
 
-def _resumed(study: Study, effort: Effort, as_json: bool) -> None:
-    from stepwell.studies import begun, resumed
-
+def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
     if study.work.screen and effort.scheduler is None:
         _warn_without_gpu()
     kinds = Counter[str]()
     with going_on(study.folder, effort.scheduler, lambda: _so_far(kinds)) as tell:
-        found = resumed(
-            begun(study),
+        found = sw.studies.resumed(
+            sw.studies.begun(study),
             effort.workers,
             scheduler=effort.scheduler,
             progress=tell,
@@ -438,9 +421,7 @@ def _resumed(study: Study, effort: Effort, as_json: bool) -> None:
 
 
 def _warn_without_gpu() -> None:
-    from stepwell.simulation import device
-
-    _, is_gpu = device()
+    _, is_gpu = sw.simulation.device()
     if not is_gpu:
         screen.warn(
             "No GPU here: Warp screens on the processor, where --engine cpu is much faster."
@@ -464,63 +445,56 @@ def _refuse_two(chosen: Sequence[str], varied: bool) -> None:
 
 def _given(options: Group, subject: Any) -> dict[str, Any]:
     """What a study is given of these options."""
-    from stepwell import files
-    from stepwell.studies import function_of
-
     if isinstance(options, _Call):
         with screen.usable("--function"):
-            return function_of(options.function, subject)
+            return sw.studies.function_of(options.function, subject)
     own = dict(vars(options))
     if own.get("engine") == "cpu":
         del own["engine"]  # as in stores that were begun when there was no other
     if isinstance(options, _Maze):
-        own["arena"] = files.dumps(files.load_arena(options.arena))
+        own["arena"] = sw.files.dumps(sw.files.load_arena(options.arena))
         for name, unit in (("place", 1e-3), ("angle", math.pi / 180)):
             value = own.pop(name)
             own |= {} if value is None else {name: value * unit}
     return own
 
 
-def _show_estimate(found: StudyEstimate) -> None:
-    from stepwell.base import counted, to_unit
-
+def _show_estimate(found: sw.studies.StudyEstimate) -> None:
     minutes = found.seconds / 60
     took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
     if minutes > 120:
         took = f"{minutes / 60:.0f} h"
     screen.show_lines(
-        f"{found.designs} designs: about {took} on {counted(found.workers, 'core')} "
-        f"({to_unit(found.each, 'ms'):.3g} ms each, from {found.sample} of them), and at most "
-        f"{found.disk / 1e6:.3g} MB."
+        f"{found.designs} designs: about {took} on {sw.base.counted(found.workers, 'core')} "
+        f"({sw.base.to_unit(found.each, 'ms'):.3g} ms each, from {found.sample} of them), and at "
+        f"most {found.disk / 1e6:.3g} MB."
     )
 
 
 @contextmanager
 def going_on(store: Path, scheduler: str | None, note: Callable[[], str] = str) -> Iterator[Any]:
     """Show how far the work on a store is, and say how it goes on where it is interrupted."""
-    from stepwell.studies import dashboard
-
     if scheduler is not None:
-        screen.warn(f"Dask's dashboard: {dashboard(scheduler)}")
+        screen.warn(f"Dask's dashboard: {sw.studies.dashboard(scheduler)}")
     kept = f"what is done stays, and `stepwell sweep resume {store}` goes on"
     with screen.progress("chunks", kept=kept, note=note) as tell:
         yield tell
 
 
-def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[Axis, ...]:
+def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[sw.studies.Axis, ...]:
     """What varies, as a store keeps it."""
-    from stepwell.base import told_in
-    from stepwell.robot import Robot
-    from stepwell.studies import Axis, unit_in
-
     form = "NAME=FROM:TO" if drawn else "NAME=FROM:TO:COUNT"
     example = "outer.q.x=0:20" + ("" if drawn else ":41")
-    found: list[Axis] = []
+    found: list[sw.studies.Axis] = []
     for text in texts:
         one = read_range(text, form, example)
         if not one.start < one.stop:
             raise typer.BadParameter(f"{text!r}: must rise, as {example} does.")
-        unit = unit_in(subject, one.name)
-        factor = 1.0 if isinstance(subject, Robot) else told_in(unit)[1]
-        found.append(Axis(one.name, one.start / factor, one.stop / factor, one.count or 2, one.log))
+        unit = sw.studies.unit_in(subject, one.name)
+        factor = 1.0 if isinstance(subject, sw.Robot) else sw.base.told_in(unit)[1]
+        found.append(
+            sw.studies.Axis(
+                one.name, one.start / factor, one.stop / factor, one.count or 2, one.log
+            )
+        )
     return tuple(found)

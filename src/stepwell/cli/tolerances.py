@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell import base
 from stepwell.cli.options import Group
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
-    from stepwell.accounts import Calibrated
     from stepwell.design import Tolerances
-    from stepwell.lab import Recording
-    from stepwell.mechanism import Chain
 
 
 Friction = Annotated[
@@ -136,22 +134,20 @@ Data = Annotated[
 ]
 
 
-def recordings_in(paths: Sequence[Path]) -> list[Recording]:
+def recordings_in(paths: Sequence[Path]) -> list[sw.lab.Recording]:
     """All recordings of some paths; what cannot be read is told on standard error."""
-    from stepwell.lab import LabError, read_all
-
     with progress("reading") as tell:
-        batch = read_all(paths, progress=tell)
+        batch = sw.lab.read_all(paths, progress=tell)
     for error in batch.refused:
         warn(str(error))
     if not batch.recordings:
-        raise LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
+        raise sw.lab.LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
     return list(batch.recordings)
 
 
 def calibrated_on(
-    data: Path, text: str, chain: Chain, spread: Tolerances
-) -> tuple[str, Chain, Tolerances, Calibrated]:
+    data: Path, text: str, chain: sw.Chain, spread: Tolerances
+) -> tuple[str, sw.Chain, Tolerances, sw.accounts.Calibrated]:
     """A design and its tolerances as recordings calibrate them.
 
     Args:
@@ -164,17 +160,18 @@ def calibrated_on(
         The file and the chain with bands, weight and friction as measured; the tolerances with the
         scatter of the bands; and what the recordings gave.
     """
-    from stepwell import files, lab
-    from stepwell.accounts import Calibrated, account
-
     given = recordings_in([data])
-    series = lab.sort_series(given).series
+    series = sw.lab.sort_series(given).series
     with progress("fits") as tell:
-        prepared = lab.prepare(series, lab.tension_tables(given))
-        found = lab.calibrate(prepared, progress=tell)
-    calibrated = Calibrated(
-        data.name, lab.hashes(given), found.law, account(found).record["summary"], found.scatter
+        prepared = sw.lab.prepare(series, sw.lab.tension_tables(given))
+        found = sw.lab.calibrate(prepared, progress=tell)
+    calibrated = sw.accounts.Calibrated(
+        data.name,
+        sw.lab.hashes(given),
+        found.law,
+        sw.accounts.account(found).record["summary"],
+        found.scatter,
     )
     measured = found.applied(chain)
-    text = files.dumps(measured, program=files.loads(text).program)
+    text = sw.files.dumps(measured, program=sw.files.loads(text).program)
     return text, measured, replace(spread, stiffness=found.scatter), calibrated
