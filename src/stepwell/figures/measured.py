@@ -14,22 +14,7 @@ from matplotlib.lines import Line2D
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.marks import mm_pair
-from stepwell.figures.common.style import (
-    BLACK,
-    BLUE,
-    COLUMN,
-    FAINT,
-    GREEN,
-    INK,
-    MM,
-    ORANGE,
-    PAGE,
-    PURPLE,
-    VERMILLION,
-    direction_colour,
-    pale,
-    styled,
-)
+from stepwell.figures.common.style import FAINT
 from stepwell.figures.common.words import literal, minus
 from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording
 
@@ -245,7 +230,7 @@ def bands_words(count: int) -> str:
     return "1 band" if count == 1 else f"{count} bands"
 
 
-@styled
+@style.styled
 def recording(result: Recording) -> Figure:
     """Force against stroke of one recording, loading and unloading halves in their colours.
 
@@ -255,15 +240,19 @@ def recording(result: Recording) -> Figure:
     Returns:
         A figure of one column's width: force [N] against the stroke of the machine [mm].
     """
-    figure, ax = sheet.canvas(None, (COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
+    figure, ax = sheet.canvas(None, (style.COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
     shown: set[str] = set()
     for half in result.halves:
         way = result.direction_of(half)
         label = "_" if way in shown else way
         shown.add(way)
-        colour = direction_colour(1 if way == "loading" else -1)
+        colour = style.direction_colour(1 if way == "loading" else -1)
         ax.plot(
-            result.stroke[half] * MM, result.force[half], color=colour, linewidth=1.0, label=label
+            result.stroke[half] * style.MM,
+            result.force[half],
+            color=colour,
+            linewidth=1.0,
+            label=label,
         )
     ax.set(xlabel="Stroke of the machine [mm]", ylabel="Force [N]")
     legends.above(ax)
@@ -273,11 +262,11 @@ def recording(result: Recording) -> Figure:
 
 # A colour and a dash for each law, so that either alone tells them apart.
 _BAND_LOOKS = {
-    "linear": (BLACK, (0, ())),
-    "neo-Hookean": (ORANGE, (0, (5, 1.5))),
-    "cubic": (BLUE, (0, (3, 1, 1, 1))),
-    "Ogden": (VERMILLION, (0, (1, 1))),
-    "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
+    "linear": (style.BLACK, (0, ())),
+    "neo-Hookean": (style.ORANGE, (0, (5, 1.5))),
+    "cubic": (style.BLUE, (0, (3, 1, 1, 1))),
+    "Ogden": (style.VERMILLION, (0, (1, 1))),
+    "Yeoh": (style.PURPLE, (0, (7, 2, 1, 2))),
 }
 
 _TALL = 76.0  # tests and laws, each with its surroundings [mm]
@@ -285,7 +274,7 @@ _READINGS = 40  # of a half, up to which each is drawn
 _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
 
-@styled
+@style.styled
 def band_laws(test: BandTest, choice: Choice) -> Figure:
     """Force against stroke of tension tests, and what each force law leaves inside the window.
 
@@ -297,7 +286,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         A figure of a page's width. On the left every cycle, those used in green; on the right the
         residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
     """
-    page = sheet.page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
     figure = sheet.blank(page, _TALL if beside else 2 * _TALL)
     left = sheet.place(
@@ -307,15 +296,15 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
         mine = id(loop) in used
         for u, force in ((loop.stroke, loop.force), (loop.back_stroke, loop.back_force)):
-            colour = GREEN if mine else pale(FAINT, 0.4)
+            colour = style.GREEN if mine else style.pale(FAINT, 0.4)
             step = max(1, len(u) // 400)
             look = {"color": colour, "linewidth": 0.7, "markersize": 2.5}
             marker = "o" if len(u) <= _READINGS else ""
-            left.plot(u[::step] * MM, force[::step], marker=marker, **look)
+            left.plot(u[::step] * style.MM, force[::step], marker=marker, **look)
     for edge in test.window:
-        left.axvline(edge * MM, **_WINDOW)
+        left.axvline(edge * style.MM, **_WINDOW)
     left.set(xlabel="Stroke of the grips [mm]", ylabel="Tension [N]")
-    handles = [legends.line("used", GREEN), legends.line("not used", pale(FAINT, 0.4))]
+    handles = [legends.line("used", style.GREEN), legends.line("not used", style.pale(FAINT, 0.4))]
     legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
 
     right = sheet.place(
@@ -327,10 +316,10 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     force = np.mean([np.interp(stroke, u, f) for u, f in curves], axis=0)
     for candidate in choice.candidates:
         colour, dash = _BAND_LOOKS[candidate.law.name]
-        residual = (force - candidate.fitted.tension(stroke)) * MM
+        residual = (force - candidate.fitted.tension(stroke)) * style.MM
         name, wide = (" (chosen)", 2.0) if candidate is choice.chosen else ("", 1.0)
         look = {"color": colour, "linestyle": dash, "linewidth": wide}
-        right.plot(stroke * MM, residual, **look, label=candidate.law.name + name)
+        right.plot(stroke * style.MM, residual, **look, label=candidate.law.name + name)
     right.set(xlabel="Stroke of the grips [mm]", ylabel="Measured less law [mN]")
     right.margins(y=0.1)
     legends.above(right, columns=3 if beside else 2, columnspacing=1.0, handlelength=2.4)
@@ -350,12 +339,12 @@ _SYMBOLS = {
     "start_unloading": "$u_-$",
 }
 _MARKS = "o^sDv"
-_COLOURS = BLUE, VERMILLION, GREEN, PURPLE
+_COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE
 _RIGHT = 94.0  # where the map of correlations begins [mm]
 _BAR = 23.0  # what its bar takes at the right where it stands below the errors [mm]
 
 
-@styled
+@style.styled
 def calibration(result: Calibration) -> Figure:
     """Error of every geometry, fitted and left out, and the correlations of the parameters.
 
@@ -368,7 +357,7 @@ def calibration(result: Calibration) -> Figure:
         with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    page = sheet.page_width(PAGE)
+    page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
     columns = 2 if beside else 1
     head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
@@ -421,7 +410,7 @@ def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesIma
     look = {"ha": "center", "va": "center", "fontsize": min(7.0, letters / len(names))}
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
-            colour = "white" if abs(value) > 0.6 else INK
+            colour = "white" if abs(value) > 0.6 else style.INK
             text = _hundredths(float(value))
             ax.text(j, i, text, color=colour, gid="correlation", **look)
     ax.set_xticks(range(len(names)), names)

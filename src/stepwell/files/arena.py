@@ -14,73 +14,58 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, ValidationError
 
 from stepwell.base import from_unit, limits
+from stepwell.files import text
 from stepwell.files.design import text_of
 from stepwell.files.robots import part_of
-from stepwell.files.schema.keys import (
-    Keys,
-    Line,
-    Point,
-    Switch,
-    at_most,
-    bounded,
-    fields,
-    slip_lines,
-    table_lines,
-    tables_of,
-)
+from stepwell.files.schema import keys
+from stepwell.files.schema.keys import fields, slip_lines
 from stepwell.files.schema.robot import Size
 from stepwell.files.schema.wording import refused
-from stepwell.files.text import (
-    DesignError,
-    did_you_mean,
-    exact_si,
-    in_decimals,
-    in_floats,
-    parsed,
-    value_text,
-)
+from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
 
-Heading = Annotated[Decimal, bounded("-1e6", "1e6")]
+Heading = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
 
 
-class WallKeys(Keys):
+class WallKeys(keys.Keys):
     """A straight wall."""
 
-    from_mm: Point
-    to_mm: Point
+    from_mm: keys.Point
+    to_mm: keys.Point
     thickness_mm: Size | None = None
 
 
-class CylinderKeys(Keys):
+class CylinderKeys(keys.Keys):
     """A cylinder."""
 
-    at_mm: Point
+    at_mm: keys.Point
     radius_mm: Size | None = None
 
 
-class GoalKeys(Keys):
+class GoalKeys(keys.Keys):
     """The goal."""
 
-    at_mm: Point
+    at_mm: keys.Point
     radius_mm: Size | None = None
 
 
-class ArenaKeys(Keys):
+class ArenaKeys(keys.Keys):
     """A whole arena."""
 
-    title: Line = ""
-    start_mm: Point | None = None
+    title: keys.Line = ""
+    start_mm: keys.Point | None = None
     heading_deg: Heading | None = None
-    unusual: Switch = False
+    unusual: keys.Switch = False
     goal: GoalKeys | None = None
-    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), at_most("obstacles")] = ()
-    cylinder: Annotated[tuple[CylinderKeys, ...], Field(strict=False), at_most("obstacles")] = ()
+    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), keys.at_most("obstacles")] = ()
+    cylinder: Annotated[
+        tuple[CylinderKeys, ...], Field(strict=False), keys.at_most("obstacles")
+    ] = ()
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES = tables_of(ArenaKeys)
+TABLES = keys.tables_of(ArenaKeys)
 
 
 CYLINDER_RADIUS = 0.025
@@ -164,8 +149,8 @@ def _size(line: str, name: str) -> Decimal:
         raise DesignError(
             name,
             [
-                f"line 1: {value_text(line)}: must be the size of one letter of the map, from 1 to "
-                f"10000 mm, as in: cell 100 mm"
+                f"line 1: {text.value_text(line)}: must be the size of one letter of the map, from "
+                f"1 to 10000 mm, as in: cell 100 mm"
             ],
         )
     return size
@@ -187,7 +172,7 @@ def _problems(rows: list[str], skipped: int) -> list[str]:
             elif letter == "G":
                 places["goal"].append(place)
             elif letter not in "#o. ":
-                problems.append(f"{place}: {value_text(letter)}: must be one of {_LETTERS}.")
+                problems.append(f"{place}: {text.value_text(letter)}: must be one of {_LETTERS}.")
     if not places["start"]:
         problems.append("has no start: put S on the floor, or > < ^ v for where the robot faces.")
     for what, found in places.items():
@@ -267,7 +252,7 @@ def _runs(columns: list[int]) -> Iterator[tuple[int, int]]:
 
 def _wall(rectangle: _Rectangle, size: Decimal) -> Wall:
     left, bottom, columns, rows = rectangle
-    thickness = exact_si(size * min(columns, rows), "mm")
+    thickness = text.exact_si(size * min(columns, rows), "mm")
     if columns >= rows:
         y = bottom + rows * _HALF
         return Wall(_point(left, y, size), _point(left + columns, y, size), thickness)
@@ -280,7 +265,7 @@ def _middle(square: Square, size: Decimal) -> tuple[float, float]:
 
 
 def _point(x: Decimal | int, y: Decimal | int, size: Decimal) -> tuple[float, float]:
-    return exact_si(x * size, "mm"), exact_si(y * size, "mm")
+    return text.exact_si(x * size, "mm"), text.exact_si(y * size, "mm")
 
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
@@ -307,7 +292,7 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
     if name in _texts():
         return loads_arena(_texts()[name], f"arena {name}")
     if not name.endswith(_SUFFIXES):
-        advice = did_you_mean(name, _texts())
+        advice = text.did_you_mean(name, _texts())
         problem = f"no such arena, and no file that ends in .toml or .txt. {advice}"
         raise DesignError(f"arena {name}", [problem])
     return loads_arena(text_of(arena), name)
@@ -323,7 +308,7 @@ def arena_text(name: str) -> str:
         DesignError: there is none of that name; the text says which is nearest.
     """
     if name not in _texts():
-        raise DesignError(f"arena {name}", [f"no such arena. {did_you_mean(name, _texts())}"])
+        raise DesignError(f"arena {name}", [f"no such arena. {text.did_you_mean(name, _texts())}"])
     return _texts()[name]
 
 
@@ -355,7 +340,7 @@ def loads_arena_tables(tables: Any, name: str = "arena") -> Arena:
         DesignError: as `loads_arena`, with the same words; or a value that no file can hold.
     """
     problems: list[str] = []
-    as_read = in_decimals(tables, problems)
+    as_read = text.in_decimals(tables, problems)
     if problems:
         raise DesignError(name, problems)
     return _arena(as_read, name)
@@ -363,7 +348,7 @@ def loads_arena_tables(tables: Any, name: str = "arena") -> Arena:
 
 def arena_tables(arena: Arena) -> dict[str, Any]:
     """The tables of an arena's file as Python values; `loads_arena_tables` takes them."""
-    return in_floats(parsed(arena_toml(arena), "arena", _EMPTY))
+    return text.in_floats(parsed(arena_toml(arena), "arena", _EMPTY))
 
 
 def _arena(tables: dict[str, Any], name: str) -> Arena:
@@ -392,13 +377,13 @@ def arena_toml(arena: Arena) -> str:
     """The file of an arena: start and goal first, then what stands in the way."""
     left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
     odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
-    text = [*odd, *table_lines(ArenaKeys, arena, left_out), ""]
+    text = [*odd, *keys.table_lines(ArenaKeys, arena, left_out), ""]
     if arena.goal is not None:
-        text += ["[goal]", *table_lines(GoalKeys, arena.goal), ""]
+        text += ["[goal]", *keys.table_lines(GoalKeys, arena.goal), ""]
     for wall in arena.walls:
-        text += ["[[wall]]", *table_lines(WallKeys, wall), ""]
+        text += ["[[wall]]", *keys.table_lines(WallKeys, wall), ""]
     for cylinder in arena.cylinders:
-        text += ["[[cylinder]]", *table_lines(CylinderKeys, cylinder), ""]
+        text += ["[[cylinder]]", *keys.table_lines(CylinderKeys, cylinder), ""]
     return "\n".join(text).rstrip("\n") + "\n"
 
 

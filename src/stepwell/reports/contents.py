@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import stepwell as sw
 from stepwell import figures
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, write_netcdf
@@ -22,11 +23,6 @@ from stepwell.studio import replay
 
 if TYPE_CHECKING:
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
-    from stepwell.lab import AsBuilt, BandFit, Batch, Calibration, Comparison
-    from stepwell.robot import Prediction
-    from stepwell.sequences import Program
-    from stepwell.simulation import Maze, Sweep, Walk
-    from stepwell.studies import Atlas, Status
 
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
@@ -81,7 +77,7 @@ def _of_margin(margin: Margin) -> dict[str, Draw]:
     return draws
 
 
-def program_contents(program: Program, account: Account) -> Contents:
+def program_contents(program: sw.Program, account: Account) -> Contents:
     """Of a program."""
     text, kept = account.about.design, WrittenProgram.of(program)
     written = (
@@ -170,22 +166,20 @@ def _of_yield(found: Yield) -> dict[str, Draw]:
     return draws
 
 
-def batch_contents(found: Batch, _: Account) -> Contents:
+def batch_contents(found: sw.lab.Batch, _: Account) -> Contents:
     """Of recordings."""
-    from stepwell.lab import table, to_csv
-
     recordings = found.recordings
     return Contents(
         "lab read",
         "recordings.json",
         {
-            "recordings.csv": partial(to_csv, recordings),
-            "recordings.nc": lambda file: write_netcdf(file, table(recordings)),
+            "recordings.csv": partial(sw.lab.to_csv, recordings),
+            "recordings.nc": lambda file: write_netcdf(file, sw.lab.table(recordings)),
         },
     )
 
 
-def band_contents(found: BandFit, account: Account) -> Contents:
+def band_contents(found: sw.lab.BandFit, account: Account) -> Contents:
     """Of bands."""
     return Contents(
         "lab band",
@@ -195,7 +189,7 @@ def band_contents(found: BandFit, account: Account) -> Contents:
     )
 
 
-def comparison_contents(found: Comparison, _: Account) -> Contents:
+def comparison_contents(found: sw.lab.Comparison, _: Account) -> Contents:
     """Of a comparison."""
     draws: dict[str, Draw] = {}
     if found.cells:
@@ -206,7 +200,7 @@ def comparison_contents(found: Comparison, _: Account) -> Contents:
     return Contents("lab compare", "compare.json", {"curves.csv": found.to_csv}, draws)
 
 
-def calibration_contents(found: Calibration, account: Account) -> Contents:
+def calibration_contents(found: sw.lab.Calibration, account: Account) -> Contents:
     """Of a calibration."""
     files: dict[str, Content] = {
         "band.toml": account.record["table"],
@@ -220,7 +214,7 @@ def calibration_contents(found: Calibration, account: Account) -> Contents:
     return Contents("lab calibrate", "calibration.json", files, draws)
 
 
-def as_built_contents(found: AsBuilt, _: Account) -> Contents:
+def as_built_contents(found: sw.lab.AsBuilt, _: Account) -> Contents:
     """Of a first build."""
     files: dict[str, Content] = {"built.toml": dumps(found.chain)}
     if found.moves:
@@ -228,7 +222,7 @@ def as_built_contents(found: AsBuilt, _: Account) -> Contents:
     return Contents("lab as-built", "built.json", files)
 
 
-def prediction_contents(found: Prediction, account: Account) -> Contents:
+def prediction_contents(found: sw.robot.Prediction, account: Account) -> Contents:
     """Of a robot and its prediction."""
     return Contents(
         "robot show",
@@ -242,7 +236,7 @@ def prediction_contents(found: Prediction, account: Account) -> Contents:
 
 
 def walk_contents(
-    walk: Walk, account: Account, *, video: bool = False, warn: Warn = warnings.warn
+    walk: sw.simulation.Walk, account: Account, *, video: bool = False, warn: Warn = warnings.warn
 ) -> Contents:
     """Of a walk."""
     drawn = ("trajectory", "gait", "contacts") if len(walk.time) else ()
@@ -257,7 +251,7 @@ def walk_contents(
 
 
 def maze_contents(
-    maze: Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
+    maze: sw.simulation.Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
 ) -> Contents:
     """Of a way through an arena."""
     draws: dict[str, Draw] = {}
@@ -280,7 +274,7 @@ def maze_contents(
     )
 
 
-def sweep_contents(sweep: Sweep, _: Account) -> Contents:
+def sweep_contents(sweep: sw.simulation.Sweep, _: Account) -> Contents:
     """Of many robots."""
     return Contents(
         "robot sweep",
@@ -291,28 +285,30 @@ def sweep_contents(sweep: Sweep, _: Account) -> Contents:
 
 
 def _film(
-    result: Walk | Maze, name: str, warn: Warn, folder: Path, progress: Progress | None
+    result: sw.simulation.Walk | sw.simulation.Maze,
+    name: str,
+    warn: Warn,
+    folder: Path,
+    progress: Progress | None,
 ) -> None:
-    from stepwell import simulation
-
-    walk = result.walk if isinstance(result, simulation.Maze) else result
+    walk = result.walk if isinstance(result, sw.simulation.Maze) else result
     if len(walk.time) < 2:
         return
     speed = max(1.0, float(walk.time[-1]) / _LONGEST_VIDEO)
     targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
     for some in (targets, targets[1:]):
         try:
-            simulation.video(result, *some, speed=speed, progress=progress)
+            sw.simulation.video(result, *some, speed=speed, progress=progress)
             return
         except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
             warn(str(error))
-        except simulation.VideoError as error:
+        except sw.simulation.VideoError as error:
             # All other files of the folder can be written without it.
             warn(str(error))
             return
 
 
-def study_contents(found: Status, _: Account, partial: bool = False) -> Contents:
+def study_contents(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
     """Of a study: its table, and its figures; influences are drawn of 50 designs or more.
 
     Args:
@@ -339,7 +335,7 @@ def study_contents(found: Status, _: Account, partial: bool = False) -> Contents
     )
 
 
-def atlas_contents(found: Atlas, _: Account) -> Contents:
+def atlas_contents(found: sw.studies.Atlas, _: Account) -> Contents:
     """Of an atlas: its machines as graphs, if they can be seen side by side."""
     drawable = found.machines and len(found.chain) <= _DRAWABLE_GRAPHS
     draws: dict[str, Draw] = {"machines": partial(figures.machines, found)} if drawable else {}

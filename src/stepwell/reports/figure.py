@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+import stepwell as sw
 from stepwell.base import InputError, nearest_word
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.robot import Robot
@@ -17,11 +18,6 @@ from stepwell.robot import Robot
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.lab import Recording
-    from stepwell.robot import Prediction
-    from stepwell.sequences import Cycle, Program, TransitionGraph
-    from stepwell.simulation import Walk
-    from stepwell.statics import InertialLanding
 
 # Of a map, the places of an anchor [m], as `stepwell map` takes them.
 _ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
@@ -42,8 +38,8 @@ class _Subject:
     """A design, with what panels ask of it, each computed once."""
 
     design: Chain | Robot
-    given: Program | None
-    recordings: Sequence[Recording]
+    given: sw.Program | None
+    recordings: Sequence[sw.lab.Recording]
     mass: float | None
     damping: float | None
 
@@ -58,23 +54,23 @@ class _Subject:
         return self.design
 
     @cached_property
-    def cycle(self) -> Cycle:
+    def cycle(self) -> sw.Cycle:
         return self.chain.cycle()
 
     @cached_property
-    def graph(self) -> TransitionGraph:
+    def graph(self) -> sw.TransitionGraph:
         return self.chain.graph()
 
     @cached_property
-    def prediction(self) -> Prediction:
+    def prediction(self) -> sw.robot.Prediction:
         return self.robot.predict()
 
     @cached_property
-    def walk(self) -> Walk:
+    def walk(self) -> sw.simulation.Walk:
         return self.robot.walk(_CYCLES)
 
     @property
-    def program(self) -> Program:
+    def program(self) -> sw.Program:
         if self.given is None:
             raise InputError("the design has no program: `stepwell program` writes one into it.")
         return self.given
@@ -96,7 +92,6 @@ class _Subject:
 
     @cached_property
     def map(self) -> Callable[[], Figure]:
-        from stepwell import figures
         from stepwell.design import boundaries, transition_map
 
         outer = len(self.chain) - 1
@@ -108,19 +103,17 @@ class _Subject:
         marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
         data = transition_map(self.chain, outer, x=x, y=y)
         curves = boundaries(self.chain, outer, x=x, y=y)
-        return partial(figures.transition_map, data, curves, marked)
+        return partial(sw.figures.transition_map, data, curves, marked)
 
     @cached_property
     def yields(self) -> Callable[[], Figure]:
-        from stepwell import figures
-        from stepwell.base import USUAL_ANCHOR, USUAL_STIFFNESS
         from stepwell.design import Tolerances, yields
 
-        spread = Tolerances(anchor=USUAL_ANCHOR, stiffness=USUAL_STIFFNESS)
-        return partial(figures.yield_bars, yields(self.chain, spread, sensitivity=True))
+        spread = Tolerances(anchor=sw.base.USUAL_ANCHOR, stiffness=sw.base.USUAL_STIFFNESS)
+        return partial(sw.figures.yield_bars, yields(self.chain, spread, sensitivity=True))
 
     @cached_property
-    def landing(self) -> InertialLanding:
+    def landing(self) -> sw.statics.InertialLanding:
         if self.mass is None or self.damping is None:
             raise InputError("how cells move in a snap needs a mass and a damping of each cell.")
         if not np.any(self.cycle.path.snap_after):
@@ -131,9 +124,7 @@ class _Subject:
 
 def _of_chain(name: str, draw: Callable[[_Subject], tuple[object, ...]], shows: str) -> Panel:
     def drawn(subject: _Subject) -> Figure:
-        from stepwell import figures
-
-        return getattr(figures, name)(*draw(subject))
+        return getattr(sw.figures, name)(*draw(subject))
 
     return Panel(shows, Chain, drawn)
 
@@ -143,9 +134,7 @@ def _of_robot(name: str, draw: Callable[[_Subject], object], shows: str) -> Pane
 
 
 def _force(subject: _Subject) -> Figure:
-    from stepwell import figures
-
-    return figures.force_stroke(subject.cycle, measured=subject.recordings)
+    return sw.figures.force_stroke(subject.cycle, measured=subject.recordings)
 
 
 PANELS: MappingProxyType[str, Panel] = MappingProxyType(
@@ -220,8 +209,8 @@ def figure(
     design: Chain | Robot,
     panels: Sequence[str | Sequence[str]] = (),
     *,
-    program: Program | None = None,
-    measured: Sequence[Recording] = (),
+    program: sw.Program | None = None,
+    measured: Sequence[sw.lab.Recording] = (),
     mass: float | None = None,
     damping: float | None = None,
     **page: Any,
@@ -245,8 +234,6 @@ def figure(
     Raises:
         ValueError: a panel that is unknown or that the design does not have, or a page too small.
     """
-    from stepwell import figures
-
     subject = _Subject(design, program, measured, mass, damping)
     rows = [
         _panel(one, subject) if isinstance(one, str) else [_panel(name, subject) for name in one]
@@ -257,7 +244,7 @@ def figure(
             "measured: recordings are drawn in the panel force, which is not asked for."
         )
     drawn = [one[1] if isinstance(one, tuple) else [draw for _, draw in one] for one in rows]
-    return figures.compose(drawn, **page)
+    return sw.figures.compose(drawn, **page)
 
 
 _Named = tuple[str, Callable[[], "Figure"]]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import stepwell as sw
 from stepwell import figures
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, nearest_word, to_unit
@@ -21,7 +22,6 @@ from stepwell.sequences import Cycle, Pathway
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.paper import Verdicts
 
 # Of a page with five rows of three [mm].
 _NARROW = 165.0
@@ -67,32 +67,24 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 
 def gaits() -> Figure:
     """Where the paper's four robots go (Figs. 3C to 3E)."""
-    from stepwell.paper import walk_of
-
     names = {
         "forward: q_out = 20 mm": "forward",
         "backward: q_out = 5 mm": "backward",
         "one of each": "left",
         "q_out = 15 mm": "15",
     }
-    return figures.trajectories({label: walk_of(name) for label, name in names.items()})
+    return figures.trajectories({label: sw.paper.walk_of(name) for label, name in names.items()})
 
 
 def three_walls() -> Figure:
     """A robot with antennas past three walls, from above and over time (Fig. 4D)."""
-    from stepwell import files
-    from stepwell.paper import robot
-    from stepwell.simulation import maze
-
-    run = maze(robot("explorer"), files.load_arena("three-walls"))
+    run = sw.simulation.maze(sw.paper.robot("explorer"), sw.files.load_arena("three-walls"))
     return figures.compose([partial(figures.maze, run), partial(figures.maze_timeline, run)])
 
 
 def tornado() -> Figure:
     """The results about the robot against every number that is assumed."""
-    from stepwell.paper import sensitivities
-
-    return figures.tornado(sensitivities())
+    return figures.tornado(sw.paper.sensitivities())
 
 
 # Figures for which the simulator is needed.
@@ -124,7 +116,7 @@ def _mm(q: tuple[float, float]) -> str:
     return ", ".join(f"{to_unit(part, 'mm'):g}" for part in q).replace("-", "\N{MINUS SIGN}")
 
 
-def paper_contents(_: Verdicts, _account: Account, everything: bool = False) -> Contents:
+def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = False) -> Contents:
     """Of verdicts on the claims of the paper: its figures.
 
     Args:

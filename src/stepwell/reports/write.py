@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import stepwell as sw
 from stepwell import base
 from stepwell.accounts import About, Account, FigurePair, Image, account, page
 from stepwell.files import dumps, staged_folder
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stepwell.design import Boundary
-    from stepwell.sequences import TransitionGraph
 
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
@@ -137,9 +137,7 @@ def _written(
         "report.html": page(found, pictures, _motion(found, contents)),
     }
     for name in contents.draws:
-        from stepwell import figures
-
-        files |= {f"{name}{end}": partial(figures.save, drawn[name]) for end in (".png", ".svg")}
+        files |= {f"{name}{end}": partial(sw.figures.save, drawn[name]) for end in (".png", ".svg")}
     with staged_folder(folder, contents.command, found.record, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):
             if isinstance(content, str):
@@ -171,17 +169,13 @@ def _drawn(figure: Figure, draw: Draw) -> FigurePair:
 
 def narrow(draw: Draw) -> Figure:
     """A figure as it fills a phone."""
-    from stepwell import figures
-
-    return figures.compose([draw], width=PHONE)
+    return sw.figures.compose([draw], width=PHONE)
 
 
 def image_of(drawn: Figure) -> Image:
     """A figure as an address that holds all of it."""
-    from stepwell.figures import svg
-
     # An image, not inline markup: two SVGs on one page would share their ids.
-    data = base64.b64encode(svg(drawn).encode()).decode()
+    data = base64.b64encode(sw.figures.svg(drawn).encode()).decode()
     width, height = (round(96 * inches) for inches in drawn.get_size_inches())
     return Image(f"data:image/svg+xml;base64,{data}", width, height)
 
@@ -230,7 +224,7 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
+def write_graph(graph: sw.TransitionGraph, file: str | os.PathLike[str]) -> None:
     """Write a transition graph, whole or not at all.
 
     Args:
@@ -244,10 +238,6 @@ def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
     """
     suffix = checked_suffix(file)
     if suffix in FIGURES:
-        from stepwell import figures
-
-        figures.save(figures.transition_graph(graph), file)
+        sw.figures.save(sw.figures.transition_graph(graph), file)
     else:
-        from stepwell import sequences
-
-        base.write_atomic(file, getattr(sequences, EXPORTS[suffix])(graph))
+        base.write_atomic(file, getattr(sw.sequences, EXPORTS[suffix])(graph))

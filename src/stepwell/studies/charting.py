@@ -13,19 +13,10 @@ from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import TransitionGraph
+from stepwell.studies import machines
 from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import IndependentBlocks, changed
-from stepwell.studies.machines import (
-    Atlas,
-    Cycling,
-    Machine,
-    Sampled,
-    canonical,
-    name_of,
-    possible,
-    proved_space,
-    ways_of,
-)
+from stepwell.studies.machines import Atlas, Machine, possible, proved_space
 from stepwell.studies.store import Study
 
 # Designs of a graph whose yields are compared: those with the largest gap in their blocks.
@@ -178,7 +169,7 @@ class _Space:
 
     def name(self, chain: Chain) -> str:
         """The name of the graph that the engine finds of a chain."""
-        return name_of(canonical(ways_of(self.graph(chain)), len(chain)))
+        return machines.name_of(machines.canonical(machines.ways_of(self.graph(chain)), len(chain)))
 
     def machine(
         self, key: int, share: Share, best: _Best, tolerances: Tolerances, samples: int
@@ -193,12 +184,12 @@ class _Space:
         gap, design = best[int(np.argmax(kept))]
         chain, cells = self.chain(design), self.cells(design)
         ways = closed_graph(cells, self.drive)
-        name = name_of(canonical(ways, len(chain)))
+        name = machines.name_of(machines.canonical(ways, len(chain)))
         draws = Draws(chain, tolerances, self.space.seed)
         times, others = self._kept(key, draws, design, samples)
         times += sum(self._followed(draws, number) == name for number in others)
         graph = self.graph(chain)
-        agrees = sorted(ways_of(graph)) == sorted(ways)
+        agrees = sorted(machines.ways_of(graph)) == sorted(ways)
         reading = graph.reading
         counting, vertices, reached = (
             reading.counting.accumulators,
@@ -248,13 +239,13 @@ class _Space:
         except StepwellError:
             return ""
 
-    def cycling(self, code: int, share: Share, best: _Best) -> Cycling:
+    def cycling(self, code: int, share: Share, best: _Best) -> machines.Cycling:
         """A cycle with its most robust design."""
         gap, design = best[0]
         n = len(self.numbers.base)
         digits = [code // n**k % n for k in reversed(range(2 * n))]
         states = _visited(digits[:n], digits[n:])
-        return Cycling(">".join(states), share, design, self.chain(design), gap)
+        return machines.Cycling(">".join(states), share, design, self.chain(design), gap)
 
     def agreement(self, most: int) -> tuple[int, int]:
         """Of designs drawn anew that are told, how many the engine sees alike; and how many."""
@@ -265,10 +256,12 @@ class _Space:
         for point in points[told == TOLD]:
             ways = closed_graph(self.numbers.at(point[None])[0], self.drive)
             checked += 1
-            agreed += sorted(ways_of(self.graph(self.made(point.tolist())))) == sorted(ways)
+            agreed += sorted(machines.ways_of(self.graph(self.made(point.tolist())))) == sorted(
+                ways
+            )
         return agreed, checked
 
-    def sampled(self, designs: Sequence[int]) -> Sampled:
+    def sampled(self, designs: Sequence[int]) -> machines.Sampled:
         """What the engine finds of these designs."""
         found, failed = Counter[str](), 0
         for design in designs:
@@ -276,7 +269,7 @@ class _Space:
                 found[self.name(self.chain(design))] += 1
             except StepwellError:
                 failed += 1
-        return Sampled(len(designs), failed, dict(found.most_common()))
+        return machines.Sampled(len(designs), failed, dict(found.most_common()))
 
 
 def _visited(loading: Sequence[int], unloading: Sequence[int]) -> list[str]:

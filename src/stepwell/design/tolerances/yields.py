@@ -11,15 +11,8 @@ from stepwell import base
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
-from stepwell.design.tolerances.draws import (
-    USUAL,
-    Draws,
-    Part,
-    Tolerances,
-    frictionless,
-    levers_of,
-    meet,
-)
+from stepwell.design.tolerances import draws
+from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design.tolerances.survival import Survival, count_ends
 from stepwell.design.tolerances.tally import HANGS, Counted, RelayJudge, Tally, varied, why_none
@@ -211,7 +204,7 @@ class Yield(Counted, base.Drawn):
 
 def yields(
     chain: Chain,
-    tolerances: Tolerances = USUAL,
+    tolerances: draws.Tolerances = draws.USUAL,
     *,
     samples: int | None = None,
     seed: int = 0,
@@ -259,7 +252,7 @@ def yields(
 
 
 def _states(
-    chain: Chain, tolerances: Tolerances, target: str | Iterable[str] | None
+    chain: Chain, tolerances: draws.Tolerances, target: str | Iterable[str] | None
 ) -> frozenset[str] | None:
     """The states wanted; None where a cycle is."""
     if target is None or isinstance(target, str):
@@ -279,8 +272,8 @@ def _states(
     return states
 
 
-def _refuse(chain: Chain, tolerances: Tolerances, samples: int, seed: int) -> None:
-    if not isinstance(tolerances, Tolerances):
+def _refuse(chain: Chain, tolerances: draws.Tolerances, samples: int, seed: int) -> None:
+    if not isinstance(tolerances, draws.Tolerances):
         raise base.InputError(
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
@@ -288,13 +281,13 @@ def _refuse(chain: Chain, tolerances: Tolerances, samples: int, seed: int) -> No
     base.check.whole("samples", samples, 1)
     base.check.whole("seed", seed, 0)
     base.require("samples", samples, "samples =")
-    shortest = min((cell.lever for cell in levers_of(chain)), default=np.inf)
+    shortest = min((cell.lever for cell in draws.levers_of(chain)), default=np.inf)
     if tolerances.lever >= shortest:
         raise base.InputError(
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )
-    meet(tolerances, chain)
+    draws.meet(tolerances, chain)
 
 
 def _advice(tally: Tally, target: str) -> str:
@@ -376,7 +369,7 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
     yield f"{made}; {fails}; {how}"
     if tally.robust is not None:
         yield _whatever_mobilities(tally, tally.robust)
-    yield frictionless(tally.draws.tolerances, tally.draws.chain)
+    yield draws.frictionless(tally.draws.tolerances, tally.draws.chain)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
 
 
@@ -389,7 +382,7 @@ def _whatever_mobilities(tally: Tally, ratio: float) -> str:
     return f"{told}: of {tally.proved} that is proved{rest}"
 
 
-def parts_of(found: Yield | Survival) -> dict[str, Part]:
+def parts_of(found: Yield | Survival) -> dict[str, draws.Part]:
     """The parts that vary in what was counted, by their names, such as "outer.stiffness"."""
     return Draws(found.chain, found.tolerances, found.seed).parts
 

@@ -15,15 +15,8 @@ from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, plain, scale_bar
 from stepwell.figures.common.words import literal
-from stepwell.figures.robots.parts import (
-    LegParts,
-    anchor_moves,
-    antenna_line,
-    bracket,
-    leg_parts,
-    rectangle,
-    rest_states,
-)
+from stepwell.figures.robots import parts
+from stepwell.figures.robots.parts import antenna_line, leg_parts, rectangle, rest_states
 from stepwell.robot import Antenna, Leg, Robot
 
 # A drawing of this width has room for its dimensions [mm].
@@ -116,7 +109,7 @@ def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
     scale_bar(ax, x - (12.0 if detailed() else 36.0), y, 50.0)
 
 
-def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: LegParts, *, faint: bool) -> None:
+def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, faint: bool) -> None:
     def shade(colour: str) -> tuple[float, float, float]:
         return faded(colour, faint)
 
@@ -170,9 +163,11 @@ def _antenna_above(ax: Axes, robot: Robot, antenna: Antenna) -> None:
         *(antenna_line(antenna) * style.MM).T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna"
     )
     ax.plot(*(np.array(antenna.pivot) * style.MM), "o", **style.hollow(3.6, ANTENNA), zorder=6)
-    ax.plot(*(bracket(robot, antenna) * style.MM).T, color=style.FAINT, linewidth=0.6, zorder=1)
+    ax.plot(
+        *(parts.bracket(robot, antenna) * style.MM).T, color=style.FAINT, linewidth=0.6, zorder=1
+    )
     if antenna.connected:
-        start, end = anchor_moves(robot, antenna) * style.MM
+        start, end = parts.anchor_moves(robot, antenna) * style.MM
         ax.plot(*end, linestyle="none", gid="moved anchor")
         arrow(ax, tuple(start), tuple(end), width=1.0)
 
@@ -244,7 +239,9 @@ def _body(ax: Axes, robot: Robot, pivot: float) -> None:
         ax.plot(x, z, color=ANTENNA, linewidth=1.4, zorder=2)
 
 
-def _side_dimensions(ax: Axes, robot: Robot, at_0: LegParts, at_1: LegParts, pivot: float) -> None:
+def _side_dimensions(
+    ax: Axes, robot: Robot, at_0: parts.LegParts, at_1: parts.LegParts, pivot: float
+) -> None:
     near, wide = at_0.pivots * style.MM, at_1.pivots * style.MM
     along_x(ax, (near[1], near[0]), (pivot, pivot + 18.0), f"{mm(robot.foot.span)} mm")
     opened = f"{mm(at_1.pivots[0] - at_1.pivots[1])} mm with every cell at 1"
@@ -270,7 +267,7 @@ def _beyond(robot: Robot) -> float:
     return max(robot.body.length / 2, *(x for x, _ in robot.body.supports)) * style.MM + 8.0
 
 
-def _leg(ax: Axes, robot: Robot, parts: LegParts, pivot: float, *, faint: bool) -> None:
+def _leg(ax: Axes, robot: Robot, parts: parts.LegParts, pivot: float, *, faint: bool) -> None:
     def shade(colour: str) -> tuple[float, float, float]:
         return faded(colour, faint)
 

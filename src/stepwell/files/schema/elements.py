@@ -9,22 +9,13 @@ from typing import Annotated, Any, NoReturn
 from pydantic import Field, PlainValidator, model_validator
 
 from stepwell.base import Measure, short, told_in
-from stepwell.files.schema.keys import (
-    Keys,
-    Line,
-    above_zero,
-    at_most,
-    bounded,
-    decimal_of,
-    few,
-    lengths,
-    refuse,
-)
+from stepwell.files.schema import keys
+from stepwell.files.schema.keys import refuse
 from stepwell.mechanism import MOBILITIES
 
 
 def _corner(value: Any) -> tuple[Decimal, ...]:
-    return lengths(value, 2, "must be a travel in mm and a force in N, as in [4, 1].")
+    return keys.lengths(value, 2, "must be a travel in mm and a force in N, as in [4, 1].")
 
 
 def _count(value: Any) -> int:
@@ -35,15 +26,15 @@ def _count(value: Any) -> int:
 
 Corner = Annotated[tuple[Decimal, ...], PlainValidator(_corner)]
 Count = Annotated[int, PlainValidator(_count)]
-Size = Annotated[Decimal, above_zero("1e-3", "1e6")]
-Height = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
-Spring = Annotated[Decimal, above_zero("1e-6", "1e9")]
-Modulus = Annotated[Decimal, above_zero("1e-6", "1e9")]
-Share = Annotated[Decimal, bounded("0", "1e9", ">= 0 (up to 1e9)")]
-Stretch = Annotated[Decimal, bounded("1", "100")]
+Size = Annotated[Decimal, keys.above_zero("1e-3", "1e6")]
+Height = Annotated[Decimal, keys.bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Spring = Annotated[Decimal, keys.above_zero("1e-6", "1e9")]
+Modulus = Annotated[Decimal, keys.above_zero("1e-6", "1e9")]
+Share = Annotated[Decimal, keys.bounded("0", "1e9", ">= 0 (up to 1e9)")]
+Stretch = Annotated[Decimal, keys.bounded("1", "100")]
 
 
-class TrilinearKeys(Keys):
+class TrilinearKeys(keys.Keys):
     """Two straight rising branches with a falling one between them."""
 
     peak_mm_N: Corner | None = None
@@ -52,7 +43,7 @@ class TrilinearKeys(Keys):
     last_N_per_m: Spring | None = None
 
 
-class TrussKeys(Keys):
+class TrussKeys(keys.Keys):
     """Two inclined springs whose apex is pushed through."""
 
     half_width_mm: Size | None = None
@@ -60,7 +51,7 @@ class TrussKeys(Keys):
     stiffness_N_per_m: Spring | None = None
 
 
-class BeamKeys(Keys):
+class BeamKeys(keys.Keys):
     """Cosine-shaped beams that are joined in the middle."""
 
     span_mm: Size | None = None
@@ -71,7 +62,7 @@ class BeamKeys(Keys):
     beams: Count | None = None
 
 
-class BalloonKeys(Keys):
+class BalloonKeys(keys.Keys):
     """A spherical rubber balloon."""
 
     radius_mm: Size | None = None
@@ -81,7 +72,7 @@ class BalloonKeys(Keys):
     stretch: Stretch | None = None
 
 
-class KreslingKeys(Keys):
+class KreslingKeys(keys.Keys):
     """One storey of a folded cylinder."""
 
     sides: Count | None = None
@@ -92,13 +83,13 @@ class KreslingKeys(Keys):
     valley_N_per_m: Spring | None = None
 
 
-class DomeKeys(Keys):
+class DomeKeys(keys.Keys):
     """Rubber domes of a keyboard, as measured."""
 
     count: Count | None = None
 
 
-class LibraryKeys(Keys):
+class LibraryKeys(keys.Keys):
     """The elements of the library by the names of their functions."""
 
     trilinear: TrilinearKeys | None = None
@@ -138,12 +129,12 @@ _PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
 def _numbers(value: Any, most: str = MOST, example: str = "[0, 1.5, 4]") -> tuple[Decimal, ...]:
     if not isinstance(value, list) or not value:
         refuse(f"must be a list of numbers, as in {example}.")
-    few("rows", value)
+    keys.few("rows", value)
     allowed = f"from -{most} to {most}, as in {example}"
     found: list[Decimal] = []
     for i, one in enumerate(value):
         try:
-            found.append(decimal_of(one, -Decimal(most), Decimal(most), ""))
+            found.append(keys.decimal_of(one, -Decimal(most), Decimal(most), ""))
         except ValueError:
             refuse(f"number {i + 1} must be {allowed}.")
     return tuple(found)
@@ -153,7 +144,7 @@ def _cubics(value: Any) -> tuple[tuple[Decimal, ...], ...]:
     example = "[[0, 250, 0, 0, 0]]"
     if not isinstance(value, list) or not value:
         refuse(f"must be one or more rows of five numbers, as in {example}.")
-    few("rows", value)
+    keys.few("rows", value)
     rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in value)
     for i, row in enumerate(rows):
         if len(row) != 5:
@@ -189,13 +180,13 @@ Cubics = Annotated[tuple[tuple[Decimal, ...], ...], PlainValidator(_cubics)]
 Stops = Annotated[bool | tuple[bool, bool], PlainValidator(_stops)]
 SheetNumber = Annotated[int, PlainValidator(_sheet)]
 CsvName = Annotated[str, PlainValidator(_csv)]
-Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
-Mobility = Annotated[Decimal, bounded(*map(short, MOBILITIES))]
-Noise = Annotated[Decimal, above_zero("1e-9", MOST)]
-Scale = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Friction = Annotated[Decimal, keys.bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Mobility = Annotated[Decimal, keys.bounded(*map(short, MOBILITIES))]
+Noise = Annotated[Decimal, keys.above_zero("1e-9", MOST)]
+Scale = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]
 
 
-class ColumnKeys(Keys):
+class ColumnKeys(keys.Keys):
     """A curve by two columns of numbers, which belong together and are as long as each other."""
 
     travel_mm: Numbers | None = None
@@ -253,7 +244,7 @@ class RisingKeys(ColumnKeys):
             )
 
 
-class SheetKeys(Keys):
+class SheetKeys(keys.Keys):
     """A stable stretch of a curve as cubics in SI: what is written where no table gives it back."""
 
     travel_m: JointsSI | None = None
@@ -285,7 +276,7 @@ class SheetKeys(Keys):
         return self
 
 
-class NumberKeys(Keys):
+class NumberKeys(keys.Keys):
     """The curve of an element in numbers, in one of these forms."""
 
     table: RisingKeys | None = None
@@ -294,7 +285,9 @@ class NumberKeys(Keys):
     table_csv: CsvName | None = None
     points_csv: CsvName | None = None
     curve_csv: CsvName | None = None
-    sheets: Annotated[tuple[SheetKeys, ...], Field(strict=False), at_most("rows")] | None = None
+    sheets: Annotated[tuple[SheetKeys, ...], Field(strict=False), keys.at_most("rows")] | None = (
+        None
+    )
 
 
 class CurveKeys(LibraryKeys, NumberKeys):
@@ -304,7 +297,7 @@ class CurveKeys(LibraryKeys, NumberKeys):
 class ElementKeys(CurveKeys):
     """An element: its curve, and what goes with it."""
 
-    name: Line = ""
+    name: keys.Line = ""
     stops: Stops | None = None
     friction_N: Friction | None = None
     friction_kPa: Friction | None = None
