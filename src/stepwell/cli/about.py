@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import installation
 from stepwell.cli import options as completing
@@ -30,9 +31,7 @@ def presets(
 
     Example: stepwell presets
     """
-    from stepwell import files
-
-    report(account(files.presets()), as_json)
+    report(account(sw.files.presets()), as_json)
 
 
 def new(
@@ -55,14 +54,12 @@ def new(
 
     Example: stepwell new leg.toml --preset three-wave
     """
-    from stepwell import files
-
     if file.suffix != ".toml":
         raise typer.BadParameter(
             f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
         )
     free_file(file, force)
-    files.write_atomic(file, files.preset_text(preset))
+    sw.files.write_atomic(file, sw.files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
     show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
@@ -89,11 +86,9 @@ def paper(
 
     Example: stepwell paper
     """
-    import stepwell.paper as claims
-
     output.free("paper")
     with progress("claims") as tell:
-        found = claims.run(tell, everything=everything, data=data)
+        found = sw.paper.run(tell, everything=everything, data=data)
     output.report(account(found), everything=everything)
 
 
@@ -105,10 +100,8 @@ def validate(as_json: Json = False) -> None:
 
     Example: stepwell validate
     """
-    import stepwell.paper as claims
-
     with progress("claims") as tell:
-        found = claims.validate(tell)
+        found = sw.paper.validate(tell)
     report(account(found), as_json)
 
 
@@ -129,14 +122,12 @@ def schema(
 
     Example: stepwell schema run
     """
-    from stepwell.accounts import schema_kinds, schema_of
-
     if kind is None:
-        names = (schema_of(one)["title"] for one in schema_kinds())
+        names = (sw.accounts.schema_of(one)["title"] for one in sw.accounts.schema_kinds())
         show_lines("Results, each with the version of its schema", "", *names)
         return
     with usable("RESULT"):
-        found = schema_of(kind)
+        found = sw.accounts.schema_of(kind)
     show_verbatim(json.dumps(found, indent=2))
 
 
@@ -159,21 +150,15 @@ def doctor(as_json: Json = False) -> None:
 
 # Each opens its room when it is called: what is broken there is reported, and the rest examined.
 def _cores() -> int:
-    from stepwell.kernels import cores
-
-    return cores()
+    return sw.kernels.cores()
 
 
 def _kernels() -> object:
-    from stepwell.kernels import kept
-
-    return kept()
+    return sw.kernels.kept()
 
 
 def _opengl() -> str | None:
-    from stepwell.simulation import drawing_system
-
-    return drawing_system()
+    return sw.simulation.drawing_system()
 
 
 def _display() -> str | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
 from stepwell.cli.options import Design, Group, Output, grouped, read_chain
@@ -122,15 +123,12 @@ def as_built(
 
     Example: stepwell lab as-built preset:paper-forward --seen '00>01>11>10>00'
     """
-    from stepwell import lab
-    from stepwell.accounts import About, account
-
     output.free("lab as-built")
     text, chain = read_chain(design)
     (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
-        told = lab.Observed(
+        told = sw.lab.Observed(
             observed.seen,
             _strokes(observed.snaps_out, "--snaps-out", driven),
             _strokes(observed.snaps_back, "--snaps-back", driven),
@@ -143,7 +141,7 @@ def as_built(
         )
     spread = within.tolerances(chain.measure)
     with usable("what was seen"), progress("builds") as tell:
-        found = lab.as_built(
+        found = sw.lab.as_built(
             chain,
             told,
             spread,
@@ -154,7 +152,7 @@ def as_built(
             seed=sampling.seed,
             progress=tell,
         )
-    output.report(account(found, About(text, design)))
+    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:
@@ -169,24 +167,20 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
         raise typer.BadParameter(message, param_hint=option) from None
 
 
-def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
-    from stepwell.lab import Pull
-
+def _read(text: str | None, chain: Chain) -> tuple[sw.lab.Pull, ...]:
     if text is None:
         return ()
     stroke, force = told_in(chain.measure.travel_unit)[1], told_in(chain.measure.force_unit)[1]
     try:
         pairs = [tuple(map(float, one.split(":"))) for one in text.split(",")]
-        return tuple(Pull(1, u / stroke, f / force) for u, f in pairs)
+        return tuple(sw.lab.Pull(1, u / stroke, f / force) for u, f in pairs)
     except ValueError:
         message = f"{text!r}: must be STROKE:FORCE with commas, as 10:0.35,20:0.1."
         raise typer.BadParameter(message, param_hint="--pulls") from None
 
 
 def _recorded(file: Path, chain: Chain) -> tuple[Pull, ...]:
-    from stepwell.lab import pulls_of, read
-
-    return pulls_of(read(file), chain.full_stroke)
+    return sw.lab.pulls_of(sw.lab.read(file), chain.full_stroke)
 
 
 commands = typer.Typer(no_args_is_help=True, add_completion=False)
@@ -217,15 +211,12 @@ def read(
 
     Example: stepwell lab read recordings --out tidy
     """
-    from stepwell import lab as measured
-    from stepwell.accounts import account
-
     output.free("lab read")
     with progress("reading") as tell:
-        batch = measured.read_all(files, progress=tell)
+        batch = sw.lab.read_all(files, progress=tell)
     if not batch.recordings:
         output = replace(output, out=None)
-    output.report(account(batch))
+    output.report(sw.accounts.account(batch))
     if not batch.recordings:
         raise typer.Exit(2)
 
@@ -264,11 +255,9 @@ class FittedPart(Group):
 
     def test(self, recordings: list[Recording]) -> BandTest:
         """This part of the recordings of a tension test."""
-        from stepwell.lab import band_test
-
         edges = None if self.window is None else read_window(self.window)
         counted = None if self.cycles is None else read_window(self.cycles, whole=True)
-        return band_test(
+        return sw.lab.band_test(
             recordings,
             window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
             cycles=None if counted is None else (int(counted[0]), int(counted[1])),
@@ -309,19 +298,16 @@ def band(
 
     Example: stepwell lab band recordings --window-mm 5:35
     """
-    from stepwell import lab as measured
-    from stepwell.accounts import About, account
-
     output.free("lab band")
     given = recordings_in(folders)
     test = part.test(given)
     with usable("--gauge-mm"):
-        choice = measured.choose_law(test, None if gauge is None else gauge * 1e-3)
+        choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
     with usable("--law"):
-        found = measured.fit_bands(test, choice, law)
+        found = sw.lab.fit_bands(test, choice, law)
     source = ", ".join(folder.name for folder in folders)
-    about = About(source=source, data_sha256=measured.hashes(given))
-    output.report(account(found, about))
+    about = sw.accounts.About(source=source, data_sha256=sw.lab.hashes(given))
+    output.report(sw.accounts.account(found, about))
 
 
 _Data = Annotated[
@@ -378,14 +364,12 @@ class RigOptions(Group):
 
     def read(self) -> Rig:
         """The rig of a file, or the paper's with another bar."""
-        from stepwell import files, lab as measured
-
         if self.rig is not None:
             if self.bar is not None:
                 message = "cannot stand with --bar-mm: FILE has bar_mm."
                 raise typer.BadParameter(message, param_hint="--rig")
-            return files.loads_rig(files.text_of(self.rig), str(self.rig))
-        return measured.PAPER_RIG if self.bar is None else measured.Rig(self.bar * 1e-3)
+            return sw.files.loads_rig(sw.files.text_of(self.rig), str(self.rig))
+        return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -416,24 +400,21 @@ def compare(
 
     Example: stepwell lab compare recordings --out verdicts
     """
-    from stepwell import files, lab as measured
-    from stepwell.accounts import About, account
-
     output.free("lab compare")
     given = recordings_in([data])
-    designed = {design: files.text_of(design) for design in designs or ()}
-    comparison = measured.compare(
+    designed = {design: sw.files.text_of(design) for design in designs or ()}
+    comparison = sw.lab.compare(
         given,
-        [files.loads(text, design).chain for design, text in designed.items()],
+        [sw.files.loads(text, design).chain for design, text in designed.items()],
         baseline=friction.read(),
         as_designed=as_designed,
         rig=machine.read(),
     )
-    about = About(
-        data_sha256=measured.hashes(given),
-        designs_sha256={design: files.digest(text) for design, text in designed.items()},
+    about = sw.accounts.About(
+        data_sha256=sw.lab.hashes(given),
+        designs_sha256={design: sw.files.digest(text) for design, text in designed.items()},
     )
-    output.report(account(comparison, about))
+    output.report(sw.accounts.account(comparison, about))
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -460,17 +441,14 @@ def calibrate(
 
     Example: stepwell lab calibrate recordings
     """
-    from stepwell import lab as measured
-    from stepwell.accounts import About, account
-
     output.free("lab calibrate")
     given = recordings_in([data])
-    found = measured.sort_series(given, baseline=friction.read())
-    prepared = measured.prepare(found.series, measured.tension_tables(given), found.told)
+    found = sw.lab.sort_series(given, baseline=friction.read())
+    prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
     with progress("fits") as tell:
-        calibration = measured.calibrate(prepared, law, progress=tell)
-    about = About(source=data.name, data_sha256=measured.hashes(given))
-    output.report(account(calibration, about))
+        calibration = sw.lab.calibrate(prepared, law, progress=tell)
+    about = sw.accounts.About(source=data.name, data_sha256=sw.lab.hashes(given))
+    output.report(sw.accounts.account(calibration, about))
 
 
 commands.command("as-built", epilog=EXIT_CODES)(as_built)

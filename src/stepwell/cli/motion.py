@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import stepwell as sw
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
 from stepwell.cli.options import (
     Design,
@@ -51,7 +52,6 @@ def run(design: Design, mobility_ratio: MobilityRatio = None, *, output: Output)
 
     Example: stepwell run preset:paper-forward
     """
-    from stepwell.accounts import About, account
     from stepwell.design import Run, margin
 
     text, chain = read_chain(design)
@@ -64,7 +64,7 @@ def run(design: Design, mobility_ratio: MobilityRatio = None, *, output: Output)
         )
     with progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
-    output.report(account(found, About(text, design)))
+    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
 
 
 def graph(
@@ -100,27 +100,24 @@ def graph(
 
     Example: stepwell graph preset:three-wave
     """
-    from stepwell import reports
-    from stepwell.accounts import About, account
-
     text, chain = read_chain(design)
     free_file(out, force)
     if out is not None:
         with usable("--out"):
-            reports.checked_suffix(out)
+            sw.reports.checked_suffix(out)
     with usable(design):
         implicit = chain.implicit_graph(drive_of(drive, chain))
     if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
         with usable(design), progress("graph") as tell:
             walked = implicit.walked(start, progress=tell)
-        report(account(walked, About(text, design)), as_json)
+        report(sw.accounts.account(walked, sw.accounts.About(text, design)), as_json)
         return
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
-        reported = account(found, About(text, design))
+        reported = sw.accounts.account(found, sw.accounts.About(text, design))
     if out is not None:
         with usable("--out"):
-            reports.write_graph(found, out)
+            sw.reports.write_graph(found, out)
     if as_json:
         show_json(reported.record, *([out] if out else []))
         return
@@ -149,9 +146,6 @@ def program(
 
     Example: stepwell program preset:paper-forward --target 01
     """
-    from stepwell.accounts import About, account
-    from stepwell.sequences import Unreachable
-
     text, chain = read_chain(design)
     output.free("program")
     try:
@@ -159,9 +153,9 @@ def program(
             found = planned(chain, start, target, robust)
         else:
             found = replace(own(text, design), robust=robust)
-    except Unreachable as why:
+    except sw.sequences.Unreachable as why:
         found, output = why, replace(output, out=None)
-    reported = account(found, About(text, design))
+    reported = sw.accounts.account(found, sw.accounts.About(text, design))
     output.report(reported)
     answered(reported.record["does_it"])
 
@@ -182,16 +176,14 @@ class MotionOptions(Group):
 
     def of(self, design: str) -> Cycle | Program:
         """This motion of a design file."""
-        from stepwell import files
-
         if not self.program:
             if self.start or self.target:
                 option = "--target" if self.target else "--from"
                 raise typer.BadParameter("needs --program.", param_hint=option)
-            return files.load(design).chain.cycle()
+            return sw.files.load(design).chain.cycle()
         if self.start or self.target:
-            return planned(files.load(design).chain, self.start, self.target)
-        return own(files.text_of(design), design)
+            return planned(sw.files.load(design).chain, self.start, self.target)
+        return own(sw.files.text_of(design), design)
 
 
 @grouped
@@ -213,13 +205,11 @@ def animate(
 
     Example: stepwell animate preset:paper-forward --out leg.gif
     """
-    from stepwell import figures
-
     free_file(out, force)
     result = motion.of(design)
     try:
         with progress("frames") as tell:
-            figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
+            sw.figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     show_verbatim(f"Wrote {out}")
@@ -281,7 +271,6 @@ def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
 
     Example: stepwell map preset:paper-forward --out map
     """
-    from stepwell.accounts import About, account
     from stepwell.design import (
         MapView,
         boundaries,
@@ -312,17 +301,18 @@ def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
             dataset = nodes(progress=tell)
         with progress("boundaries") as tell:
             found = curves(progress=tell)
-        reported = account(MapView(dataset, found, designs), About(text, design))
+        reported = sw.accounts.account(
+            MapView(dataset, found, designs), sw.accounts.About(text, design)
+        )
         output.report(reported)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
     """A parameter with its values in SI, for a chain that has it; and what it is there."""
-    from stepwell.base import told_in
     from stepwell.design import parameter
 
     one = parameter(chain, given.name)
-    values = one.values(given.values(told_in(one.unit)[1]), 2)
+    values = one.values(given.values(sw.base.told_in(one.unit)[1]), 2)
     here = one.value(chain)
     assert not isinstance(here, tuple)
     return (given.name, values), here
@@ -344,10 +334,8 @@ def cell_of(chain: Chain, text: str) -> int:
 
 def marks(chain: Chain, cell: int) -> dict[str, tuple[float, float]]:
     """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
-    from stepwell.mechanism import Element
-
     own = chain.cells[cell]
-    if isinstance(own, Element):
+    if isinstance(own, sw.mechanism.Element):
         raise typer.BadParameter(
             f"{chain.names[cell]} is an element and has no anchor: pass --across "
             f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import stepwell as sw
 from stepwell.base import require
 from stepwell.cli import options as completing
 from stepwell.cli.options import (
@@ -59,11 +60,9 @@ def show(robot: Robot, output: Output) -> None:
 
     Example: stepwell robot show robot-forward
     """
-    from stepwell.accounts import About, account
-
     text, design = read_robot(robot)
     output.free("robot show", robot=text)
-    output.report(account(design.predict(), About(text, robot)))
+    output.report(sw.accounts.account(design.predict(), sw.accounts.About(text, robot)))
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -99,8 +98,6 @@ def sweep(
 
     Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
-    from stepwell.accounts import About, account
-
     text, design = read_robot(robot)
     output.free("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
@@ -109,7 +106,7 @@ def sweep(
     kept = "the robots that are done are kept, and the same command goes on with the others"
     with usable("--out"), progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
-    output.report(account(result, About(text, robot, seeds=seeds)))
+    output.report(sw.accounts.account(result, sw.accounts.About(text, robot, seeds=seeds)))
     _forget(keep)
 
 
@@ -127,13 +124,10 @@ def converge(
 
     Example: stepwell robot converge robot-forward
     """
-    from stepwell import simulation as physics
-    from stepwell.accounts import About, account
-
     text, design = read_robot(robot)
     with usable(robot), progress("walking") as tell:
-        found = physics.convergence(design, cycles=cycles, progress=tell)
-    report(account(found, About(text, robot)), as_json)
+        found = sw.simulation.convergence(design, cycles=cycles, progress=tell)
+    report(sw.accounts.account(found, sw.accounts.About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
@@ -192,25 +186,23 @@ def _swept(
     progress: Progress | None,
 ) -> Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
-    from stepwell import files, simulation
-
     count = len(next(iter(values.values())))
     made: dict[int, values.Robot] = {}
-    wrong: dict[int, files.DesignError] = {}
+    wrong: dict[int, sw.files.DesignError] = {}
     for i in range(count):
         try:
-            made[i] = files.vary(robot, {key: numbers[i] for key, numbers in values.items()})
-        except files.DesignError as error:
+            made[i] = sw.files.vary(robot, {key: numbers[i] for key, numbers in values.items()})
+        except sw.files.DesignError as error:
             wrong[i] = error
     if not made:
-        raise files.DesignError(name, wrong[0].problems)
-    done = simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
+        raise sw.files.DesignError(name, wrong[0].problems)
+    done = sw.simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
     trials = dict(zip(made, done.trials, strict=True))
     nothing, gaits = float("nan"), ("",) * len(robot.legs)
     for i, error in wrong.items():
         why = "; ".join(error.problems)
-        trials[i] = simulation.Trial(nothing, nothing, nothing, gaits, nothing, why)
-    return simulation.Sweep(values, tuple(trials[i] for i in range(count)))
+        trials[i] = sw.simulation.Trial(nothing, nothing, nothing, gaits, nothing, why)
+    return sw.simulation.Sweep(values, tuple(trials[i] for i in range(count)))
 
 
 def _forget(keep: Path) -> None:
@@ -238,14 +230,11 @@ def walk(
 
     Example: stepwell walk robot-forward --cycles 4
     """
-    from stepwell import simulation
-    from stepwell.accounts import About, account
-
     text, design = read_robot(robot)
     output.free("walk", robot=text)
     with usable(robot), progress("walking") as tell:
-        result = simulation.walk(design, cycles, progress=tell)
-    found = account(result, About(text, robot))
+        result = sw.simulation.walk(design, cycles, progress=tell)
+    found = sw.accounts.account(result, sw.accounts.About(text, robot))
     output.report(found)
     stopped(result.stopped)
 
@@ -281,16 +270,13 @@ class Course(Group):
 
     def read(self) -> values.Arena:
         """The arena, with its walls and its start moved."""
-        from stepwell import files
-        from stepwell.robot import other_layout, other_start
-
-        arena = files.load_arena(self.arena)
+        arena = sw.files.load_arena(self.arena)
         if self.layout_seed is not None:
             with usable("--layout-seed"):
-                arena = other_layout(arena, self.layout_seed)
+                arena = sw.robot.other_layout(arena, self.layout_seed)
         if self.start_seed is not None:
             with usable("--start-seed"):
-                arena = other_start(arena, self.start_seed)
+                arena = sw.robot.other_start(arena, self.start_seed)
         return arena
 
 
@@ -340,17 +326,16 @@ def maze(
 
     Example: stepwell maze robot-explorer three-walls
     """
-    from stepwell import simulation
-    from stepwell.accounts import About, account
-
     text, given = read_robot(robot)
     design = control.of(given)
     seeds = {"start_seed": course.start_seed, "layout_seed": course.layout_seed}
     output.free("maze")
     place = course.read()
     with usable(robot), progress("walking") as tell:
-        result = simulation.maze(design, place, limit=course.limit, progress=tell)
-    found = account(result, About(text if design is given else design, robot, seeds=seeds))
+        result = sw.simulation.maze(design, place, limit=course.limit, progress=tell)
+    found = sw.accounts.account(
+        result, sw.accounts.About(text if design is given else design, robot, seeds=seeds)
+    )
     output.report(found)
     stopped(result.walk.stopped)
 
@@ -384,14 +369,12 @@ def export(
 
     Example: stepwell export robot-forward --out robot.xml
     """
-    from stepwell import files, simulation
-
     free_file(out, force)
     _, design = read_robot(robot)
-    place = files.load_arena(arena) if arena is not None else None
+    place = sw.files.load_arena(arena) if arena is not None else None
     with usable(robot):
-        text = simulation.mjcf(design, place)
-    files.write_atomic(out, text)
+        text = sw.simulation.mjcf(design, place)
+    sw.files.write_atomic(out, text)
     show_verbatim(f"Wrote {out}")
 
 
@@ -402,10 +385,8 @@ def view(robot: Robot, arena: Arena = None) -> None:
 
     Example: stepwell view robot-forward
     """
-    from stepwell import files
-
     _, design = read_robot(robot)
-    place = files.load_arena(arena) if arena is not None else None
+    place = sw.files.load_arena(arena) if arena is not None else None
     if not has_display():
         typer.echo(NO_DISPLAY, err=True)
         raise typer.Exit(1)
@@ -424,11 +405,9 @@ def command(robot: values.Robot, settle: float) -> Callable[[Any, Any], None]:
 
 def model(robot: values.Robot, arena: values.Arena | None) -> tuple[Any, Any]:
     """The compiled model, and its data standing at the start."""
-    from stepwell.simulation import mujoco, spec
-
-    compiled = spec(robot, arena).compile()
-    data = mujoco.MjData(compiled)
-    mujoco.mj_resetDataKeyframe(compiled, data, 0)
+    compiled = sw.simulation.spec(robot, arena).compile()
+    data = sw.simulation.mujoco.MjData(compiled)
+    sw.simulation.mujoco.mj_resetDataKeyframe(compiled, data, 0)
     return compiled, data
 
 
@@ -436,12 +415,10 @@ def _show(robot: values.Robot, arena: values.Arena | None) -> None:
     """Open the viewer, and come back when it is closed."""
     from importlib import import_module
 
-    from stepwell.simulation import Settings, mujoco
-
     viewer = import_module("mujoco.viewer")
     compiled, data = model(robot, arena)
-    mujoco.set_mjcb_control(command(robot, Settings().settle))
+    sw.simulation.mujoco.set_mjcb_control(command(robot, sw.simulation.Settings().settle))
     try:
         viewer.launch(compiled, data)
     finally:
-        mujoco.set_mjcb_control(None)
+        sw.simulation.mujoco.set_mjcb_control(None)

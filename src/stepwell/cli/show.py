@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import stepwell as sw
 from stepwell.cli import options as completing
 from stepwell.cli.driving import own
 from stepwell.cli.options import (
@@ -82,12 +83,10 @@ class PageOptions(Group):
 
     def layout(self) -> dict[str, Any]:
         """The same as `reports.figure` takes it; lengths in mm."""
-        from stepwell.figures import length
-
         with usable("--width"):
-            wide = length(self.width or _USUAL)
+            wide = sw.figures.length(self.width or _USUAL)
         with usable("--height"):
-            high = None if self.height is None else length(self.height)
+            high = None if self.height is None else sw.figures.length(self.height)
         return {"width": wide, "height": high, "columns": self.columns, "letters": self.letters}
 
 
@@ -177,8 +176,6 @@ def figure(
 
     Example: stepwell figure preset:paper-forward --width 88mm --out leg.pdf
     """
-    from stepwell import figures
-
     if "help" in (panels, page.width):
         _list()
         return
@@ -197,7 +194,7 @@ def figure(
             damping=snap.damping,
             **layout,
         )
-    figures.save(drawn, out, dpi=figures.PRINT_DPI, text=True)
+    sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
     show_verbatim(f"Wrote {out}")
     show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
@@ -207,26 +204,21 @@ def figure(
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     """A figure of the paper, which has its own panels."""
-    from stepwell.reports import figure_of
-
     for option, value in others.items():
         if value:
             raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
     with usable("DESIGN"):
-        return figure_of(name.removeprefix(_PAPER))
+        return sw.reports.figure_of(name.removeprefix(_PAPER))
 
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     """A figure of a design."""
-    from stepwell import files, reports
-    from stepwell.robot import Robot
-
-    text = files.text_of(design)
-    read = files.loads(text, design).subject
-    written = files.loads(text, design).program if not isinstance(read, Robot) else None
+    text = sw.files.text_of(design)
+    read = sw.files.loads(text, design).subject
+    written = sw.files.loads(text, design).program if not isinstance(read, sw.robot.Robot) else None
     program = None if written is None else own(text, design)
     with usable("--panels"):
-        return reports.figure(read, _rows(panels), program=program, **how)
+        return sw.reports.figure(read, _rows(panels), program=program, **how)
 
 
 def _rows(panels: str | None) -> list[str | list[str]]:
@@ -242,22 +234,19 @@ def _rows(panels: str | None) -> list[str | list[str]]:
 
 
 def _recording(file: Path) -> Recording:
-    from stepwell.lab import read
-
-    return read(file)
+    return sw.lab.read(file)
 
 
 def _list() -> None:
     """All panels, and the widths of journals."""
-    from stepwell import figures, reports
-    from stepwell.robot import Robot
-
     rows = [
-        (name, "robot" if one.of is Robot else "chain", one.shows)
-        for name, one in reports.PANELS.items()
+        (name, "robot" if one.of is sw.robot.Robot else "chain", one.shows)
+        for name, one in sw.reports.PANELS.items()
     ]
     show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
-    widths = [(name, f"{one.width:g}", one.source) for name, one in figures.JOURNAL_WIDTHS.items()]
+    widths = [
+        (name, f"{one.width:g}", one.source) for name, one in sw.figures.JOURNAL_WIDTHS.items()
+    ]
     show_lines("")
     show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
 
@@ -298,41 +287,33 @@ def replay(
 
     Example: stepwell replay preset:paper-forward --out leg.html
     """
-    from stepwell import files
-    from stepwell.mechanism import Chain
-    from stepwell.studio import replay as page_of
-
     if out.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
     free_file(out, force)
     text, found = read_design(design)
-    if isinstance(found, Chain):
+    if isinstance(found, sw.mechanism.Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
-        result = own(text, design) if files.loads(text, design).program else found
+        result = own(text, design) if sw.files.loads(text, design).program else found
         with progress("margin") as tell:
-            content = page_of(result, progress=tell)
+            content = sw.studio.replay(result, progress=tell)
     else:
         with usable(design), progress("walking") as tell:
             run = _run(found, arena, cycles, tell)
         with usable(design), progress("page"):
-            content = page_of(run)
-    files.write_atomic(out, content)
+            content = sw.studio.replay(run)
+    sw.files.write_atomic(out, content)
     show_lines(f"Wrote {out}")
 
 
 def _run(
     robot: values.Robot, arena: str | None, cycles: float | None, tell: Progress | None
 ) -> Walk | Maze:
-    from stepwell import files
-
-    place = files.load_arena(arena) if arena is not None else None
-    from stepwell import simulation
-
+    place = sw.files.load_arena(arena) if arena is not None else None
     if place is None or cycles is not None:
-        return simulation.walk(robot, cycles or _CYCLES, arena=place, progress=tell)
-    return simulation.maze(robot, place, progress=tell)
+        return sw.simulation.walk(robot, cycles or _CYCLES, arena=place, progress=tell)
+    return sw.simulation.maze(robot, place, progress=tell)
 
 
 def studio(
@@ -379,13 +360,11 @@ def studio(
 
     Example: stepwell studio preset:paper-forward
     """
-    from stepwell import files, studio as room
-
     tables = None
     if design is not None:
-        text = files.text_of(design)
-        files.loads(text, design)  # which refuses what cannot be
-        tables = files.tables_in(text, design)
+        text = sw.files.text_of(design)
+        sw.files.loads(text, design)  # which refuses what cannot be
+        tables = sw.files.tables_in(text, design)
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
@@ -394,7 +373,7 @@ def studio(
             webbrowser.open(address)
 
     try:
-        room.serve(tables, port=port, studies=studies, opened=opened)
+        sw.studio.serve(tables, port=port, studies=studies, opened=opened)
     except KeyboardInterrupt:
         raise Interrupted("The studio has ended; an open page keeps its design.") from None
 
@@ -419,18 +398,16 @@ def demo(
 
     Example: stepwell demo --no-open
     """
-    from stepwell import reports
-
     free(out, "demo", force)
-    left_out = [telling for telling in reports.STEPS if not telling.can_be_told]
-    show_text(reports.OPENING)
+    left_out = [telling for telling in sw.reports.STEPS if not telling.can_be_told]
+    show_text(sw.reports.OPENING)
     if left_out:
         titles = "; ".join(telling.title for telling in left_out)
         show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
-    told: list[tuple[reports.Telling, reports.StoryStep]] = []
-    for telling in reports.STEPS:
+    told: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
+    for telling in sw.reports.STEPS:
         if telling in left_out:
             continue
         show_title(f"{len(told) + 1}  {telling.title}")
@@ -440,7 +417,7 @@ def demo(
         show_lines(*step.told, *orders)
         told.append((telling, step))
     with progress(WRITING) as tell:
-        reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
+        sw.reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
     show_text("All of it, moving, on one page:")
     show_verbatim(str(page))
