@@ -9,17 +9,8 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import installation
-from stepwell.cli import options as completing
+from stepwell.cli import options as completing, screen
 from stepwell.cli.options import ForceFile, Json, Output, free_file, grouped, local
-from stepwell.cli.screen import (
-    FAILED,
-    has_display,
-    progress,
-    report,
-    show_lines,
-    show_verbatim,
-    usable,
-)
 
 
 def presets(
@@ -31,7 +22,7 @@ def presets(
 
     Example: stepwell presets
     """
-    report(account(sw.files.presets()), as_json)
+    screen.report(account(sw.files.presets()), as_json)
 
 
 def new(
@@ -61,7 +52,7 @@ def new(
     free_file(file, force)
     sw.files.write_atomic(file, sw.files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
-    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
+    screen.show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
 @grouped
@@ -87,7 +78,7 @@ def paper(
     Example: stepwell paper
     """
     output.free("paper")
-    with progress("claims") as tell:
+    with screen.progress("claims") as tell:
         found = sw.paper.run(tell, everything=everything, data=data)
     output.report(account(found), everything=everything)
 
@@ -100,9 +91,9 @@ def validate(as_json: Json = False) -> None:
 
     Example: stepwell validate
     """
-    with progress("claims") as tell:
+    with screen.progress("claims") as tell:
         found = sw.paper.validate(tell)
-    report(account(found), as_json)
+    screen.report(account(found), as_json)
 
 
 def schema(
@@ -124,11 +115,11 @@ def schema(
     """
     if kind is None:
         names = (sw.accounts.schema_of(one)["title"] for one in sw.accounts.schema_kinds())
-        show_lines("Results, each with the version of its schema", "", *names)
+        screen.show_lines("Results, each with the version of its schema", "", *names)
         return
-    with usable("RESULT"):
+    with screen.usable("RESULT"):
         found = sw.accounts.schema_of(kind)
-    show_verbatim(json.dumps(found, indent=2))
+    screen.show_verbatim(json.dumps(found, indent=2))
 
 
 def doctor(as_json: Json = False) -> None:
@@ -143,9 +134,9 @@ def doctor(as_json: Json = False) -> None:
     found = installation(
         {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
     )
-    report(account(found), as_json)
+    screen.report(account(found), as_json)
     if not found.ok:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(screen.FAILED)
 
 
 # Each opens its room when it is called: what is broken there is reported, and the rest examined.
@@ -162,4 +153,4 @@ def _opengl() -> str | None:
 
 
 def _display() -> str | None:
-    return "yes" if has_display() else None
+    return "yes" if screen.has_display() else None

@@ -10,30 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import stepwell as sw
+from stepwell.cli import options, screen
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
-from stepwell.cli.options import (
-    Design,
-    ForceFile,
-    Group,
-    Json,
-    MobilityRatio,
-    Output,
-    Robust,
-    free_file,
-    grouped,
-    local,
-    read_chain,
-)
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
-from stepwell.cli.screen import (
-    answered,
-    progress,
-    report,
-    show_json,
-    show_lines,
-    show_verbatim,
-    usable,
-)
 
 if TYPE_CHECKING:
     from stepwell.base import Floats
@@ -41,8 +20,10 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
-@grouped
-def run(design: Design, mobility_ratio: MobilityRatio = None, *, output: Output) -> None:
+@options.grouped
+def run(
+    design: options.Design, mobility_ratio: options.MobilityRatio = None, *, output: options.Output
+) -> None:
     """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
 
     The margin is the smallest change that gives another sequence. Snaps are checked for landings
@@ -54,21 +35,21 @@ def run(design: Design, mobility_ratio: MobilityRatio = None, *, output: Output)
     """
     from stepwell.design import Run, margin
 
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("run", design=text)
-    with progress("following") as tell:
+    with screen.progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
-    with usable("--mobility-ratio"), progress("landings"):
+    with screen.usable("--mobility-ratio"), screen.progress("landings"):
         landings = (
             path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
         )
-    with progress("margin") as tell:
+    with screen.progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
     output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
 
 
 def graph(
-    design: Design,
+    design: options.Design,
     drive: Drive = None,
     start: Annotated[
         str | None,
@@ -85,11 +66,11 @@ def graph(
             metavar="FILE",
             help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
             dir_okay=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = None,
-    force: ForceFile = False,
-    as_json: Json = False,
+    force: options.ForceFile = False,
+    as_json: options.Json = False,
 ) -> None:
     """Compute the transition graph of a chain with one actuator.
 
@@ -100,41 +81,41 @@ def graph(
 
     Example: stepwell graph preset:three-wave
     """
-    text, chain = read_chain(design)
-    free_file(out, force)
+    text, chain = options.read_chain(design)
+    options.free_file(out, force)
     if out is not None:
-        with usable("--out"):
+        with screen.usable("--out"):
             sw.reports.checked_suffix(out)
-    with usable(design):
+    with screen.usable(design):
         implicit = chain.implicit_graph(drive_of(drive, chain))
     if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
-        with usable(design), progress("graph") as tell:
+        with screen.usable(design), screen.progress("graph") as tell:
             walked = implicit.walked(start, progress=tell)
-        report(sw.accounts.account(walked, sw.accounts.About(text, design)), as_json)
+        screen.report(sw.accounts.account(walked, sw.accounts.About(text, design)), as_json)
         return
-    with usable(design), progress("graph") as tell:
+    with screen.usable(design), screen.progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         reported = sw.accounts.account(found, sw.accounts.About(text, design))
     if out is not None:
-        with usable("--out"):
+        with screen.usable("--out"):
             sw.reports.write_graph(found, out)
     if as_json:
-        show_json(reported.record, *([out] if out else []))
+        screen.show_json(reported.record, *([out] if out else []))
         return
-    report(reported, as_json)
+    screen.report(reported, as_json)
     if out:
-        show_lines("")
-        show_verbatim(f"Wrote {out}")
+        screen.show_lines("")
+        screen.show_verbatim(f"Wrote {out}")
 
 
-@grouped
+@options.grouped
 def program(
-    design: Design,
+    design: options.Design,
     start: From = None,
     target: Target = None,
-    robust: Robust = None,
+    robust: options.Robust = None,
     *,
-    output: Output,
+    output: options.Output,
 ) -> None:
     """Search the fewest turning points from one state to another.
 
@@ -146,7 +127,7 @@ def program(
 
     Example: stepwell program preset:paper-forward --target 01
     """
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("program")
     try:
         if start or target:
@@ -157,11 +138,11 @@ def program(
         found, output = why, replace(output, out=None)
     reported = sw.accounts.account(found, sw.accounts.About(text, design))
     output.report(reported)
-    answered(reported.record["does_it"])
+    screen.answered(reported.record["does_it"])
 
 
 @dataclass(frozen=True)
-class MotionOptions(Group):
+class MotionOptions(options.Group):
     """Which motion of a design is shown."""
 
     program: Annotated[
@@ -186,18 +167,20 @@ class MotionOptions(Group):
         return own(sw.files.text_of(design), design)
 
 
-@grouped
+@options.grouped
 def animate(
-    design: Design,
+    design: options.Design,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.", callback=local),
+        typer.Option(
+            "--out", "-o", metavar="FILE.gif", help="The file to write.", callback=options.local
+        ),
     ] = Path("cycle.gif"),
     seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
     fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
     *,
     motion: MotionOptions,
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Write a design in motion as a GIF.
 
@@ -205,14 +188,14 @@ def animate(
 
     Example: stepwell animate preset:paper-forward --out leg.gif
     """
-    free_file(out, force)
+    options.free_file(out, force)
     result = motion.of(design)
     try:
-        with progress("frames") as tell:
+        with screen.progress("frames") as tell:
             sw.figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    show_verbatim(f"Wrote {out}")
+    screen.show_verbatim(f"Wrote {out}")
 
 
 CELL, ACROSS, UP = "outer", Range(0, 20, 200), Range(-15, 15, 200)
@@ -233,7 +216,7 @@ _Parameter = Annotated[
 
 
 @dataclass(frozen=True)
-class PlaneOptions(Group):
+class PlaneOptions(options.Group):
     """What varies on a map: an anchor, or two parameters."""
 
     cell: Annotated[
@@ -261,8 +244,8 @@ class PlaneOptions(Group):
         return self.across, self.up
 
 
-@grouped
-def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
+@options.grouped
+def map_(design: options.Design, plane: PlaneOptions, output: options.Output) -> None:
     """Compute the transition map over an anchor, or over two parameters.
 
     It shows the sequence for every place of one anchor, and the exact boundaries between
@@ -279,9 +262,9 @@ def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
         transition_map,
     )
 
-    text, chain = read_chain(design)
+    text, chain = options.read_chain(design)
     output.free("map")
-    with usable(design):
+    with screen.usable(design):
         both = plane.parameters()
         if both is None:
             index = cell_of(chain, plane.cell)
@@ -297,9 +280,9 @@ def map_(design: Design, plane: PlaneOptions, output: Output) -> None:
             nodes = partial(parameter_map, chain, across, up)
             curves = partial(parameter_boundaries, chain, across, up)
             designs = {"this design": (here_across, here_up)}
-        with progress("map") as tell:
+        with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
-        with progress("boundaries") as tell:
+        with screen.progress("boundaries") as tell:
             found = curves(progress=tell)
         reported = sw.accounts.account(
             MapView(dataset, found, designs), sw.accounts.About(text, design)

@@ -11,48 +11,22 @@ import typer
 
 import stepwell as sw
 from stepwell.base import require
-from stepwell.cli import options as completing
-from stepwell.cli.options import (
-    Arena,
-    FilmedOutput,
-    Folder,
-    ForceFile,
-    Group,
-    Json,
-    Output,
-    Robot,
-    free_file,
-    grouped,
-    local,
-    read_robot,
-)
+from stepwell.cli import options, screen
 from stepwell.cli.ranges import Range, read_range
-from stepwell.cli.screen import (
-    EXIT_CODES,
-    Progress,
-    has_display,
-    progress,
-    report,
-    show_table,
-    show_verbatim,
-    stopped,
-    subcommands,
-    usable,
-)
 
 if TYPE_CHECKING:
     import stepwell.robot as values
     from stepwell.simulation import Sweep
 
 
-commands = subcommands(
+commands = screen.subcommands(
     "Compute a robot's gait by statics, vary its numbers, or check its time step."
 )
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def show(robot: Robot, output: Output) -> None:
+@commands.command(epilog=screen.EXIT_CODES)
+@options.grouped
+def show(robot: options.Robot, output: options.Output) -> None:
     """List a robot's numbers with their sources, and predict its gait by statics.
 
     The prediction needs no simulation. With --out, drawings from above and the side, the
@@ -60,15 +34,15 @@ def show(robot: Robot, output: Output) -> None:
 
     Example: stepwell robot show robot-forward
     """
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("robot show", robot=text)
     output.report(sw.accounts.account(design.predict(), sw.accounts.About(text, robot)))
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
+@commands.command(epilog=screen.EXIT_CODES)
+@options.grouped
 def sweep(
-    robot: Robot,
+    robot: options.Robot,
     ranges: Annotated[
         list[str],
         typer.Argument(
@@ -88,7 +62,7 @@ def sweep(
     seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
     cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
     *,
-    output: Folder,
+    output: options.Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its numbers, on all cores.
 
@@ -98,25 +72,25 @@ def sweep(
 
     Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
-    with usable("--out"), progress("robots", kept=kept) as tell:
+    with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
     output.report(sw.accounts.account(result, sw.accounts.About(text, robot, seeds=seeds)))
     _forget(keep)
 
 
-@commands.command(epilog=EXIT_CODES)
+@commands.command(epilog=screen.EXIT_CODES)
 def converge(
-    robot: Robot,
+    robot: options.Robot,
     cycles: Annotated[
         int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
     ] = 2,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
 
@@ -124,10 +98,10 @@ def converge(
 
     Example: stepwell robot converge robot-forward
     """
-    text, design = read_robot(robot)
-    with usable(robot), progress("walking") as tell:
+    text, design = options.read_robot(robot)
+    with screen.usable(robot), screen.progress("walking") as tell:
         found = sw.simulation.convergence(design, cycles=cycles, progress=tell)
-    report(sw.accounts.account(found, sw.accounts.About(text, robot)), as_json)
+    screen.report(sw.accounts.account(found, sw.accounts.About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
@@ -183,7 +157,7 @@ def _swept(
     values: Mapping[str, Sequence[float]],
     cycles: int,
     keep: Path,
-    progress: Progress | None,
+    progress: screen.Progress | None,
 ) -> Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     count = len(next(iter(values.values())))
@@ -196,7 +170,9 @@ def _swept(
             wrong[i] = error
     if not made:
         raise sw.files.DesignError(name, wrong[0].problems)
-    done = sw.simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
+    done = sw.simulation.sweep(
+        list(made.values()), cycles=cycles, keep=keep, progress=screen.progress
+    )
     trials = dict(zip(made, done.trials, strict=True))
     nothing, gaits = float("nan"), ("",) * len(robot.legs)
     for i, error in wrong.items():
@@ -213,14 +189,14 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
-@grouped
+@options.grouped
 def walk(
-    robot: Robot,
+    robot: options.Robot,
     cycles: Annotated[
         float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
     ] = 8,
     *,
-    output: FilmedOutput,
+    output: options.FilmedOutput,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
 
@@ -230,25 +206,27 @@ def walk(
 
     Example: stepwell walk robot-forward --cycles 4
     """
-    text, design = read_robot(robot)
+    text, design = options.read_robot(robot)
     output.free("walk", robot=text)
-    with usable(robot), progress("walking") as tell:
+    with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.walk(design, cycles, progress=tell)
     found = sw.accounts.account(result, sw.accounts.About(text, robot))
     output.report(found)
-    stopped(result.stopped)
+    screen.stopped(result.stopped)
 
 
 def _list(wanted: bool) -> None:
     if wanted:
         from stepwell import files
 
-        show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
+        screen.show_table(
+            "Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1)
+        )
         raise typer.Exit
 
 
 @dataclass(frozen=True)
-class Course(Group):
+class Course(options.Group):
     """Where a robot walks, from where and for how long."""
 
     arena: Annotated[
@@ -256,7 +234,7 @@ class Course(Group):
         typer.Argument(
             metavar="ARENA",
             help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
-            autocompletion=completing.arenas,
+            autocompletion=options.arenas,
         ),
     ]
     limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0
@@ -272,16 +250,16 @@ class Course(Group):
         """The arena, with its walls and its start moved."""
         arena = sw.files.load_arena(self.arena)
         if self.layout_seed is not None:
-            with usable("--layout-seed"):
+            with screen.usable("--layout-seed"):
                 arena = sw.robot.other_layout(arena, self.layout_seed)
         if self.start_seed is not None:
-            with usable("--start-seed"):
+            with screen.usable("--start-seed"):
                 arena = sw.robot.other_start(arena, self.start_seed)
         return arena
 
 
 @dataclass(frozen=True)
-class Control(Group):
+class Control(options.Group):
     """What is taken off a robot, as a control."""
 
     disconnect: Annotated[
@@ -304,12 +282,12 @@ class Control(Group):
         return replace(robot, antennas=() if self.no_antennas else off)
 
 
-@grouped
+@options.grouped
 def maze(
-    robot: Robot,
+    robot: options.Robot,
     course: Course,
     control: Control,
-    output: FilmedOutput,
+    output: options.FilmedOutput,
     _: Annotated[
         bool,
         typer.Option(
@@ -326,18 +304,18 @@ def maze(
 
     Example: stepwell maze robot-explorer three-walls
     """
-    text, given = read_robot(robot)
+    text, given = options.read_robot(robot)
     design = control.of(given)
     seeds = {"start_seed": course.start_seed, "layout_seed": course.layout_seed}
     output.free("maze")
     place = course.read()
-    with usable(robot), progress("walking") as tell:
+    with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.maze(design, place, limit=course.limit, progress=tell)
     found = sw.accounts.account(
         result, sw.accounts.About(text if design is given else design, robot, seeds=seeds)
     )
     output.report(found)
-    stopped(result.walk.stopped)
+    screen.stopped(result.walk.stopped)
 
 
 NO_DISPLAY = (
@@ -347,7 +325,7 @@ NO_DISPLAY = (
 
 
 def export(
-    robot: Robot,
+    robot: options.Robot,
     out: Annotated[
         Path,
         typer.Option(
@@ -356,11 +334,11 @@ def export(
             metavar="FILE.xml",
             help="The file to write.",
             show_default=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = Path("robot.xml"),
-    arena: Arena = None,
-    force: ForceFile = False,
+    arena: options.Arena = None,
+    force: options.ForceFile = False,
 ) -> None:
     """Export a robot as MJCF, the format of MuJoCo.
 
@@ -369,28 +347,28 @@ def export(
 
     Example: stepwell export robot-forward --out robot.xml
     """
-    free_file(out, force)
-    _, design = read_robot(robot)
+    options.free_file(out, force)
+    _, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None
-    with usable(robot):
+    with screen.usable(robot):
         text = sw.simulation.mjcf(design, place)
     sw.files.write_atomic(out, text)
-    show_verbatim(f"Wrote {out}")
+    screen.show_verbatim(f"Wrote {out}")
 
 
-def view(robot: Robot, arena: Arena = None) -> None:
+def view(robot: options.Robot, arena: options.Arena = None) -> None:
     """Simulate a robot in MuJoCo's viewer.
 
     The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
 
     Example: stepwell view robot-forward
     """
-    _, design = read_robot(robot)
+    _, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None
-    if not has_display():
+    if not screen.has_display():
         typer.echo(NO_DISPLAY, err=True)
         raise typer.Exit(1)
-    with usable(robot):
+    with screen.usable(robot):
         _show(design, place)
 
 

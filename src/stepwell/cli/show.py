@@ -11,35 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import stepwell as sw
-from stepwell.cli import options as completing
+from stepwell.cli import options, screen
 from stepwell.cli.driving import own
-from stepwell.cli.options import (
-    Arena,
-    Design,
-    Force,
-    ForceFile,
-    Group,
-    free,
-    free_file,
-    grouped,
-    local,
-    read_design,
-)
-from stepwell.cli.screen import (
-    WRITING,
-    Interrupted,
-    Progress,
-    at_terminal,
-    has_display,
-    progress,
-    show_lines,
-    show_table,
-    show_text,
-    show_title,
-    show_verbatim,
-    usable,
-    warn,
-)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +31,7 @@ _KINDS = ("pdf", "svg", "png")
 
 
 @dataclass(frozen=True)
-class PageOptions(Group):
+class PageOptions(options.Group):
     """The page that a figure is for."""
 
     width: Annotated[
@@ -83,15 +56,15 @@ class PageOptions(Group):
 
     def layout(self) -> dict[str, Any]:
         """The same as `reports.figure` takes it; lengths in mm."""
-        with usable("--width"):
+        with screen.usable("--width"):
             wide = sw.figures.length(self.width or _USUAL)
-        with usable("--height"):
+        with screen.usable("--height"):
             high = None if self.height is None else sw.figures.length(self.height)
         return {"width": wide, "height": high, "columns": self.columns, "letters": self.letters}
 
 
 @dataclass(frozen=True)
-class SnapOptions(Group):
+class SnapOptions(options.Group):
     """What the panel of a snap needs to know of the cells."""
 
     mass: Annotated[
@@ -105,13 +78,18 @@ class SnapOptions(Group):
 
 
 @dataclass(frozen=True)
-class FigureFile(Group):
+class FigureFile(options.Group):
     """The file of a figure."""
 
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", "-o", metavar="FILE", help="The file to write.", dir_okay=False, callback=local
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="The file to write.",
+            dir_okay=False,
+            callback=options.local,
         ),
     ] = None
     kind: Annotated[
@@ -122,7 +100,7 @@ class FigureFile(Group):
             help="Of the file, if its name does not say; pdf by default.",
         ),
     ] = None
-    force: ForceFile = False
+    force: options.ForceFile = False
 
     def place(self) -> Path:
         """The file to write, whose name and format agree."""
@@ -144,9 +122,9 @@ class FigureFile(Group):
         return out.with_name(f"{out.name}.{kind}")
 
 
-@grouped
+@options.grouped
 def figure(
-    design: Design,
+    design: options.Design,
     panels: Annotated[
         str | None,
         typer.Option(
@@ -180,7 +158,7 @@ def figure(
         _list()
         return
     layout, out = page.layout(), file.place()
-    free_file(out, file.force)
+    options.free_file(out, file.force)
     if design.startswith(_PAPER):
         drawn = _of_the_paper(
             design, {"--panels": panels, "--width": page.width, "--measured": measured}
@@ -196,10 +174,10 @@ def figure(
         )
     sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
-    show_verbatim(f"Wrote {out}")
-    show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
+    screen.show_verbatim(f"Wrote {out}")
+    screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
     if size[1] > _TALLEST:
-        warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
+        screen.warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
 
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
@@ -207,7 +185,7 @@ def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     for option, value in others.items():
         if value:
             raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
-    with usable("DESIGN"):
+    with screen.usable("DESIGN"):
         return sw.reports.figure_of(name.removeprefix(_PAPER))
 
 
@@ -217,7 +195,7 @@ def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     read = sw.files.loads(text, design).subject
     written = sw.files.loads(text, design).program if not isinstance(read, sw.robot.Robot) else None
     program = None if written is None else own(text, design)
-    with usable("--panels"):
+    with screen.usable("--panels"):
         return sw.reports.figure(read, _rows(panels), program=program, **how)
 
 
@@ -243,12 +221,12 @@ def _list() -> None:
         (name, "robot" if one.of is sw.robot.Robot else "chain", one.shows)
         for name, one in sw.reports.PANELS.items()
     ]
-    show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
+    screen.show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
     widths = [
         (name, f"{one.width:g}", one.source) for name, one in sw.figures.JOURNAL_WIDTHS.items()
     ]
-    show_lines("")
-    show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
+    screen.show_lines("")
+    screen.show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
 
 
 _CYCLES = 8.0
@@ -260,10 +238,10 @@ def replay(
         typer.Argument(
             metavar="DESIGN",
             help="A design file (TOML) of a chain or a robot, or preset:NAME.",
-            autocompletion=completing.designs,
+            autocompletion=options.designs,
         ),
     ],
-    arena: Arena = None,
+    arena: options.Arena = None,
     cycles: Annotated[
         float | None,
         typer.Option(
@@ -274,9 +252,11 @@ def replay(
     ] = None,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.", callback=local),
+        typer.Option(
+            "--out", "-o", metavar="FILE.html", help="The file to write.", callback=options.local
+        ),
     ] = Path("replay.html"),
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Write a design in motion as one HTML page that plays anywhere.
 
@@ -289,26 +269,26 @@ def replay(
     """
     if out.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
-    free_file(out, force)
-    text, found = read_design(design)
+    options.free_file(out, force)
+    text, found = options.read_design(design)
     if isinstance(found, sw.mechanism.Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
         result = own(text, design) if sw.files.loads(text, design).program else found
-        with progress("margin") as tell:
+        with screen.progress("margin") as tell:
             content = sw.studio.replay(result, progress=tell)
     else:
-        with usable(design), progress("walking") as tell:
+        with screen.usable(design), screen.progress("walking") as tell:
             run = _run(found, arena, cycles, tell)
-        with usable(design), progress("page"):
+        with screen.usable(design), screen.progress("page"):
             content = sw.studio.replay(run)
     sw.files.write_atomic(out, content)
-    show_lines(f"Wrote {out}")
+    screen.show_lines(f"Wrote {out}")
 
 
 def _run(
-    robot: values.Robot, arena: str | None, cycles: float | None, tell: Progress | None
+    robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Progress | None
 ) -> Walk | Maze:
     place = sw.files.load_arena(arena) if arena is not None else None
     if place is None or cycles is not None:
@@ -323,7 +303,7 @@ def studio(
             metavar="[DESIGN]",
             help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
             "default.",
-            autocompletion=completing.designs,
+            autocompletion=options.designs,
         ),
     ] = None,
     port: Annotated[
@@ -343,7 +323,7 @@ def studio(
             help="Where the page finds and keeps studies; by default a folder of your own data.",
             file_okay=False,
             show_default=False,
-            callback=local,
+            callback=options.local,
         ),
     ] = None,
     demo: Annotated[
@@ -368,14 +348,14 @@ def studio(
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
-        show_verbatim(address)
+        screen.show_verbatim(address)
         if not no_open:
             webbrowser.open(address)
 
     try:
         sw.studio.serve(tables, port=port, studies=studies, opened=opened)
     except KeyboardInterrupt:
-        raise Interrupted("The studio has ended; an open page keeps its design.") from None
+        raise screen.Interrupted("The studio has ended; an open page keeps its design.") from None
 
 
 def demo(
@@ -383,12 +363,12 @@ def demo(
         Path,
         typer.Option(
             "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
-            file_okay=False, callback=local),
+            file_okay=False, callback=options.local),
     ] = Path("stepwell-demo"),
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Name the page and open no browser.")
     ] = False,
-    force: Force = False,
+    force: options.Force = False,
 ) -> None:  # fmt: skip
     """Run a seven-step demonstration, and write it as one HTML page.
 
@@ -398,28 +378,28 @@ def demo(
 
     Example: stepwell demo --no-open
     """
-    free(out, "demo", force)
+    options.free(out, "demo", force)
     left_out = [telling for telling in sw.reports.STEPS if not telling.can_be_told]
-    show_text(sw.reports.OPENING)
+    screen.show_text(sw.reports.OPENING)
     if left_out:
         titles = "; ".join(telling.title for telling in left_out)
-        show_text(
+        screen.show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
     told: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
     for telling in sw.reports.STEPS:
         if telling in left_out:
             continue
-        show_title(f"{len(told) + 1}  {telling.title}")
-        with progress(telling.title) as tell:
+        screen.show_title(f"{len(told) + 1}  {telling.title}")
+        with screen.progress(telling.title) as tell:
             step = telling.make(tell)
         orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
-        show_lines(*step.told, *orders)
+        screen.show_lines(*step.told, *orders)
         told.append((telling, step))
-    with progress(WRITING) as tell:
+    with screen.progress(screen.WRITING) as tell:
         sw.reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
-    show_text("All of it, moving, on one page:")
-    show_verbatim(str(page))
-    if not no_open and has_display() and at_terminal():
+    screen.show_text("All of it, moving, on one page:")
+    screen.show_verbatim(str(page))
+    if not no_open and screen.has_display() and screen.at_terminal():
         webbrowser.open(page.resolve().as_uri())
