@@ -170,9 +170,7 @@ def _swept(
             wrong[i] = error
     if not made:
         raise sw.files.DesignError(name, wrong[0].problems)
-    done = sw.simulation.sweep(
-        list(made.values()), cycles=cycles, keep=keep, progress=screen.progress
-    )
+    done = sw.simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
     trials = dict(zip(made, done.trials, strict=True))
     nothing, gaits = float("nan"), ("",) * len(robot.legs)
     for i, error in wrong.items():
