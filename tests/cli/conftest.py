@@ -1,12 +1,21 @@
 """Running the command the way a user does, inside this process."""
 
 from collections.abc import Callable
+from functools import cache
 
 import pytest
 from typer.testing import CliRunner, Result
 
-from stepwell.cli import app
+from stepwell.cli import about, app
 from stepwell.files import preset_text
+
+
+@pytest.fixture(autouse=True, scope="session")
+def drawing_tried_once():
+    """By what frames are drawn here is found out by a process, and by one for all tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(about, "_opengl", cache(about._opengl))
+        yield
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +19,6 @@ from stepwell.cli import about
 from stepwell.kernels import store
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(autouse=True, scope="module")
-def drawing_tried_once():
-    """By what frames are drawn here is found out by a process, and by one for all tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(about, "_opengl", cache(about._opengl))
-        yield
 
 
 def test_it_says_what_is_here_and_ends_with_0(stepwell):

@@ -15,9 +15,17 @@ from stepwell.simulation.simulator import mujoco
 
 
 @pytest.mark.slow
-def test_show_lists_every_number_with_unit_and_source(stepwell):
-    result = stepwell("robot", "show", "robot-explorer")
+def test_show_lists_every_number_with_unit_and_source_draws_the_robot_and_keeps_its_design(
+    stepwell, tmp_path
+):
+    result = stepwell("robot", "show", "robot-explorer", "--out", "out")
     assert result.exit_code == 0
+    names = written(tmp_path / "out")
+    drawn = {f"{name}{kind}" for name in ("robot", "prediction") for kind in (".png", ".svg")}
+    assert names == {"report.html", "robot.toml", "robot.json"} | drawn
+    record = json.loads((tmp_path / "out" / "robot.json").read_text("utf-8"))
+    assert record["prediction"]["motion"] == "forward"
+    assert [leg["gait"] for leg in record["prediction"]["legs"]] == ["00>10>11>01>00"] * 2
     rows = {line.split()[0]: line.split()[1:] for line in result.stdout.splitlines() if line}
     assert rows["foot.link_mm"] == ["35", "mm", "authors'", "notes"]
     assert rows["foot.below_mm"] == ["0.9", "mm", "assumed"]
@@ -40,17 +48,6 @@ def test_no_number_is_lost_or_changed_where_they_are_put_together():
             if one.path != "body.supports_mm"  # a list of pairs, told as six numbers
         }
         assert files.vary(robot, again) == robot
-
-
-@pytest.mark.slow
-def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
-    result = stepwell("robot", "show", "robot-forward", "--out", "out", "--json")
-    record = json.loads(result.stdout)
-    assert record["prediction"]["motion"] == "forward"
-    assert [leg["gait"] for leg in record["prediction"]["legs"]] == ["00>10>11>01>00"] * 2
-    names = written(tmp_path / "out")
-    drawn = {f"{name}{kind}" for name in ("robot", "prediction") for kind in (".png", ".svg")}
-    assert names == {"report.html", "robot.toml", "robot.json"} | drawn
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ WIDTHS = (40, 60, 72, 80, 100) if SIZE == "full" else (40, 60, 100)
         ("run", "preset:three-wave"),
         ("program", "preset:paper-forward", "--target", "01"),
         ("map", "preset:paper-forward", "--x", "0:20:3", "--y", "-15:15:3"),
-        ("robot", "show", "robot-left"),
+        *([("robot", "show", "robot-left")] if SIZE == "full" else []),
         ("presets",),
         ("doctor",),
     ],

@@ -41,8 +41,10 @@ def read(page: str) -> str:
 # What draws the pictures of the README and of the pages.
 DRAWN = ("00_figures_of_the_pages", "00_pictures_of_the_front_page")
 
-# In the quick run the tutorial walks a robot, plays a program and draws as these do.
-FULL = ("docs/gallery.md", "docs/how-to/robots.md", "docs/how-to/stroke-programs.md")
+# In the quick run the tutorial walks a robot, plays a program and draws as these do, and the theory
+# page has numbers in its sentences.
+FULL = [f"docs/{page}.md" for page in ("gallery", "robot-theory")]
+FULL += [f"docs/how-to/{page}.md" for page in ("measured-data", "robots", "stroke-programs")]
 RUN = [page for page in (*PAGES, *HOW_TO) if SIZE == "full" or page not in FULL]
 # Those that are not slow.
 QUICK = ("README.md", "docs/index.md", "docs/how-to/read-a-result.md")

@@ -153,13 +153,18 @@ class Fresh:
         """What the command `stepwell` prints."""
         return self.run("-m", "stepwell", *words, code=code)
 
-    def each(self, *commands: Sequence[str], code: int = 0) -> list[str]:
-        """What each of several commands prints, run by one process; each must end with this code.
+    def each(self, *commands: Sequence[str], codes: Sequence[int] = (0,)) -> list[str]:
+        """What each of several commands prints, run by one process.
 
         Starting takes most of the time of a small one.
+
+        Args:
+            commands: the commands.
+            codes: what each must end with; the last is that of all that follow.
         """
         told: list[tuple[int, str]] = json.loads(self.run("-c", EACH, json.dumps(commands)))
-        for words, (found, said) in zip(commands, told, strict=True):
+        for k, (words, (found, said)) in enumerate(zip(commands, told, strict=True)):
+            code = codes[min(k, len(codes) - 1)]
             assert found == code, f"{' '.join(words)} ended with {found}:\n{said}"
             assert "Traceback" not in said, said
         return [said for _, said in told]
@@ -272,10 +277,9 @@ LACKS = {
 def without(env: Fresh, *extras: str) -> None:
     """Every command that lacks an extra ends in one line that says which; `doctor` lists them."""
     # As people start it, with one of them; the others in one process.
-    listed = env.stepwell("doctor")
     assert "pip install" in env.stepwell(*LACKS["figures"][0], code=1)
     lacked = [(extra, words) for extra in extras for words in LACKS[extra]]
-    told = env.each(*(words for _, words in lacked), code=1)
+    listed, *told = env.each(("doctor",), *(words for _, words in lacked), codes=(0, 1))
     for extra in extras:
         assert f"pip install 'stepwell[{extra}]'" in listed
     for (extra, _), said in zip(lacked, told, strict=True):
@@ -309,9 +313,12 @@ def robot(env: Fresh) -> None:
     assert "u_max" in env.stepwell("walk", "robot-forward", "--cycles", "1")
 
 
+_ENCODER = re.compile(r"^H\.264 encoder .*libx264", re.M)
+
+
 def video(env: Fresh) -> None:
     """The encoder is found; what is drawn needs a robot too."""
-    assert re.search(r"^H\.264 encoder .*libx264", env.stepwell("doctor"), re.M)
+    assert _ENCODER.search(env.stepwell("doctor"))
 
 
 def studio(env: Fresh) -> None:
@@ -332,12 +339,14 @@ def studio(env: Fresh) -> None:
 
 
 def everything(env: Fresh) -> None:
-    """A map and a walk in folders of their own."""
+    """A map and a walk in folders of their own; the encoder of videos is found."""
     places = "--x", "0:20:20", "--y", "-15:15:20"
-    env.each(
+    *_, listed = env.each(
         ("map", "preset:paper-forward", *places, "--out", "map"),
         ("walk", "robot-forward", "--cycles", "1", "--no-video", "--out", "walk"),
+        ("doctor",),
     )
+    assert _ENCODER.search(listed)
     assert (env.folder / "map" / "map.nc").is_file()
     assert (env.folder / "walk" / "walk.nc").is_file()
 

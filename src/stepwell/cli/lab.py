@@ -299,6 +299,10 @@ def band(
     Example: stepwell lab band recordings --window-mm 5:35
     """
     output.free("lab band")
+    # Before all of them are fitted.
+    known = [one.name for one in sw.lab.LAWS]
+    if law is not None and law not in known:
+        raise typer.BadParameter(f"{law!r}: must be one of {', '.join(known)}.", param_hint="--law")
     given = recordings_in(folders)
     test = part.test(given)
     with usable("--gauge-mm"):
