@@ -169,8 +169,7 @@ print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "setting",
-    ["STEPWELL_KERNELS=fast", *(["STEPWELL_LIMITS=cels=3"] if SIZE == "full" else [])],
+    "setting", ["STEPWELL_KERNELS=fast", *(["STEPWELL_LIMITS=cels=3"] if SIZE == "full" else [])]
 )
 def test_a_setting_that_is_none_ends_in_one_line(tmp_path, setting):
     name, _, value = setting.partition("=")
