@@ -120,7 +120,7 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     # The way to the goal, in the open arena, and the levers' control are in the example; the time
     # here is enough for two walls.
     quick = SIZE == "ci"
-    limit = 200.0 if quick else 500.0
+    limit = 170.0 if quick else 500.0
     with_antennas = maze(design, start, limit=limit, settings=SETTINGS)
     others = [(one, start) for one in (replace(design, antennas=()), levers_off(design))]
     controls = mazes(others[: 1 if quick else 2], limit=limit, settings=SETTINGS)
