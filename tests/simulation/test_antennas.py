@@ -79,12 +79,13 @@ def test_an_antenna_swung_back_all_the_way_meets_its_leg(swing):
 @pytest.mark.slow
 def test_a_contact_says_how_far_it_moved_the_anchor():
     one = explorer()
-    way = maze(one, Arena((), [Cylinder((0.30, 0.04))]), limit=30.0)
+    arena, coarse = Arena((), [Cylinder((0.30, 0.04))]), Settings(time_step=2e-3, contact_time=4e-3)
+    way = maze(one, arena, limit=30.0, settings=coarse)
     assert way.contacts
     for contact in way.contacts:
         assert contact.moved == pytest.approx(contact.swing / 1.2 * 0.010)
     # The robot has turned away by the time an antenna has swung half its way.
     assert 0.002 < max(contact.moved for contact in way.contacts) < 0.006
-    loose = maze(explorer(connected=False), Arena((), [Cylinder((0.30, 0.04))]), limit=30.0)
+    loose = maze(explorer(connected=False), arena, limit=30.0, settings=coarse)
     assert loose.contacts
     assert {contact.moved for contact in loose.contacts} == {0.0}

@@ -4,6 +4,7 @@ import pytest
 
 from facts import says
 from simulation.robots import FORWARD, robot
+from sizes import SIZE
 from stepwell.robot import Drive
 from stepwell.simulation import compare_gaits, walk
 from stepwell.simulation.comparison import _same_cycle
@@ -15,6 +16,7 @@ def test_a_walk_in_its_predicted_gait_says_so():
     assert found.predicted == (FORWARD, FORWARD)
 
 
+@pytest.mark.slow
 def test_a_robot_on_a_soft_drive_gets_stuck_as_predicted():
     one = walk(robot(drive=Drive(stiffness=50.0)), 3)
     assert one.gaits["left"] == ("00>10", "10", "10")
@@ -26,7 +28,7 @@ def test_a_robot_on_a_soft_drive_gets_stuck_as_predicted():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stiffness", [70.0, 300.0])
+@pytest.mark.parametrize("stiffness", [70.0, *[300.0] * (SIZE == "full")])
 def test_the_drive_pushes_and_pulls_as_hard_as_predicted(stiffness):
     one = robot(drive=Drive(stiffness=stiffness))
     walked, needs = walk(one, 2), one.predict().drive_needs
@@ -34,6 +36,7 @@ def test_the_drive_pushes_and_pulls_as_hard_as_predicted(stiffness):
     assert -walked.actuator_force.min() == pytest.approx(needs.pull, rel=0.06)
 
 
+@pytest.mark.slow
 def test_a_walk_that_differs_says_why():
     # Between 60 N/m and what statics takes for enough the simulated robot comes back too late.
     one = walk(robot(drive=Drive(stiffness=60.0)), 2)

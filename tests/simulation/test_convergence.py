@@ -7,6 +7,8 @@ from simulation.robots import robot, walked
 from stepwell.simulation import Settings, convergence, walk
 from stepwell.simulation.model import sampled
 
+pytestmark = pytest.mark.slow
+
 TOLD: list[tuple[float, float]] = []
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from simulation.robots import cell, explorer, leg_of_three, robot
+from sizes import SIZE
 from stepwell.robot import Drive, Floor, Leg, Robot
 from stepwell.simulation import Linkage, Settings, spec, walk
 from stepwell.simulation.simulator import mujoco
@@ -110,8 +111,14 @@ def test_a_pressed_antenna_puts_the_anchor_where_the_pressed_robot_has_it():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("linkage", list(Linkage))
-@pytest.mark.parametrize("friction", [0.0, 0.05], ids=["no friction", "friction"])
+@pytest.mark.parametrize(
+    ("linkage", "friction"),
+    [
+        (Linkage.RODS, 0.05),
+        (Linkage.HINGES, 0.0),
+        *[(Linkage.RODS, 0.0), (Linkage.HINGES, 0.05)] * (SIZE == "full"),
+    ],
+)
 def test_a_slow_stroke_in_the_air_needs_the_force_that_statics_says(linkage, friction):
     one = robot(0.005, 0.020, floor=AIR, drive=Drive(period=40.0))
     one = replace(one, legs=tuple(rubbing(leg, friction) for leg in one.legs))

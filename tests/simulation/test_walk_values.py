@@ -236,6 +236,7 @@ def test_settings_take_words():
     assert named.linkage is Linkage.HINGES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "settings",
     [

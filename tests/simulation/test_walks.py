@@ -7,6 +7,7 @@ from simulation.robots import BACKWARD, FORWARD, explorer, robot, walked
 from stepwell.robot import Floor
 from stepwell.simulation import walk
 
+pytestmark = pytest.mark.slow
 # After the first cycle, which begins from rest.
 LATER = slice(1, None)
 
@@ -62,7 +63,6 @@ def test_after_seven_and_three_quarter_cycles_the_legs_stand_as_in_the_papers_fi
     assert turning.state("left", 7.75 * 2.0) == "10"
 
 
-@pytest.mark.slow
 def test_a_pressed_antenna_turns_the_opposite_leg_round_and_the_robot_away():
     one = explorer()
     free = walk(one, 3)

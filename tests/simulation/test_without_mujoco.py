@@ -7,6 +7,8 @@ import pytest
 
 from facts import says
 
+# Each asks a process of its own.
+pytestmark = pytest.mark.slow
 WITHOUT = "import sys; sys.modules['mujoco'] = None\n"
 
 
@@ -15,11 +17,8 @@ def run(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", WITHOUT + code], capture_output=True, text=True)
 
 
-@pytest.mark.parametrize(
-    "code", ["import stepwell.simulation", "from stepwell.simulation import walk, maze, mjcf"]
-)
-def test_the_simulation_says_in_one_line_how_to_install_it(code):
-    result = run(code)
+def test_the_simulation_says_in_one_line_how_to_install_it():
+    result = run("from stepwell.simulation import walk, maze, mjcf")
     assert result.returncode != 0
     line = result.stderr.splitlines()[-1]
     says(line, "stepwell.base.errors.ExtraError: ", "MuJoCo", "pip install 'stepwell[robot]'")
@@ -27,7 +26,6 @@ def test_the_simulation_says_in_one_line_how_to_install_it(code):
     assert result.stderr.count("Traceback") == 1
 
 
-@pytest.mark.slow
 def test_chains_and_robots_as_values_need_no_simulator():
     result = run(
         "import stepwell as sw, stepwell.robot\n"
@@ -38,7 +36,6 @@ def test_chains_and_robots_as_values_need_no_simulator():
     assert result.stdout.strip() == "00>10>11>01>00"
 
 
-@pytest.mark.slow
 def test_what_robots_are_can_be_shown_without_a_simulator():
     result = run(
         "import stepwell as sw\nfrom stepwell.accounts import schema_kinds, schema_of\n"
