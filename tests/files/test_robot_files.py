@@ -285,6 +285,7 @@ def test_what_is_wrong_with_a_chain_that_both_legs_have_is_said_once():
     says(line, "robot.toml: chain.cell[0]: ", "band", "q - p", "-14.14", "mm")
 
 
+@pytest.mark.slow
 def test_every_misspelt_key_of_a_robot_is_recognised():
     places = {"": "", "antenna": LEAST + ANTENNA, "leg": LEAST, "source": f"{LEAST}[source]\n"}
     for table in ("", "chain", "body", "foot", "blocks", "floor", "drive", "leg", "antenna"):

@@ -13,6 +13,7 @@ from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import Judgement, measured as _measured
 
+pytestmark = pytest.mark.slow
 CELL = paper_cell()
 MM = CELL.with_anchors(q=(0.010, 0.0))
 CELLS = {"MB": (0.0, 0.0), "MT": (0.020, 0.0), "MRB": (0.0, -0.015)}
