@@ -30,7 +30,8 @@ class Case:
         prepare: makes other files in a folder.
         within: how closely numbers are compared.
         shown: its screens, its page and the words in its figures are frozen too.
-        slow: takes about a second or more, or differs little from a case that does not.
+        slow: takes about half a second or more, or differs little from a case that does not.
+        spare: another case is of its kind, so that it runs with STEPWELL_TESTS=full alone.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Case:
     within: Tolerance = EXACT
     shown: bool = False
     slow: bool = False
+    spare: bool = False
 
     @property
     def kind(self) -> str:
@@ -70,15 +72,31 @@ _TOLERANCES = (
     "--anchor 0.5 --stiffness-tolerance 4 --rest-length-tolerance 3 --lever-tolerance 0.2"
     " --friction 0.01"
 )
-# Of a cell, a chain and another drive; all others are slow.
-_QUICK = {"paper-forward", "paper-cell-0-m15", "three-wave", "force-control"}
+_QUICK = {"paper-forward"}
+# Of a cell, chains, other drives, friction, an element and a program; the others differ from them
+# in their numbers.
+_KINDS = {
+    "paper-forward",
+    "paper-cell-0-m15",
+    "three-wave",
+    "force-control",
+    "used-before",
+    "compliant-actuator",
+    "friction",
+    "kresling",
+    "paper-identical",
+}
 # What is written hangs on whether there is one cell, on the drive and on the program.
 _WRITTEN = {"paper-cell-0-m15", "three-wave", "force-control", "used-before"}
 
 RUNS = [
     *(
         (_folder if name in _WRITTEN else _one)(
-            f"run/{name}", f"run preset:{name}", slow=name not in _QUICK, shown=name == "three-wave"
+            f"run/{name}",
+            f"run preset:{name}",
+            slow=name not in _QUICK,
+            shown=name == "three-wave",
+            spare=name not in _KINDS,
         )
         for name in presets()
         if not name.startswith("robot-")
@@ -88,10 +106,14 @@ RUNS = [
 ]
 
 MAPS = [
-    _folder("map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7", shown=True),
+    _folder(
+        "map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7", shown=True, slow=True
+    ),
     _one("map/inner", "map preset:paper-via-01 --cell inner --x 0:20:5 --y -15:15:5"),
     _folder(
-        "map/parameters", "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5"
+        "map/parameters",
+        "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5",
+        slow=True,
     ),
     _one(
         "map/three-cells",
@@ -143,7 +165,12 @@ GRAPHS = [
 ]
 
 PROGRAMS = [
-    _folder("program/planned", "program preset:paper-forward --from 10 --target 01", shown=True),
+    _folder(
+        "program/planned",
+        "program preset:paper-forward --from 10 --target 01",
+        shown=True,
+        slow=True,
+    ),
     _one("program/robust", "program preset:three-wave --target 011 --robust 10"),
     _one("program/own", "program preset:combination-lock"),
     _one("program/force", "program preset:force-control --target 01"),
@@ -151,9 +178,9 @@ PROGRAMS = [
 ]
 
 DESIGNED = [
-    _folder("design/cycle", f"design '{_BACK}' --samples 100 --seed 3", shown=True),
-    _one("design/all", "design all:3 --samples 50"),
-    _folder("design/states", "design 00,10,11 --samples 20 --drive 200"),
+    _folder("design/cycle", f"design '{_BACK}' --samples 100 --seed 3", shown=True, slow=True),
+    _one("design/all", "design all:3 --samples 50", slow=True),
+    _folder("design/states", "design 00,10,11 --samples 20 --drive 200", slow=True),
     Case(
         "design/options",
         (
@@ -164,6 +191,7 @@ DESIGNED = [
             f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward "
             "--json",
         ),
+        slow=True,
     ),
     Case(
         "design/impossible",
@@ -180,11 +208,14 @@ YIELDS = [
         "yield/cycle",
         "yield preset:paper-forward --anchor 6 --stiffness-tolerance 20 --samples 100 --seed 2",
         shown=True,
+        slow=True,
     ),
     _folder(
-        "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
+        "yield/sensitivity",
+        f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}",
+        slow=True,
     ),
-    _one("yield/states", "yield preset:paper-via-01 --target 00,01,11 --samples 100"),
+    _one("yield/states", "yield preset:paper-via-01 --target 00,01,11 --samples 100", slow=True),
     _one("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
     _one("yield/other", "yield preset:paper-forward --target '00>11>00' --samples 50"),
     _one("yield/program", "yield preset:finger-selector --program --samples 10"),
@@ -205,6 +236,7 @@ CHECKS = [
         "check preset:three-wave --anchor 0.5 --stiffness-tolerance 20 --rest-length-tolerance 3 "
         "--lever-tolerance 0.2 --friction 0.01 --travel-tolerance 0 --samples 100 --seed 2",
         shown=True,
+        slow=True,
     ),
     _one("check/tie", "check preset:paper-identical --samples 100"),
     _one("check/program", "check preset:finger-selector --samples 10", slow=True),
@@ -214,6 +246,7 @@ CHECKS = [
         prepare=rubber,
         within=FITTED,
         slow=True,
+        spare=True,
     ),
     _folder("check/pressures", "check preset:balloon --samples 10", slow=True),
 ]
@@ -244,8 +277,9 @@ ELEMENTS = [
             f"elements/{name}",
             f"run {name}.toml",
             given=DESIGNS,
-            slow=name != "balloons",
+            slow=True,
             shown=name == "balloons",
+            spare=name in ("trilinear", "twisting", "mixed", "folded"),
         )
         for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded", "race")
     ),
@@ -276,6 +310,8 @@ ELEMENTS = [
         ),
         given=DESIGNS,
         slow=True,
+        # What elements are sensitive to is held in tests/design/test_elements.py.
+        spare=True,
     ),
     _folder("elements/reprogram", "reprogram balloons.toml --by thick.force_scale", given=DESIGNS),
     Case(
@@ -309,6 +345,7 @@ FILES = [
             "replay preset:paper-forward",
             "replay robot-left --cycles 1 --out left.html",
         ),
+        slow=True,
     ),
     Case(
         "files/figure",
@@ -340,6 +377,7 @@ FILES = [
             "animate preset:paper-forward --program --from 10 --target 01 --seconds 0.5 --fps 4 "
             "--force",
         ),
+        slow=True,
     ),
 ]
 
@@ -349,28 +387,39 @@ LABS = [
         ("lab read data --out out", "lab read data/1unit/friction --json"),
         prepare=cells,
         shown=True,
+        slow=True,
     ),
-    _folder("lab/band", "lab band bands --gauge-mm 15", prepare=bands, within=FITTED, shown=True),
+    _folder(
+        "lab/band",
+        "lab band bands --gauge-mm 15",
+        prepare=bands,
+        within=FITTED,
+        shown=True,
+        slow=True,
+    ),
     Case(
         "lab/band-options",
-        (
-            "lab band bands --window-mm 5:40 --cycles 6:6 --drop 2 --law cubic --json",
-            "lab band bands --cycles-per-sample 2 --json",
-        ),
+        ("lab band bands --window-mm 5:40 --cycles 6:6 --drop 2 --law cubic --json",),
         prepare=bands,
         # Of two samples, whose intervals are 13 standard errors wide: their ends are differences.
         within=Tolerance(1e-4, 1e-6),
         slow=True,
     ),
-    _folder("lab/compare", "lab compare data", prepare=cells, shown=True),
+    _one(
+        "lab/band-pairs",
+        "lab band bands --cycles-per-sample 2",
+        prepare=bands,
+        within=Tolerance(1e-4, 1e-6),
+        slow=True,
+        spare=True,
+    ),
+    _folder("lab/compare", "lab compare data", prepare=cells, shown=True, slow=True),
     Case(
         "lab/as-built",
         (
             "lab as-built preset:paper-forward --data data/2unit_00_11/x/2unit_MMT_1.txt "
             "--scale 0.05 --anchor 0.5 --stiffness-tolerance 5 --rest-length-tolerance 2 "
             "--friction 0.02 --travel-tolerance 0 --samples 100 --seed 1 --out out",
-            "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 "
-            "--snaps-back 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-tolerance 2 --json",
             "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
             "--wrong-hole 2 --hole-mm 4 --target '0>1>0' --samples 100 --json",
         ),
@@ -378,6 +427,16 @@ LABS = [
         within=FITTED,
         shown=True,
         slow=True,
+    ),
+    _one(
+        "lab/as-built-seen",
+        "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 --snaps-back 3 "
+        "--ruler 2 --samples 100 --anchor 0.3 --stiffness-tolerance 2",
+        prepare=cells,
+        within=FITTED,
+        slow=True,
+        # The same from a recording is shown above.
+        spare=True,
     ),
     Case(
         "lab/compare-options",
@@ -390,8 +449,16 @@ LABS = [
             "lab compare data/2unit_00_11 --rig rig.toml --bar-mm 80",
         ),
         prepare=on_a_rig,
+        slow=True,
     ),
-    _folder("lab/calibrate", "lab calibrate rubber", prepare=rubber, within=FITTED, shown=True),
+    _folder(
+        "lab/calibrate",
+        "lab calibrate rubber",
+        prepare=rubber,
+        within=FITTED,
+        shown=True,
+        slow=True,
+    ),
     Case(
         "lab/calibrate-options",
         (
@@ -430,7 +497,13 @@ ROBOTS = [
         shown=True,
         slow=True,
     ),
-    Case("walk/antennas", ("walk robot-explorer --cycles 1 --json",), within=SIMULATED),
+    Case(
+        "walk/antennas",
+        ("walk robot-explorer --cycles 1 --json",),
+        within=SIMULATED,
+        slow=True,
+        spare=True,
+    ),
     Case(
         "walk/written",
         (
@@ -459,6 +532,7 @@ ROBOTS = [
         ),
         given={"yard.txt": "#####\n#S.G#\n#####\n"},
         within=SIMULATED,
+        slow=True,
     ),
     Case(
         "maze/video", ("maze robot-forward open --limit 1 --out out",), within=SIMULATED, slow=True
@@ -501,6 +575,7 @@ STUDIES = [
             "sweep cycle preset:paper-forward --vary outer.lever=-5:20:2 --chunk 2 --workers 0 "
             "--out poisoned.zarr --json",
         ),
+        slow=True,
     ),
     Case(
         "sweep/json",
@@ -523,6 +598,7 @@ STUDIES = [
             "list.csv": "outer.q.x_mm,outer.stiffness_N_per_m\n12,28\n18,30\n",
             "own.py": "def measure(chain, seed):\n    return {'cells': len(chain)}\n",
         },
+        slow=True,
     ),
     Case(
         "sweep/robots",
@@ -550,6 +626,7 @@ STUDIES = [
             "atlas find 'counts to two and not remembers' two.zarr --json",
         ),
         shown=True,
+        slow=True,
     ),
     Case(
         "atlas/errors",

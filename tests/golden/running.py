@@ -24,7 +24,7 @@ from stepwell.cli import app
 from stepwell.paper import Claim, ClaimVerdict, Judgement
 
 FROZEN = Path(__file__).parent / "frozen"
-_CLAIMS = Path(__file__).resolve().parents[2] / "docs" / "claims.json"
+_DOCS = Path(__file__).resolve().parents[2] / "docs"
 # A second each or more: their verdicts are taken from the page that other tests hold against them.
 _SLOW_CLAIMS = frozenset({
     "sequential", "undirected-boundary", "order-two-cells", "order-many-cells", "robot-forward",
@@ -186,12 +186,16 @@ def invoke(*arguments: str) -> Result:
 
 @contextmanager
 def _quick_claims() -> Iterator[None]:
-    """Claims of the paper that take seconds are not computed again."""
-    committed = {one["id"]: one for one in json.loads(_CLAIMS.read_text("utf-8"))["claims"]}
+    """Claims of the paper that take seconds, and those of others, are not computed again."""
+    of_paper, of_others = (
+        {one["id"]: one for one in json.loads((_DOCS / name).read_text("utf-8"))["claims"]}
+        for name in ("claims.json", "others.json")
+    )
+    committed = of_others | {name: of_paper[name] for name in _SLOW_CLAIMS}
     judge = Claim.judge
 
     def quick(claim: Claim) -> ClaimVerdict:
-        if claim.id not in _SLOW_CLAIMS:
+        if claim.id not in committed:
             return judge(claim)
         one = committed[claim.id]
         return ClaimVerdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"])

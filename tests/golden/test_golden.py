@@ -16,6 +16,7 @@ from golden.options import options
 from golden.promises import WIDE, page_faults, too_wide, unknown_numbers
 from golden.reducing import laid_out, read
 from golden.running import FROZEN, Outcome, entries_of, frozen, invoke, outcome, shown_in
+from sizes import SIZE
 from stepwell.studies import WORKS
 
 # Digits and the places of ticks are those of the locked dependencies.
@@ -48,6 +49,7 @@ _OTHER_PAGES = {"run", "elements", "design", "walk", "maze"}
     [
         pytest.param(case, id=name, marks=[pytest.mark.slow] if case.slow else [])
         for name, case in CASES.items()
+        if SIZE == "full" or not case.spare
     ],
 )
 def test_a_command_prints_and_writes_what_was_frozen(case: Case, tmp_path):
