@@ -56,6 +56,11 @@ def words(figure: Figure | SubFigure) -> list[Text]:
     while isinstance(whole, SubFigure):
         whole = whole.figure
     whole.draw_without_rendering()
+    return _words(figure)
+
+
+def _words(figure: Figure | SubFigure) -> list[Text]:
+    """The same of a figure that has been drawn."""
     found: list[Text] = list(figure.texts)
     for ax in figure.axes:
         found += ax.texts
@@ -105,7 +110,17 @@ def untidy(figure: Figure | SubFigure, smallest: float = 0.0) -> list[str]:
     That is texts that cover each other, reach past the edge of the page or are set smaller than
     `smallest` [pt].
     """
-    shown = words(figure)
+    return _untidy(figure, words(figure), smallest)
+
+
+def untidy_parts(figure: Figure) -> list[str]:
+    """What of a figure's parts cannot be read, each taken for itself, with one drawing for all."""
+    figure.draw_without_rendering()
+    parts = figure.subfigs or [figure]
+    return [each for part in parts for each in _untidy(part, _words(part))]
+
+
+def _untidy(figure: Figure | SubFigure, shown: list[Text], smallest: float = 0.0) -> list[str]:
     small = [text.get_text() for text in shown if float(text.get_fontsize()) < smallest]
     return [
         *(f"{a} covers {b}" for a, b in _covered(shown)),

@@ -8,7 +8,7 @@ from PIL import Image
 
 from cli.folders import written
 from facts import refuses
-from figures.drawn import says, untidy
+from figures.drawn import says, untidy_parts
 from stepwell import paper, reports
 from stepwell.reports import paper as figures
 
@@ -24,8 +24,7 @@ def drawn(name: str) -> Figure:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
-    figure = drawn(name)
-    assert [each for part in figure.subfigs or [figure] for each in untidy(part)] == []
+    assert untidy_parts(drawn(name)) == []
 
 
 @pytest.mark.slow
