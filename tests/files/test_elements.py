@@ -139,7 +139,7 @@ def test_a_chain_may_stand_inside_a_cell():
     made = cell(f"{INSIDE}\nname = 'pair'")
     wanted = Element.from_chain(Chain([inner, outer]), "pair")
     assert made == wanted
-    chain = Chain([wanted, inner, Element.from_chain(Chain([ELEMENTS["points"], outer]))])
+    chain = Chain([Element.from_chain(Chain([ELEMENTS["points"], outer])), inner])
     assert loads(dumps(chain)).subject == chain
 
 
