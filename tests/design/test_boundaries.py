@@ -194,7 +194,9 @@ def test_a_limit_of_bistability_has_a_bistable_side(moved):
     for boundary in found:
         away = 1e-6 if boundary.method == "exact" else 3e-9
         straight = len(boundary.points) == 2
-        for q in [boundary.points.mean(axis=0)] if straight else some(boundary, 4):
+        for q in (
+            [boundary.points.mean(axis=0)] if straight else some(boundary, examples(2, full=4))
+        ):
             angles = np.linspace(0, 2 * np.pi, 8, endpoint=False) + 0.1
             around = [
                 moved.with_anchors(q=(q[0] + away * math.cos(a), q[1] + away * math.sin(a)))

@@ -119,7 +119,7 @@ def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
 @pytest.mark.slow
 def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
     rng = np.random.default_rng(4)
-    for _ in range(examples(3, full=120)):
+    for _ in range(examples(1, full=120)):
         chain = concave_chain(rng, 2)
         change = anchors(sw.margin(chain))[0]
         if change.method != "exact":

@@ -74,7 +74,7 @@ def test_the_target_is_done_just_past_the_displacement_and_reached_no_later_than
 def test_no_shorter_displacement_in_the_plane_does_the_target():
     rng = np.random.default_rng(2)
     exact = 0
-    for chain, by, target, _ in tasks(2, examples(5, full=240)):
+    for chain, by, target, _ in tasks(2, examples(8, full=240)):
         result = reprogram(chain, target, by, reach=REACH)
         if result.method != "exact":
             continue
