@@ -8,6 +8,7 @@ import pytest
 import stepwell as sw
 from facts import refuses
 from figures.drawn import Array, lines, points, says, untidy
+from sizes import cases
 from stepwell import figures
 
 CELLS = {
@@ -61,7 +62,7 @@ def test_every_letter_measures_what_the_value_says(name):
         assert math.atan2(y, x) == pytest.approx(theta)
 
 
-@pytest.mark.parametrize("name", CELLS)
+@pytest.mark.parametrize("name", cases(CELLS, ["the paper's", "folded back", "large"]))
 def test_letters_can_be_read(name):
     figure = figures.labelled_cell(CELLS[name])
     assert untidy(figure, 7.0) == []
@@ -80,7 +81,11 @@ def test_the_drawing_of_the_pages_is_of_the_papers_cell():
 
 
 @pytest.mark.parametrize(
-    "preset", ["paper-cell-10-0", "paper-forward", "three-wave", "four-shuffle"]
+    "preset",
+    cases(
+        ["paper-cell-10-0", "paper-forward", "three-wave", "four-shuffle"],
+        ["paper-forward", "four-shuffle"],
+    ),
 )
 def test_travels_add_up_to_the_stroke(preset):
     chain = sw.preset(preset)

@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from facts import says as holds
 from figures.drawn import lines, points, says, untidy, untidy_on_a_phone
 from figures.robots import cut, explorer, walker
 from figures.shapes import boxes, strips
+from sizes import cases
 from stepwell import figures
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 from stepwell.simulation import Maze, Outcome, maze
@@ -43,8 +45,15 @@ KINDS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])
+DRAWINGS = figures.maze, figures.maze_timeline
+# Each figure with all that it can hold, and with the least.
+HARDEST = [
+    *((figures.maze, kind) for kind in ("touching", "goal", "no obstacles, no goal")),
+    *((figures.maze_timeline, kind) for kind in ("touching", "no antennas", "no whole cycle")),
+]
+
+
+@pytest.mark.parametrize(("draw", "kind"), cases(product(DRAWINGS, KINDS), HARDEST))
 def test_every_way_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, mazes):
     assert untidy(draw(mazes[kind]), 7.0) == []
     assert untidy_on_a_phone(partial(draw, mazes[kind])) == []

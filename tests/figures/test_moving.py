@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from figures.drawn import PRESETS
 from stepwell import figures, files
 from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.mechanism import Chain
@@ -71,7 +72,7 @@ def test_a_snap_has_its_word_while_it_lasts(tmp_path):
     assert seen.attrib["values"].split(";") == ["0", "1", "0", "1", "0"]
 
 
-@pytest.mark.parametrize("name", [one for one in files.presets() if not one.startswith("robot-")])
+@pytest.mark.parametrize("name", PRESETS)
 def test_every_machine_of_the_gallery_moves_in_a_small_file(tmp_path, name):
     chain = files.preset(name)
     root = drawn(chain.cycle(), tmp_path)

@@ -1,14 +1,17 @@
 """The stroke program: windows where they are, states by name, travels as the engine found them."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
 from figures.drawn import cut_off, legend_of, lines, marks, points, says, untidy
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
+from stepwell.sequences import Program
 
 
 def nested(count: int, stiffness: float = float("inf")) -> Chain:
@@ -19,27 +22,39 @@ def nested(count: int, stiffness: float = float("inf")) -> Chain:
 
 FORWARD = files.preset("paper-forward")
 PROGRAMS = {
-    "pair": FORWARD.program("01", start="10"),
-    "full": FORWARD.program("11"),
-    "nothing": FORWARD.program("00"),
-    "three": nested(3).program("010", start="101"),
-    "force": nested(3, 0.0).program("010"),
-    "spring": nested(3, 30.0).program("010"),
-    "six": nested(6).program("010101"),
+    "pair": lambda: FORWARD.program("01", start="10"),
+    "full": lambda: FORWARD.program("11"),
+    "nothing": lambda: FORWARD.program("00"),
+    "three": lambda: nested(3).program("010", start="101"),
+    "force": lambda: nested(3, 0.0).program("010"),
+    "spring": lambda: nested(3, 30.0).program("010"),
+    "six": lambda: nested(6).program("010101"),
 }
+
+
+@cache
+def program_of(name: str) -> Program:
+    """Several tests ask about the same program."""
+    return PROGRAMS[name]()
+
+
+@cache
+def figure_of(name: str) -> Figure:
+    """Several tests look at the same figure."""
+    return figures.stroke_program(program_of(name))
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_words_stay_apart_and_on_the_page(name):
-    figure = figures.stroke_program(PROGRAMS[name])
+    figure = figure_of(name)
     assert untidy(figure, 7.0) == []
     assert 25.4 * figure.get_size_inches()[0] == pytest.approx(180.0 if name == "six" else 85.0)
 
 
 @pytest.mark.parametrize("name", ["pair", "three", "six"])
 def test_the_curve_turns_at_the_turning_points(name):
-    program = PROGRAMS[name]
-    figure = figures.stroke_program(program)
+    program = program_of(name)
+    figure = figure_of(name)
     drawn = np.concatenate([points(line) for line in lines(figure, "drive")])
     drawn = drawn[np.isfinite(drawn).all(axis=1)]
     drawn = drawn[np.argsort(drawn[:, 0], kind="stable")]
@@ -52,8 +67,8 @@ def test_the_curve_turns_at_the_turning_points(name):
 
 @pytest.mark.parametrize(("name", "unit"), [("three", 1e3), ("force", 1.0), ("spring", 1e3)])
 def test_windows_are_bars_from_low_to_high(name, unit):
-    program = PROGRAMS[name]
-    bars = [points(line)[:, 1] for line in lines(figures.stroke_program(program), "windows")]
+    program = program_of(name)
+    bars = [points(line)[:, 1] for line in lines(figure_of(name), "windows")]
     expected = [(turn.low * unit, turn.high * unit) for turn in program.turns]
     if program.high > program.low:
         expected.append((program.low * unit, program.high * unit))
@@ -61,25 +76,25 @@ def test_windows_are_bars_from_low_to_high(name, unit):
 
 
 def test_turns_are_numbered_with_their_value_and_its_half_width():
-    program = PROGRAMS["pair"]
+    program = program_of("pair")
     (turn,) = program.turns
-    said = says(figures.stroke_program(program))
+    said = says(figure_of("pair"))
     assert "1" in said
     assert f"{turn.drive * 1e3:.1f} ± {turn.slack * 1e3:.1f}" in said
 
 
 @pytest.mark.parametrize("name", ["pair", "full", "three", "force", "spring"])
 def test_all_states_passed_are_named(name):
-    program = PROGRAMS[name]
-    figure = figures.stroke_program(program)
+    program = program_of(name)
+    figure = figure_of(name)
     assert set(program.sequence) <= set(says(figure))
     assert marks(figure, "states") >= len(program.sequence)
 
 
 def test_snaps_are_marked_on_the_curve_and_in_the_lanes():
-    program = PROGRAMS["three"]
+    program = program_of("three")
     snaps = [event for event in program.path.events if event.kind.name == "SNAP"]
-    figure = figures.stroke_program(program)
+    figure = figure_of("three")
     assert marks(figure, "snaps") == len(snaps) > 0
     assert len(lines(figure, "jumps")) == sum(len(snap.cells) for snap in snaps)
     heights = np.concatenate([points(line)[:, 1] for line in lines(figure, "snaps")])
@@ -87,8 +102,8 @@ def test_snaps_are_marked_on_the_curve_and_in_the_lanes():
 
 
 def test_lanes_show_the_travel_of_every_cell_innermost_on_top():
-    program = PROGRAMS["three"]
-    lower = figures.stroke_program(program).axes[1]
+    program = program_of("three")
+    lower = figure_of("three").axes[1]
     named = [text for text in lower.texts if isinstance(text, Annotation)]
     names = [text for text in named if text.get_text() in program.chain.names]
     assert [text.get_text() for text in names] == list(program.chain.names)
@@ -110,7 +125,7 @@ def test_lanes_show_the_travel_of_every_cell_innermost_on_top():
     ],
 )
 def test_axes_name_what_the_actuator_sets_and_its_unit(name, upper, lower):
-    above, below = figures.stroke_program(PROGRAMS[name]).axes
+    above, below = figure_of(name).axes
     assert above.get_ylabel() == upper
     assert below.get_xlabel() == lower
     assert below.get_ylabel() == "Travel $s$ [mm]"
@@ -119,11 +134,11 @@ def test_axes_name_what_the_actuator_sets_and_its_unit(name, upper, lower):
 
 
 def test_the_legend_lists_what_there_is():
-    assert legend_of(figures.stroke_program(PROGRAMS["pair"])) == [
+    assert legend_of(figure_of("pair")) == [
         "rising", "falling", "snap", "window",
     ]  # fmt: skip
-    assert legend_of(figures.stroke_program(PROGRAMS["full"])) == ["rising", "snap"]
-    assert legend_of(figures.stroke_program(PROGRAMS["nothing"])) == []
+    assert legend_of(figure_of("full")) == ["rising", "snap"]
+    assert legend_of(figure_of("nothing")) == []
 
 
 def test_a_long_chain_is_shown_in_shades():

@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 
 from figures.drawn import lines, points, says, untidy
 from figures.robots import explorer, four_legs, three_cells, walker
+from sizes import cases
 from stepwell import figures
 from stepwell.figures.robots.parts import antenna_line, in_world, leg_parts
 from stepwell.simulation import spec
@@ -21,7 +22,7 @@ ROBOTS = {
 DRAWINGS = (figures.robot_drawing, figures.robot_above, figures.robot_side)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", cases(ROBOTS, ["levers taken off", "three cells", "four legs"]))
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_robot_is_drawn_with_words_apart(draw, name):
     figure = draw(ROBOTS[name])
