@@ -9,6 +9,7 @@ from importlib import import_module
 import numpy as np
 
 import stepwell as sw
+from sizes import SIZE
 from stepwell.accounts import Account, card, page, terminal
 from stepwell.base import Measure
 
@@ -19,12 +20,20 @@ SCALES = {
     Measure.VOLUME: (1e-6, 1e3),
     Measure.ANGLE: (math.pi / 180, 1e-3),
 }
-# Chains of at most four cells: levers in closed form and by the engine, a tie, a program, elements.
-PRESETS = [
-    name
-    for name in sw.presets()
-    if isinstance(sw.preset(name), sw.Chain) and len(sw.preset(name)) <= 4
-]
+# Chains of at most four cells: levers in closed form and by the engine, a tie, a program, elements;
+# those of one shape and one actuator are alike.
+QUICK = (
+    *("paper-forward", "paper-cell-0-m15", "paper-forward-double", "paper-identical"),
+    *("paper-via-10", "combination-lock", "compliant-actuator", "force-control", "friction"),
+    *("rubber", "slack", "three-wave", "balloon"),
+)
+PRESETS = QUICK
+if SIZE == "full":
+    PRESETS = [
+        name
+        for name in sw.presets()
+        if isinstance(sw.preset(name), sw.Chain) and len(sw.preset(name)) <= 4
+    ]
 
 
 def shown(found: Account) -> str:
