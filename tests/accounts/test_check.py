@@ -16,6 +16,7 @@ def works():
     return check(sw.preset("paper-forward"), samples=100)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_record_of_every_preset_keeps_to_the_generated_schema(name):
     found = account(check(sw.preset(name), samples=5))
@@ -24,6 +25,7 @@ def test_the_record_of_every_preset_keeps_to_the_generated_schema(name):
     assert shown(found) and card(found) and page(found)
 
 
+@pytest.mark.slow
 def test_a_program_and_a_calibration_keep_to_the_schema_too():
     chain = sw.preset("paper-forward")
     program = chain.program("11")

@@ -91,6 +91,7 @@ def test_elements_have_scales_and_a_share_of_their_forces(scaled):
     assert "mobility" not in _forms(found)[0]
 
 
+@pytest.mark.slow
 def test_of_long_chains_states_are_counted_and_not_listed():
     found = account(sw.design(states="all", cells=13, samples=5))
     assert violations(found.record) == []

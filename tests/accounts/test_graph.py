@@ -18,6 +18,7 @@ def _concave(cells: int, **more) -> sw.Chain:
     return sw.Chain([sw.Cell(band) for band in bands], title="Long", **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_record_of_every_preset_keeps_to_the_schema(name):
     try:

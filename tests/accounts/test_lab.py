@@ -24,6 +24,7 @@ def _text(found) -> str:
     return "\n".join(line.text for line in terminal(found))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RESULTS)
 def test_the_record_keeps_to_the_generated_schema_and_every_form_can_be_made(name):
     found = account(of_recordings()[name])
@@ -86,6 +87,7 @@ def _fit(samples: int, gauge: float | None = 0.015) -> lab.BandFit:
     return lab.fit_bands(test, lab.choose_law(test, gauge))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("samples", "gauge"), [(1, 0.015), (1, None), (3, 0.015)])
 def test_one_band_has_its_own_interval_and_several_have_theirs(samples, gauge):
     fit = _fit(samples, gauge)
@@ -113,6 +115,7 @@ def _to(fit: lab.BandFit, start: float, end: float) -> float:
     return next(k for k, a, b in ends if a == start and abs(b - end) < 1e-9)
 
 
+@pytest.mark.slow
 def test_the_stiffness_by_window_is_in_the_record_and_in_a_table():
     fit = _fit(2)
     found = account(fit)
@@ -167,6 +170,7 @@ def test_a_calibration_has_its_errors_notes_and_correlated_parameters():
         assert line in _text(account(found)).replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_a_calibration_on_pairs_keeps_to_the_schema():
     runs = [pair("2unit_friction_1.txt", None), pair("2unit_MMT_1.txt", sw.preset("paper-forward"))]
     (cell,) = sw.preset("paper-cell-10-0").cells
@@ -189,6 +193,7 @@ def test_a_build_has_its_advice_its_yield_and_what_was_seen():
         assert built.advice[1:15] in form and percent(built.share) in form
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("design", "seen", "keys"),
     [

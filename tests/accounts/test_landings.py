@@ -80,6 +80,7 @@ def chain_of(count: int) -> sw.Chain:
     return sw.Chain([sw.Cell(sw.Band((-0.01, 0.0), (0.01 + 1e-3 * i, 0.0))) for i in range(count)])
 
 
+@pytest.mark.slow
 def test_landings_are_checked_up_to_eight_cells_and_above_where_it_is_asked():
     eight, nine = chain_of(8).cycle(), chain_of(9).cycle()
     assert len(eight.path.checked_landings or ()) == len(eight.snaps) > 0

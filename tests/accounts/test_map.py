@@ -59,6 +59,7 @@ def test_every_form_has_axes_and_shares_and_the_terminal_the_boundaries(forward)
         assert percent(found.record["monostable_fraction"]) in form
 
 
+@pytest.mark.slow
 def test_of_three_cells_there_are_no_pathways():
     record = account(_over_anchor(sw.preset("three-wave"), 1)).record
     assert violations(record) == []

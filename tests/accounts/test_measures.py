@@ -79,6 +79,7 @@ def test_an_amount_has_its_unit_as_people_write_it(unit, text):
     assert amount(1.5, unit) == text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stops", [False, True])
 def test_the_same_machine_tells_the_same_numbers_in_any_measure(stops):
     usual = told(pair(Measure.TRAVEL, stops))
@@ -96,6 +97,7 @@ def test_the_same_machine_tells_the_same_numbers_in_any_measure(stops):
                 assert [one["released_mJ"] / mJ for one in found[part]] == pytest.approx(heat)
 
 
+@pytest.mark.slow
 def test_every_key_names_the_unit_of_its_measure():
     for measure, (stroke, _, force, _) in KEYS.items():
         found = told(pair(measure))
@@ -128,6 +130,7 @@ def test_samples_have_units_in_csv_and_the_names_of_the_path_in_xarray(tmp_path,
         assert held[travel.format(name)] == pytest.approx(path.travel[:, k] * factor, rel=1e-11)
 
 
+@pytest.mark.slow
 def test_samples_and_events_have_the_sheet_where_a_curve_folds_back(tmp_path):
     cycle = folded().cycle()
     cycle.path.to_csv(tmp_path / "path.csv")
@@ -141,6 +144,7 @@ def test_samples_and_events_have_the_sheet_where_a_curve_folds_back(tmp_path):
     assert "sheets_before" not in told(pair(Measure.TRAVEL))["events"][0]
 
 
+@pytest.mark.slow
 def test_switching_forces_are_those_at_which_the_cell_goes_on():
     law = sw.Element.from_law(lambda s: np.sin(2e3 * s) + 50 * s, 0.0, 6e-3, "three")
     (cell,) = told(sw.Chain([law]))["cells"]
@@ -149,12 +153,14 @@ def test_switching_forces_are_those_at_which_the_cell_goes_on():
     assert cell["stable"] == [0, 1, 2]
 
 
+@pytest.mark.slow
 def test_the_page_of_a_mixed_chain_has_bands_and_the_assumptions_of_levers():
     page = forms(account(Run.of(mixed())))[2]
     assert "Levers and blocks are rigid" in page
     assert "-10, 0" in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", Measure)
 def test_nothing_of_levers_is_shown_of_elements(measure):
     found = account(Run.of(pair(measure)))
@@ -165,6 +171,7 @@ def test_nothing_of_levers_is_shown_of_elements(measure):
             assert not re.search(r"\b(force|stroke|travel|mm|N)\b", form)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", Measure)
 def test_every_form_has_what_the_record_holds(measure, monkeypatch):
     monkeypatch.setenv("COLUMNS", "1000")
@@ -194,6 +201,7 @@ def test_tolerances_are_those_that_the_cells_have():
     }
 
 
+@pytest.mark.slow
 def test_the_smallest_changes_are_reported_by_what_they_change():
     margin = pair(Measure.VOLUME).margin()
     words = margin_words(margin)

@@ -57,6 +57,7 @@ MADE: dict[str, Callable[[sw.Chain], Any]] = {
 CHAINS = {"levers": sw.preset("paper-forward"), "volumes": pair(Measure.VOLUME)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "of"),
     [(kind, of) for kind in MADE for of in CHAINS if (kind, of) != ("map", "volumes")],

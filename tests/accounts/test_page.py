@@ -165,6 +165,7 @@ def test_no_text_of_a_user_becomes_markup():
     assert "<script" not in card(found)
 
 
+@pytest.mark.slow
 def test_of_long_chains_what_is_not_computed_or_played_is_said(tmp_path):
     cells = tuple(Cell(Band((-0.010, 0.0), (0.004 + 0.001 * i, 0.0))) for i in range(13))
     reports.write(Run.of(Chain(cells)), tmp_path)

@@ -27,6 +27,7 @@ def found():
     return sw.preset("paper-forward").program("01", start="10")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_record_of_every_preset_keeps_to_the_schema(name):
     try:

@@ -79,6 +79,7 @@ def test_a_design_that_has_the_target_sequence_already_needs_no_change():
     assert all("already" in form and "state 0" not in form for form in _forms(found))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["balloon", "kresling", "dome", "trilinear"])
 def test_a_number_of_an_element_is_in_its_own_unit_and_nothing_resists_it(name):
     chain = sw.preset(name)
@@ -94,6 +95,7 @@ def test_a_number_of_an_element_is_in_its_own_unit_and_nothing_resists_it(name):
     assert not any("state 0" in form for form in _forms(found))
 
 
+@pytest.mark.slow
 def test_friction_of_an_element_is_in_the_unit_of_its_force():
     chain = sw.preset("balloon")
     value = chain.reprogram(None, f"{chain.names[0]}.friction")

@@ -55,6 +55,7 @@ def text_of(found) -> str:
     return "\n".join(line.text for line in terminal(found))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["prediction", "walk", "maze", "sweep", "convergence"])
 def test_every_record_keeps_to_the_generated_schema(name, request):
     found = account(request.getfixturevalue(name))
@@ -73,6 +74,7 @@ def test_a_robot_with_antennas_keeps_to_the_schema_too():
     assert "interval [mm]" in text_of(found)
 
 
+@pytest.mark.slow
 def test_every_form_of_a_prediction_has_motion_gait_and_margin(prediction):
     found = account(prediction)
     leg = found.record["prediction"]["legs"][0]

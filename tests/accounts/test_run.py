@@ -25,6 +25,7 @@ def _row(count: int, **more) -> sw.Chain:
     return sw.Chain([sw.Cell(band, **more) for band in bands])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_record_of_every_preset_keeps_to_the_schema_and_is_finite(name):
     found = account(Run.of(sw.preset(name)))
@@ -34,6 +35,7 @@ def test_the_record_of_every_preset_keeps_to_the_schema_and_is_finite(name):
     assert shown(found) and card(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_record_of_every_shape_keeps_to_the_schema(name):
     found = account(Run.of(shapes()[name]))
@@ -41,6 +43,7 @@ def test_the_record_of_every_shape_keeps_to_the_schema(name):
     assert shown(found) and card(found)
 
 
+@pytest.mark.slow
 def test_a_cell_with_a_lever_has_what_elements_have_and_an_element_has_null_instead():
     lever, dome = account(Run.of(shapes()["mixed"])).record["cells"]
     assert lever["force_up_N"] == [lever["F0_N"]]
@@ -66,6 +69,7 @@ def test_the_record_has_what_the_values_have_in_the_units_of_its_names(forward):
     assert [one["F0_over_kr"] for one in record["cells"]] == pytest.approx([0.967, 1.607], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_every_form_has_sequence_pathway_forces_energy_margin_and_landings(forward):
     found = account(forward)
     record = found.record
@@ -102,6 +106,7 @@ def test_a_distance_out_of_reach_is_null_and_words():
         assert " inf" not in form and "nan" not in form
 
 
+@pytest.mark.slow
 def test_force_control_has_drives_in_newtons():
     record = account(Run.of(sw.preset("force-control"))).record
     assert record["actuator"] == {"control": "force", "stiffness_N_per_m": 0.0}
@@ -138,6 +143,7 @@ def test_of_long_chains_no_change_is_followed_to_its_end(count, monkeypatch):
     assert (run.built is not None) == followed
 
 
+@pytest.mark.slow
 def test_long_chains_are_cut_in_every_form_and_whole_in_the_record(monkeypatch):
     monkeypatch.setattr(Run, "built", property(lambda run: pytest.fail("a card draws samples")))
     found = account(Run.of(_row(100)))

@@ -31,6 +31,7 @@ def _forms(found) -> tuple[str, ...]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", _CHAINS)
 def test_the_record_of_every_preset_keeps_to_the_generated_schema(name):
     found = account(sw.preset(name).yields(samples=5))
@@ -77,6 +78,7 @@ def test_the_record_has_counts_and_what_each_part_makes_of_the_variance(loose):
     assert rows[0].startswith(most["part"])
 
 
+@pytest.mark.slow
 def test_forces_of_a_chain_of_pressures_are_in_its_units():
     record = account(sw.preset("balloon").yields(samples=5)).record
     assert "gap_deviation_kPa" in record

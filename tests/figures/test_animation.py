@@ -11,6 +11,7 @@ from stepwell.figures.motion.animation import _Scene
 from stepwell.figures.motion.stroke_program import instants
 
 
+@pytest.mark.slow
 def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):
     cycle = files.preset("paper-forward").cycle()
     file = figures.animation(cycle, tmp_path / "cycle.gif", seconds=2, fps=10)
@@ -26,6 +27,7 @@ def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):
     assert file.stat().st_size < 300_000
 
 
+@pytest.mark.slow
 def test_paper_is_white_in_every_frame(tmp_path):
     cycle = files.preset("paper-forward").cycle()
     file = figures.animation(cycle, tmp_path / "cycle.gif", seconds=1, fps=5)
@@ -35,6 +37,7 @@ def test_paper_is_white_in_every_frame(tmp_path):
             assert movie.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     cases(
@@ -116,6 +119,7 @@ def test_a_cycle_has_no_plan():
     assert _Scene(cycle, cycle.path).plan is None
 
 
+@pytest.mark.slow
 def test_progress_counts_every_frame(tmp_path):
     told = []
     figures.animation(
@@ -128,6 +132,7 @@ def test_progress_counts_every_frame(tmp_path):
     assert told == [(k, 5) for k in range(1, 6)]
 
 
+@pytest.mark.slow
 def test_an_interruption_leaves_the_old_file_alone(tmp_path):
     file = tmp_path / "cycle.gif"
     file.write_bytes(b"old")

@@ -67,6 +67,7 @@ def test_a_robot_can_be_read_at_every_width(width):
     assert [each for part in figure.subfigs for each in untidy(part, 6.0)] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("letters", "written"),
     [("A", ["A", "B"]), ("a", ["a", "b"]), ("(a)", ["(a)", "(b)"]), ("none", [])],
@@ -93,6 +94,7 @@ def test_what_panels_have_in_common_is_told_once(cycle):
     assert not [ax for part in figure.subfigs for ax in part.axes if ax.get_legend()]
 
 
+@pytest.mark.slow
 def test_panels_of_a_row_stand_beside_each_other_and_rows_below(cycle):
     force, travel = (partial(d, cycle) for d in (figures.force_stroke, figures.travel_stroke))
     figure = figures.compose({"first": [force, travel], "second $x$": [force]}, width=120)
@@ -104,6 +106,7 @@ def test_panels_of_a_row_stand_beside_each_other_and_rows_below(cycle):
     assert {"first", "second \\$x\\$"} <= {text.get_text() for text in figure.texts}
 
 
+@pytest.mark.slow
 def test_a_panel_is_drawn_as_by_itself_where_it_has_that_size(cycle):
     alone = figures.force_stroke(cycle)
     figure = figures.compose([partial(figures.force_stroke, cycle)], width=85.0)
@@ -111,6 +114,7 @@ def test_a_panel_is_drawn_as_by_itself_where_it_has_that_size(cycle):
     assert says(part) == says(alone)
 
 
+@pytest.mark.slow
 def test_the_height_of_the_page_is_taken_by_panels_that_can(cycle):
     panels = [partial(figures.landscape, cycle), partial(figures.force_stroke, cycle)]
     plain = figures.compose(panels, width=85.0, columns=1)

@@ -67,6 +67,7 @@ def test_no_word_covers_another_or_leaves_the_page(name):
         assert untidy(figure, 7.0) == [], kind
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sw.elements.LIBRARY)
 def test_curves_of_the_library_can_be_read(name):
     entry = sw.elements.LIBRARY[name]
@@ -120,6 +121,7 @@ def test_jumps_of_a_curve_that_folds_back_lead_from_sheet_to_sheet():
         assert jump[:, 1] == pytest.approx([element.force_at(start, k) for k in (sheet, other)])
 
 
+@pytest.mark.slow
 def test_an_error_band_and_a_single_phase_are_shown_as_what_they_are():
     travel = np.linspace(0.0, 10e-3, 60)
     scatter = 0.05 * np.sin(37.0 * np.arange(60))
@@ -130,6 +132,7 @@ def test_an_error_band_and_a_single_phase_are_shown_as_what_they_are():
     assert legend_of(figures.element_curve(spring)) == ["phase", "goes on"]
 
 
+@pytest.mark.slow
 def test_other_measures_have_their_own_words_and_units():
     ax, below = figures.element_curve(sw.elements.balloon()).axes
     assert (ax.get_ylabel(), below.get_xlabel()) == ("Pressure $p$ [kPa]", "Volume $v$ [mL]")
@@ -142,6 +145,7 @@ def test_other_measures_have_their_own_words_and_units():
     assert "$V$ = 0 mL" in says(figures.mechanism(cycle.chain, ["00"]))
 
 
+@pytest.mark.slow
 def test_curves_can_be_drawn_into_axes_and_side_by_side():
     figure = figures.element_curves({"one": THREE, "other": folded()})
     assert {"one", "other"} <= set(says(figure))
@@ -159,6 +163,7 @@ def test_an_element_has_no_lever_angle():
         figures.unit_cell_force([CELL, THREE])
 
 
+@pytest.mark.slow
 def test_at_rest_a_phase_has_no_force_or_the_least_there_is():
     for element in (snapping("a"), THREE, folded(), *(e.make() for e in
                     sw.elements.LIBRARY.values())):  # fmt: skip
@@ -214,6 +219,7 @@ def test_states_of_elements_are_named_by_their_phases():
     assert lines(figures.mechanism(CHAINS["mixed"], ["00"]), "scale bar")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHAINS)
 def test_snaps_and_states_of_the_cycle_are_in_its_figures(name):
     cycle = cycle_of(name)
@@ -284,6 +290,7 @@ def test_states_of_a_graph_stand_by_the_sum_of_their_digits(name):
     assert order == sorted(order)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mixed", "three"])
 def test_a_program_shows_its_states_and_the_travels_of_elements(name):
     chain = CHAINS[name]
@@ -294,6 +301,7 @@ def test_a_program_shows_its_states_and_the_travels_of_elements(name):
     assert figure.axes[1].get_ylabel() == "Travel $s$ [mm]"
 
 
+@pytest.mark.slow
 def test_elements_move_in_a_gif_and_keep_their_colours(tmp_path):
     cycle = cycle_of("folded")
     file = figures.animation(cycle, tmp_path / "a.gif", seconds=1, fps=4)

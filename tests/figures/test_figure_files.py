@@ -47,6 +47,7 @@ def test_an_unknown_kind_is_refused_and_nothing_is_written(figure, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_text_of_an_svg_is_text_in_fonts_that_it_brings_along(figure, tmp_path):
     figures.save(figure, tmp_path / "force.svg", text=True)
     svg = (tmp_path / "force.svg").read_text()
@@ -69,6 +70,7 @@ def test_outlines_need_no_font(figure):
     assert "<text" not in figures.svg(figure)
 
 
+@pytest.mark.slow
 def test_fonts_of_a_pdf_are_in_it_as_truetype(figure, tmp_path):
     figures.save(figure, tmp_path / "force.pdf")
     pdf = (tmp_path / "force.pdf").read_bytes()
@@ -79,12 +81,14 @@ def test_fonts_of_a_pdf_are_in_it_as_truetype(figure, tmp_path):
     assert b"/ToUnicode" in pdf
 
 
+@pytest.mark.slow
 def test_a_png_tells_how_large_it_is(figure, tmp_path):
     figures.save(figure, tmp_path / "force.png", dpi=figures.PRINT_DPI)
     with Image.open(tmp_path / "force.png") as image:
         assert image.info["dpi"] == pytest.approx((600, 600), abs=0.1)
 
 
+@pytest.mark.slow
 def test_text_in_an_svg_is_the_same_every_time(figure, tmp_path):
     for name in ("a.svg", "b.svg"):
         figures.save(figure, tmp_path / name, text=True)

@@ -28,6 +28,7 @@ def cloud(chain: Chain, n: int = 400) -> np.ndarray:
     return forces(chain) + draws @ shear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chain", cases([WAVE, SHUFFLE, SIX, files.preset("paper-forward")], [SHUFFLE, SIX])
 )
@@ -48,6 +49,7 @@ def test_cells_stand_at_their_end_forces_in_newton():
         assert says(figure).count(name) == 3
 
 
+@pytest.mark.slow
 def test_friction_moves_both_forces_apart():
     chain = files.preset("friction")
     drawn = np.concatenate([points(line) for line in lines(figures.force_plane(chain), "cells")])
@@ -71,6 +73,7 @@ def test_rows_are_the_order_of_loading_and_columns_that_of_unloading():
     assert above.yaxis_inverted()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", cases([WAVE, SHUFFLE, SIX], [SHUFFLE]))
 def test_rows_and_columns_share_the_axes_of_the_plane(chain):
     ax, above, right = figures.force_plane(chain, clouds=cloud(chain)).axes
@@ -135,6 +138,7 @@ def test_orders_and_chains_that_cannot_be_drawn_are_refused():
 LABELLED = [(count, built) for count in (1, 2, 5, 12, 16) for built in (False, True)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "built"), cases(LABELLED, [(1, False), (5, True), (16, True)]))
 def test_every_label_lies_at_its_own_dot(count, built):
     anchors = [(0.001 + 0.021 * i / count, 0.001 * (i * 5 % 3)) for i in range(count)]

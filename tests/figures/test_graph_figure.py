@@ -210,6 +210,7 @@ def test_every_turn_of_a_long_program_has_its_number(stiffness):
     assert collisions(figure) == []
 
 
+@pytest.mark.slow
 def test_the_highlighted_way_is_connected():
     chain = nested(4)
     program = chain.program("0101")
@@ -231,6 +232,7 @@ def test_a_program_of_another_chain_is_refused():
         figures.transition_graph(files.preset("paper-backward").graph(), program=program)
 
 
+@pytest.mark.slow
 def test_more_states_than_can_be_read_are_refused_with_advice():
     with refuses(ValueError, "128 states", "at most 64", "Graphviz"):
         figures.transition_graph(nested(7).graph())
@@ -243,6 +245,7 @@ def test_a_long_chain_can_be_drawn_from_one_state():
     assert untidy(figure) == []
 
 
+@pytest.mark.slow
 def test_the_same_graph_gives_the_same_figure():
     graph = nested(4).graph()
     assert figures.svg(figures.transition_graph(graph)) == figures.svg(

@@ -62,6 +62,7 @@ def test_every_letter_measures_what_the_value_says(name):
         assert math.atan2(y, x) == pytest.approx(theta)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(CELLS, ["the paper's", "folded back", "large"]))
 def test_letters_can_be_read(name):
     figure = figures.labelled_cell(CELLS[name])
@@ -80,6 +81,7 @@ def test_the_drawing_of_the_pages_is_of_the_papers_cell():
     assert {"state 0", "state 1", "inner block,\nheld", "outer block,\npulled"} <= set(said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "preset",
     cases(
@@ -100,6 +102,7 @@ def test_travels_add_up_to_the_stroke(preset):
     assert {"held", "pulled"} <= set(says(figure))
 
 
+@pytest.mark.slow
 def test_what_has_no_letters_is_refused():
     two = sw.Band((-0.010, 0.0), (0.010, 0.0)), sw.Band((-0.010, 0.0), (0.020, 0.0))
     with pytest.raises(ValueError, match="cell has 2 bands"):

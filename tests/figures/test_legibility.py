@@ -62,6 +62,7 @@ def test_words_on_each_other_off_the_page_or_too_small_are_seen():
     ]
 
 
+@pytest.mark.slow
 def test_words_stay_apart_in_longer_chains_too():
     cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.002 * i, 0.001 * (i % 3)))) for i in range(6)]
     cycle = Chain(tuple(cells)).cycle()
@@ -104,6 +105,7 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone(tmp_path):
     assert dict(mpl.rcParams) == before
 
 
+@pytest.mark.slow
 def test_settings_of_the_user_do_not_change_the_figures():
     cycle = cycle_of("paper-forward")
     plain = figures.svg(figures.force_stroke(cycle))
@@ -147,12 +149,14 @@ def test_no_figure_needs_pyplot():
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 
+@pytest.mark.slow
 def test_a_chain_of_one_cell_has_every_figure_but_the_landscape():
     name = "paper-cell-0-m15"
     assert list(standard_of(name)) == ["mechanism", "force_stroke", "travel_stroke"]
     assert "1" in says(overview_of(name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", cases([1, 2, 5, 12], [5, 12]))
 def test_an_overview_can_be_read_with_any_number_of_cells(count):
     anchors = [0.001 + 0.021 * i / count for i in range(count)]
@@ -164,6 +168,7 @@ def test_an_overview_can_be_read_with_any_number_of_cells(count):
     assert loop.height <= 1.05 * loop.width
 
 
+@pytest.mark.slow
 def test_a_chain_too_long_to_draw_keeps_the_figures_that_can_be_read():
     cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.0005 * i, 0.0))) for i in range(13)]
     cycle = Chain(tuple(cells)).cycle()

@@ -53,6 +53,7 @@ HARDEST = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("draw", "kind"), cases(product(DRAWINGS, KINDS), HARDEST))
 def test_every_way_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, mazes):
     assert untidy(draw(mazes[kind]), 7.0) == []
@@ -126,6 +127,7 @@ def test_antennas_are_drawn_as_far_back_as_they_are_pressed(touching):
     assert min(abs(math.remainder(one - angle, 2 * math.pi)) for one in found) < 1e-9
 
 
+@pytest.mark.slow
 def test_the_scale_bar_has_the_length_it_says(mazes):
     for one in mazes.values():
         figure = figures.maze(one)
@@ -135,6 +137,7 @@ def test_the_scale_bar_has_the_length_it_says(mazes):
         assert label in says(figure)
 
 
+@pytest.mark.slow
 def test_the_timeline_shows_swings_in_degrees_and_shades_contacts(touching):
     figure = figures.maze_timeline(touching)
     walk = touching.walk

@@ -73,6 +73,7 @@ def drawn(draws):
 NAMES = ("forces", "energies", "pairs", "laws", "calibration")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_no_word_covers_another_or_leaves_the_page_or_the_phone(draws, drawn, name):
     assert untidy(drawn[name], 7.0) == []
@@ -120,6 +121,7 @@ def test_the_chosen_law_is_named_in_the_legend(drawn):
     assert "cubic (chosen)" in legend_of(drawn["laws"])
 
 
+@pytest.mark.slow
 def test_correlations_keep_their_sign(comparison, drawn):
     fit = lab.calibrate(lab.prepare([t.series for t in comparison.cells]), "cubic")
     texts = [t for t in drawn["calibration"].axes[1].texts if t.get_gid() == "correlation"]

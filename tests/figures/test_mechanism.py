@@ -47,6 +47,7 @@ def test_bands_and_levers_are_drawn_true_to_length(chain, share):
     assert levers == pytest.approx(np.repeat([cell.lever for cell in chain.cells], 2), rel=1e-9)
 
 
+@pytest.mark.slow
 @given(chains, shares)
 def test_the_outermost_block_moves_by_the_stroke(chain, share):
     linkage = LinkageDrawing(chain)
@@ -98,6 +99,7 @@ def test_states_are_named_with_their_stroke_and_joined_by_arrows():
     assert {"inner", "outer"} <= set(said)
 
 
+@pytest.mark.slow
 def test_no_rounding_error_is_told_as_a_stroke():
     cycle = files.preset("curved-beam").cycle()
     said = says(figures.mechanism(cycle.chain, cycle.sequence))
@@ -137,6 +139,7 @@ def spread(count: int) -> Chain:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 5, 12])
 def test_arrows_point_the_way_that_the_stroke_goes(count):
     cycle = spread(count).cycle()
@@ -150,6 +153,7 @@ def test_arrows_point_the_way_that_the_stroke_goes(count):
         assert 0.0 < y - points(arrow)[0, 1] < 40.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 5, 12])
 def test_a_page_holds_all_states_of_a_cycle(count):
     cycle = spread(count).cycle()

@@ -72,6 +72,7 @@ def test_a_snap_has_its_word_while_it_lasts(tmp_path):
     assert seen.attrib["values"].split(";") == ["0", "1", "0", "1", "0"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_machine_of_the_gallery_moves_in_a_small_file(tmp_path, name):
     chain = files.preset(name)

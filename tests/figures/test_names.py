@@ -189,6 +189,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     assert check(partial(figures.recording, replace(runs[0], source=ALL)), ALL) == 1
 
 
+@pytest.mark.slow
 def test_letters_that_a_font_has_are_drawn_and_others_are_told_once(monkeypatch, caplog):
     monkeypatch.setattr(_names, "families", lambda: ("DejaVu Sans",))
     monkeypatch.setattr(_names, "_said", set())

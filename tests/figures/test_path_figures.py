@@ -22,6 +22,7 @@ def cycle_of(name: str) -> Cycle:
     return files.preset(name).cycle()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_snap_of_the_cycle_is_marked(name):
     cycle = cycle_of(name)
@@ -30,6 +31,7 @@ def test_every_snap_of_the_cycle_is_marked(name):
         assert marks(figures.landscape(cycle), "snap starts") == len(cycle.snaps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-forward", "three-wave", "four-shuffle"])
 def test_a_snap_is_marked_in_the_lane_of_every_cell_that_moves_in_it(name):
     cycle = cycle_of(name)
@@ -76,6 +78,7 @@ def test_force_figure_names_every_state_of_the_sequence():
     assert set(cycle.sequence) <= set(says(figures.force_stroke(cycle)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [figures.force_stroke, figures.landscape, figures.travel_stroke])
 def test_the_legend_lists_what_there_is_and_nothing_else(draw):
     snapping = cycle_of("paper-forward")
@@ -106,6 +109,7 @@ def test_each_cell_has_a_lane_innermost_on_top():
     assert ax.get_ylabel() == "Travel $s$ [mm]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", cases([1, 2, 5, 12, 20], [5, 20]))
 def test_legend_and_lanes_stay_on_the_page(count):
     cells = [Cell(Band((-0.010, 0.0), (0.001 + 0.021 * i / count, 0.0))) for i in range(count)]
@@ -133,6 +137,7 @@ def test_more_lanes_than_can_be_told_apart_are_refused():
         figures.travel_stroke(path)
 
 
+@pytest.mark.slow
 def test_landscape_is_the_energy_of_both_cells():
     cycle = cycle_of("paper-forward")
     figure = figures.landscape(cycle)
@@ -180,6 +185,7 @@ def test_names_of_many_cells_are_text_too():
     assert [label.get_text() for label in ax.get_yticklabels()][:2] == [r"\$0\$", r"\$1\$"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [figures.overview, figures.travel_stroke])
 def test_names_of_a_dozen_lanes_stand_between_them(draw):
     cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.001 * i, 0.001 * (i % 3)))) for i in range(12)]

@@ -44,6 +44,7 @@ def figure_of(name: str) -> Figure:
     return figures.stroke_program(program_of(name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_words_stay_apart_and_on_the_page(name):
     figure = figure_of(name)
@@ -141,6 +142,7 @@ def test_the_legend_lists_what_there_is():
     assert legend_of(figure_of("nothing")) == []
 
 
+@pytest.mark.slow
 def test_a_long_chain_is_shown_in_shades():
     program = nested(13).program("0" * 12 + "1")
     figure = figures.stroke_program(program)

@@ -22,6 +22,7 @@ ROBOTS = {
 DRAWINGS = (figures.robot_drawing, figures.robot_above, figures.robot_side)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(ROBOTS, ["levers taken off", "three cells", "four legs"]))
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_robot_is_drawn_with_words_apart(draw, name):
@@ -148,6 +149,7 @@ def test_the_scale_bar_has_the_length_it_says():
     assert first == pytest.approx(second)
 
 
+@pytest.mark.slow
 def test_given_axes_are_drawn_into():
     figure = figures.robot_drawing(ROBOTS["two cells"])
     extra = figure.add_subplot()

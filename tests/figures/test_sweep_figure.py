@@ -58,6 +58,7 @@ def test_draws_of_two_keys_are_too_many_for_numbers():
     assert len(figure.axes[0].texts) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("keys", "panels"), [(3, 3), (5, 5), (10, 8)])
 def test_over_more_keys_each_has_a_panel_up_to_eight(keys, panels):
     rng = np.random.default_rng(keys)

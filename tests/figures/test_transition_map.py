@@ -46,6 +46,7 @@ def codes(dataset) -> dict[str, int]:
     return dict(zip(notes["flag_meanings"].split(), notes["flag_values"].tolist(), strict=True))
 
 
+@pytest.mark.slow
 def test_letters_stand_in_the_region_of_their_sequence(shuffle):
     dataset, boundaries = shuffle
     figure = figures.transition_map(dataset, boundaries)
@@ -62,6 +63,7 @@ def test_letters_stand_in_the_region_of_their_sequence(shuffle):
     assert len(seen) >= 8
 
 
+@pytest.mark.slow
 def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle):
     dataset, _ = shuffle
     meaning = key(figures.transition_map(dataset))
@@ -74,6 +76,7 @@ def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle):
     assert sizes == sorted(sizes, reverse=True)
 
 
+@pytest.mark.slow
 def test_pathways_of_two_cells_are_called_by_their_name_where_they_are(pair):
     dataset, _ = pair
     figure = figures.transition_map(
@@ -94,6 +97,7 @@ def test_pathways_of_two_cells_are_called_by_their_name_where_they_are(pair):
     assert sorted(named) == sorted(four)
 
 
+@pytest.mark.slow
 def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair):
     dataset, boundaries = pair
     figure = figures.transition_map(dataset, boundaries)
@@ -111,6 +115,7 @@ def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair):
         assert line.get_color() == colours[boundary.kind.name]
 
 
+@pytest.mark.slow
 def test_curves_are_numbered_by_what_changes_across_them(pair):
     figure = figures.transition_map(*pair)
     meaning = key(figure)
@@ -123,6 +128,7 @@ def test_curves_are_numbered_by_what_changes_across_them(pair):
     assert sorted(on_map) == ["1", "1", "2", "2"]
 
 
+@pytest.mark.slow
 def test_axes_are_named_with_the_units_that_are_read(pair):
     (ax, _) = figures.transition_map(*pair).axes
     assert ax.get_xlabel() == "$q_x$ of outer [mm]"
@@ -132,6 +138,7 @@ def test_axes_are_named_with_the_units_that_are_read(pair):
     assert box.height / box.width == pytest.approx(1.5, rel=0.02)
 
 
+@pytest.mark.slow
 def test_monostable_ground_is_hatched_and_explained(pair):
     figure = figures.transition_map(*pair)
     assert any(getattr(c, "hatches", [None])[0] for c in figure.axes[0].collections)
@@ -141,6 +148,7 @@ def test_monostable_ground_is_hatched_and_explained(pair):
     assert "outer monostable" not in key(bistable).values()
 
 
+@pytest.mark.slow
 def test_a_sequence_without_room_for_its_letter_is_in_the_key(pair):
     dataset = pair[0].copy(deep=True)
     other = dataset.sequence.attrs["flag_values"].max() + 1
@@ -151,6 +159,7 @@ def test_a_sequence_without_room_for_its_letter_is_in_the_key(pair):
     assert key(figures.transition_map(dataset))["A"] == "00>11>00"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "label", "shown"),
     [
@@ -169,6 +178,7 @@ def test_other_parameters_have_their_own_units(name, values, label, shown):
     assert ax.get_ylim() == pytest.approx(shown, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_geometric_values_give_a_logarithmic_axis():
     stiffness = ("actuator_stiffness", np.geomspace(20.0, 2000.0, 5))
     dataset = parameter_map(
@@ -179,6 +189,7 @@ def test_geometric_values_give_a_logarithmic_axis():
     assert ax.get_yscale() == "linear"
 
 
+@pytest.mark.slow
 def test_designs_stand_at_their_parameters(pair):
     designs = {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
     figure = figures.transition_map(pair[0], pair[1], designs)
@@ -188,6 +199,7 @@ def test_designs_stand_at_their_parameters(pair):
     assert collisions(figure) == []
 
 
+@pytest.mark.slow
 def test_names_of_designs_and_of_regions_are_not_read_as_one(pair):
     # Three of the paper's, all on the frame.
     at = {"(0, 0)": (0.0, 0.0), "(20, 0)": (0.020, 0.0), "(10, 15)": (0.010, 0.015)}
@@ -202,6 +214,7 @@ def test_names_of_designs_and_of_regions_are_not_read_as_one(pair):
     assert not any(a.padded(2.0 * point).overlaps(b) for a in designs for b in others)
 
 
+@pytest.mark.slow
 def test_neighbouring_regions_differ_in_colour(shuffle):
     dataset, _ = shuffle
     mesh = figures.transition_map(dataset).axes[0].collections[0]
@@ -213,6 +226,7 @@ def test_neighbouring_regions_differ_in_colour(shuffle):
         assert not np.any(changes & same)
 
 
+@pytest.mark.slow
 def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
     dataset = pair[0].copy(deep=True)
     code = codes(dataset)
@@ -226,6 +240,7 @@ def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
     assert "no mechanism: the band's ends meet" in says(figure)
 
 
+@pytest.mark.slow
 def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
     chain = files.preset("paper-forward")
     few = ("outer.q.x", np.linspace(0.0, 0.020, 9)), ("outer.q.y", np.linspace(-0.015, 0.015, 11))
@@ -249,6 +264,7 @@ def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
     assert wrong(found) < 0.004
 
 
+@pytest.mark.slow
 def test_every_large_blank_region_is_named_where_it_is(pair):
     dataset = pair[0].copy(deep=True)
     code = codes(dataset)
@@ -276,6 +292,7 @@ def test_names_lie_inside_the_frame_on_coarse_maps_too():
         assert box.x1 < frame.x1
 
 
+@pytest.mark.slow
 def test_words_stay_apart_and_on_the_page(pair, shuffle):
     crossing = {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)}
     # Two columns for a long key, one for a short key, which stands below the map.
@@ -287,6 +304,7 @@ def test_words_stay_apart_and_on_the_page(pair, shuffle):
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(wide)
 
 
+@pytest.mark.slow
 def test_a_map_read_back_from_a_file_looks_the_same(pair, tmp_path):
     dataset, boundaries = pair
     dataset.to_netcdf(tmp_path / "map.nc")

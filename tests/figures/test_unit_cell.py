@@ -27,6 +27,7 @@ def test_marks_stand_at_the_papers_f0_and_f1():
         assert drawn == pytest.approx(np.array(expected), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_only_bistable_cells_have_their_peak_marked():
     for draw in (figures.unit_cell_force, figures.unit_cell_energy):
         assert len(lines(draw(CELLS), "peak")) == sum(cell.is_bistable for cell in CELLS) == 5
@@ -66,6 +67,7 @@ def test_cells_are_called_by_their_name_or_by_what_tells_them_apart():
     assert legend_of(figures.unit_cell_force([named, moved]))[-2:] == ["stiff", "$d$ = (17, 0) mm"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 6])
 def test_words_stay_apart(count):
     for draw in (figures.unit_cell_force, figures.unit_cell_energy):

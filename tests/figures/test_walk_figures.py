@@ -118,6 +118,7 @@ def test_shading_is_where_the_foot_carries_weight(forward):
         assert (shaded == (forward.foot_force[:, i] > 0.02))[forward.time > 1e-9].all()
 
 
+@pytest.mark.slow
 def test_cycles_are_numbered_on_from_an_earlier_walk(walks):
     assert "cycle 4" in says(figures.gait(walks["gone on"]))
     (bar,) = boxes(figures.trajectory(walks["gone on"]).axes[1])
@@ -147,6 +148,7 @@ def test_the_path_is_the_bodys_with_a_tick_to_its_heading_each_cycle(turning):
     assert figure.axes[0].get_aspect() == 1.0
 
 
+@pytest.mark.slow
 def test_several_walks_share_one_scale_and_keep_their_names(walks):
     shown = {kind: walks[kind] for kind in ("forward", "turning", "a part of a cycle")}
     figure = figures.trajectories(shown)
@@ -196,6 +198,7 @@ def test_legs_that_carry_the_same_are_both_seen(forward):
     assert left.get_color() != right.get_color()
 
 
+@pytest.mark.slow
 def test_a_walk_straight_on_says_so_where_its_bars_have_no_height(forward, turning):
     straight, turned = figures.trajectory(forward), figures.trajectory(turning)
     assert any(text.startswith("straight on") for text in says(straight))
@@ -211,6 +214,7 @@ def test_headings_point_ahead_and_keep_apart(forward):
         assert tip[0] <= after[0] + 1e-9
 
 
+@pytest.mark.slow
 def test_headings_of_a_robot_that_turns_where_it_stands_spread_like_a_fan(turning, forward):
     def long(walk) -> float:
         figure = figures.trajectory(walk)

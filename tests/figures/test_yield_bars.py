@@ -53,6 +53,7 @@ def test_parts_are_sorted_by_what_their_tolerance_causes(found):
     assert alone == pytest.approx(np.maximum(table.first_order[order], 0.0))
 
 
+@pytest.mark.slow
 def test_words_stay_apart_and_on_the_page(found):
     shuffle = yields(files.preset("four-shuffle"), LOOSE, samples=20_000, sensitivity=True)
     plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), samples=1000)

@@ -32,6 +32,7 @@ def with_value(table: Any, path: list[Any], value: Any) -> Any:
     return {**table, step: new}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in presets() if not name.startswith("robot-")])
 def test_a_key_at_its_default_says_what_leaving_it_out_says(name: str):
     design = tables(name)

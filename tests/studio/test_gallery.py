@@ -55,6 +55,7 @@ def test_the_gallery_is_in_groups_by_what_designs_are():
             assert (one["group"] == "paper") == one["name"].startswith("paper-")
 
 
+@pytest.mark.slow
 def test_there_is_one_motion_a_design_in_the_order_of_the_gallery():
     found, last = told()
     assert [one.header["name"] for one in found] == [one["name"] for one in listed()]
@@ -62,6 +63,7 @@ def test_there_is_one_motion_a_design_in_the_order_of_the_gallery():
     assert last.header["count"] == len(presets())
 
 
+@pytest.mark.slow
 def test_all_motions_together_are_small():
     assert sum(block.nbytes for one in motions().values() for block in one.blocks.values()) < 350e3
 
@@ -123,6 +125,7 @@ def test_every_snap_of_the_path_is_seen(name: str):
             np.testing.assert_allclose(found, np.array(travels) * unit, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_robot_walks_as_its_simulation_does(name: str):
     pytest.importorskip("mujoco")

@@ -99,6 +99,7 @@ def test_unlike_parameters_have_a_distance_along_each_axis():
         assert sequences == set(way["sequences"])
 
 
+@pytest.mark.slow
 def test_what_no_closed_form_tells_is_followed_aside_coarse_first():
     slack = tables("slack")
     keys = {**MAP, "pixels": [12, 10]}
@@ -180,6 +181,7 @@ def test_a_set_of_states_is_granted_as_by_python():
     np.testing.assert_array_equal(blocks["travel"], same["travel"])
 
 
+@pytest.mark.slow
 def test_a_wish_takes_tolerances_force_and_all_states():
     header = ask(
         "wish", states="all", cells=2, anchor_mm=0.2, stiffness_percent=2, most_force_N=0.5
@@ -212,6 +214,7 @@ def test_a_wish_is_asked_within_bounds(keys: Any):
     assert ask("wish", **keys).header["problems"][0]["at"].startswith("ask")
 
 
+@pytest.mark.slow
 def test_a_yield_shows_few_first_and_is_pythons():
     from stepwell.studio.answering import answer
 
@@ -229,6 +232,7 @@ def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
     return {**account(found).record, "verdict": checked.verdict}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "verdict"),
     [("paper-forward", "works"), ("paper-identical", "won't"), ("paper-via-01", "works")],
@@ -239,6 +243,7 @@ def test_the_verdict_is_that_of_check(name: str, verdict: str):
     assert header["verdict"] == verdict == check(chain).verdict
 
 
+@pytest.mark.slow
 def test_where_each_has_to_be_followed_a_thousand_are_enough():
     header = ask("yield", tables("slack")).header
     assert header["samples"] == header["by_engine"] == 1000

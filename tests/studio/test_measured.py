@@ -51,6 +51,7 @@ def _with(cell: Cell, stiffness: float, rest_length: float) -> Cell:
     return replace(cell, band=(replace(band, stiffness=stiffness, rest_length=rest_length),))
 
 
+@pytest.mark.slow
 def test_what_is_told_of_a_pair_is_what_the_lab_says(runs: list[Path]):
     header, blocks = ask(
         "measured",

@@ -70,6 +70,7 @@ def test_a_path_is_no_name_of_the_gallery(name: str):
     assert "no such design" in problem["text"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHAINS)
 def test_file_and_script_make_the_same_chain(name: str):
     header = ask("text", tables(name)).header
@@ -169,6 +170,7 @@ def test_margins_are_pythons(name: str):
     assert header["margin"]["becomes"] == least.becomes
 
 
+@pytest.mark.slow
 def test_a_margin_that_has_to_be_searched_is_asked_for_aside():
     assert ask("evaluate", tables("slack")).header["margins"] == []
     header = ask("margin", tables("slack")).header
@@ -314,6 +316,7 @@ def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
     assert ask("yield", FORWARD, **keys).header["problems"][0]["at"] == at
 
 
+@pytest.mark.slow
 def test_a_wish_is_granted_as_by_python():
     header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
     found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))

@@ -81,6 +81,7 @@ def test_any_text_is_a_message_or_refused(text: str):
     assert str(error.value).isprintable()
 
 
+@pytest.mark.slow
 @given(
     kind=st.sampled_from(
         [name for name in types() if name not in ("arenas", "gallery", "thumbnails")]

@@ -61,6 +61,7 @@ def test_a_maze_is_pythons_and_its_antennas_move_their_anchors():
     np.testing.assert_allclose(blocks["moved"][:, 0], maze.walk.antenna[:, 0] * gear * 1e3)
 
 
+@pytest.mark.slow
 def test_what_is_known_of_a_run_is_shown_once_and_in_order(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("stepwell.studio.scene._EVERY", 0.0)
     _, blocks, parts = run("walk", "robot-forward", cycles=2)

@@ -72,6 +72,7 @@ def test_an_open_study_is_what_the_command_says_of_it(ask: Asks, tmp_path: Path)
             assert [one["words"][k] for k in shown] == [str(word) for word in held]
 
 
+@pytest.mark.slow
 def test_of_many_designs_some_are_shown_evenly_and_rare_words_together(
     ask: Asks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -392,6 +393,7 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     assert "Did you mean 'counts'?" in wrong["problems"][0]["text"]
 
 
+@pytest.mark.slow
 def test_machines_lie_within_the_picture_and_on_none_other(two: Path):
     study = studies.opened(two / "two.zarr")
     found = studies.charted(study, samples=2, checks=0)
