@@ -77,6 +77,7 @@ def test_a_card_follows_no_branch(back, monkeypatch):
     assert card(account(again))
 
 
+@pytest.mark.slow
 def test_elements_have_scales_and_a_share_of_their_forces(scaled):
     found = account(scaled)
     record = found.record

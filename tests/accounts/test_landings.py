@@ -46,6 +46,7 @@ def elsewhere(chain: sw.Chain, events: Any, landings: Any) -> list[list[str]]:
     return [[column.cell(row) for column in table.columns] for row in table.rows()]
 
 
+@pytest.mark.slow
 def test_every_snap_of_a_small_chain_has_its_landing(race):
     record, events = account(race).record, race.cycle.events
     snaps = [k for k, event in enumerate(record["events"]) if event["kind"] == "snap"]

@@ -86,6 +86,7 @@ def _rows(count: int) -> Account:
     return Account(None, "Many", sections=[Section("All of them", table)])
 
 
+@pytest.mark.slow
 def test_a_page_has_its_sections_in_order_and_the_answer_first(run, written):
     made, found = Page(written), account(run)
     headings = [section.heading for section in found.sections]
@@ -96,6 +97,7 @@ def test_a_page_has_its_sections_in_order_and_the_answer_first(run, written):
     assert made.text.index(found.answer) < made.text.index("Switches and snaps")
 
 
+@pytest.mark.slow
 def test_nothing_is_fetched_or_run_but_the_replay_in_a_frame_of_its_own(written):
     made = Page(written)
     assert "script" not in made.tags
@@ -111,6 +113,7 @@ def test_nothing_is_fetched_or_run_but_the_replay_in_a_frame_of_its_own(written)
     assert "default-src 'none'; img-src data:" in outside
 
 
+@pytest.mark.slow
 def test_every_figure_is_a_whole_picture_with_its_caption(run, written):
     captions = [
         part.caption
@@ -137,6 +140,7 @@ def test_a_wide_figure_has_another_form_for_phones():
     assert "data:wide" not in page(found)
 
 
+@pytest.mark.slow
 def test_the_page_follows_the_reader_into_the_dark_and_onto_paper(written):
     assert "prefers-color-scheme: dark" in written
     assert "@media print" in written

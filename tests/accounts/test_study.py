@@ -38,6 +38,7 @@ def test_the_record_of_every_kind_of_study_keeps_to_the_generated_schema(
     assert _text(found) and card(found) and page(found)
 
 
+@pytest.mark.slow
 def test_every_form_has_the_most_frequent_outcome_with_its_interval(study):
     found = account(study)
     assert violations(found.record) == []

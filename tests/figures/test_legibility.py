@@ -39,7 +39,8 @@ def overview_of(name: str) -> Figure:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PRESETS]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name != "paper-forward")) for name in PRESETS],
 )
 def test_no_word_covers_another_or_leaves_the_page(name):
     drawn = {"overview": overview_of(name)}

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from sizes import SIZE
+
 ROOT = Path(__file__).parents[2]
 SHIPPED = ROOT / "src" / "stepwell" / "studio" / "page"
 
@@ -42,7 +44,9 @@ def test_the_shipped_page_is_what_its_sources_give_and_the_docs_panel_fits_in(
     shutil.copytree(sources, others, ignore=shutil.ignore_patterns("node_modules"))
     (others / "node_modules").symlink_to(sources / "node_modules")
     add_the_panel_of_the_docs(others)
-    # The types of all that is shipped and of that panel.
+    # The types of all that is shipped and of that panel, which is compiled for them.
     run(npm, others, "run", "check")
+    if SIZE == "ci":
+        return
     run(npm, others, "run", "build", "--", "--outDir", str(tmp_path / "other"))
     assert "stops" in (tmp_path / "other" / "studio.js").read_text("utf-8")
