@@ -397,7 +397,8 @@ class Layout:
 
         def met(curve: Floats) -> int:
             """Number of other nodes that a curve runs through."""
-            return int((np.abs(curve - at) < half).all(axis=2).any(axis=1).sum())
+            inside = np.all(np.abs(curve - at) < half, axis=2)
+            return int(np.any(inside, axis=1).sum())
 
         # The flattest of those that run through the fewest other nodes.
         return min(curves, key=met)
