@@ -6,7 +6,7 @@ equal (theory page, "Sorting").
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,8 @@ TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engi
 
 
 @leaf
-def same_travel(longest: Any, shortest: Any) -> Any:
-    """Whether full travels between these differ by rounding only, of numbers or arrays."""
+def same_travel(longest: float, shortest: float) -> bool:
+    """Whether full travels between these differ by rounding only."""
     return longest - shortest <= _SAME * longest
 
 

@@ -222,13 +222,13 @@ def ends(values: Floats, varied: Varied, out: Floats) -> None:
 
 
 @leaf
-def simple_of(cells, c):
+def simple_of(cells: Floats, c: int) -> Simple:
     """The cell in a row of numbers."""
     return Simple(cells[c, 0], cells[c, 1], cells[c, 2], cells[c, 3], cells[c, 4], cells[c, 5])
 
 
 @leaf
-def numbers(cells, c):
+def numbers(cells: Floats, c: int) -> tuple[float, float, float]:
     """F0 [N], -F1 [N] and the full travel [m] of a cell."""
     cell = simple_of(cells, c)
     force_0, force_1 = end_forces(cell)
@@ -236,7 +236,7 @@ def numbers(cells, c):
 
 
 @leaf
-def sort(order, force, side):
+def sort(order: Ints, force: Floats, side: int) -> bool:
     """Put cells in ascending order of force, equal ones by number; whether any had to move.
 
     The order is mostly right, or nearly.

@@ -190,15 +190,16 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
     rest = 0.0 if add else np.inf
     for k in range(depth):
         # The stretch from k upwards, unless it is the one that is to be divided.
+        at: int = ranks[k]
+        own: int = picks[k]
         if k != below:
-            after = _next_above(ranks, depth, ranks[k])
+            after = _next_above(ranks, depth, at)
             if after < 0:
-                rest = _with(rest, edges[1, ranks[k], picks[k]], add)
+                rest = _with(rest, edges[1, at, own], add)
             else:
-                way = float(segments[ranks[k], ranks[after], picks[k], picks[after]])
-                rest = _with(rest, way, add)
-        if k != above and _next_below(ranks, depth, ranks[k]) < 0:
-            rest = _with(rest, edges[0, ranks[k], picks[k]], add)
+                rest = _with(rest, segments[at, ranks[after], own, picks[after]], add)
+        if k != above and _next_below(ranks, depth, at) < 0:
+            rest = _with(rest, edges[0, at, own], add)
     for c in range(len(out)):
         out[c] = -np.inf
         if not tables.allowed[depth, c]:
