@@ -51,52 +51,41 @@ if TYPE_CHECKING:
 
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
-    "AnchorBox": "design",
-    "Arena": "robot",
-    "Band": "mechanism",
-    "Cell": "mechanism",
-    "Chain": "mechanism",
-    "Check": "design",
-    "Cubic": "mechanism",
-    "Cycle": "sequences",
-    "Element": "mechanism",
-    "Event": "statics",
-    "Impossible": "design",
-    "InputError": "base",
-    "Linear": "mechanism",
-    "Load": "mechanism",
-    "Margin": "design",
-    "Measure": "base",
-    "Path": "statics",
-    "Pathway": "sequences",
-    "Program": "sequences",
-    "Robot": "robot",
-    "Sequence": "sequences",
-    "StepwellError": "base",
-    "Stock": "design",
-    "Table": "mechanism",
-    "Tolerances": "design",
-    "TransitionGraph": "sequences",
-    "Unreachable": "sequences",
-    "Yield": "design",
-    "__version__": "base",
-    "bar": "base",
-    "boundaries": "design",
-    "check": "design",
-    "elements": "mechanism",
-    "load_arena": "files",
-    "load_element": "files",
-    "margin": "design",
-    "parameter_map": "design",
-    "preset": "files",
-    "presets": "files",
-    "reprogram": "design",
-    "robustness": "design",
-    "save": "files",
-    "survival": "design",
-    "sweep": "studies",
-    "transition_map": "design",
-    "yields": "design",
+    "base": ("InputError", "Measure", "StepwellError", "__version__", "bar"),
+    "design": (
+        "AnchorBox",
+        "Check",
+        "Impossible",
+        "Margin",
+        "Stock",
+        "Tolerances",
+        "Yield",
+        "boundaries",
+        "check",
+        "margin",
+        "parameter_map",
+        "reprogram",
+        "robustness",
+        "survival",
+        "transition_map",
+        "yields",
+    ),
+    "files": ("load_arena", "load_element", "preset", "presets", "save"),
+    "mechanism": (
+        "Band",
+        "Cell",
+        "Chain",
+        "Cubic",
+        "Element",
+        "Linear",
+        "Load",
+        "Table",
+        "elements",
+    ),
+    "robot": ("Arena", "Robot"),
+    "sequences": ("Cycle", "Pathway", "Program", "Sequence", "TransitionGraph", "Unreachable"),
+    "statics": ("Event", "Path"),
+    "studies": ("sweep",),
 }
 
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
@@ -185,8 +174,9 @@ def __getattr__(name: str) -> Any:
     if name in _ROOMS:
         # The room itself: once it is open, Python puts it under this name.
         return import_module(f"stepwell.{name}")
-    if name in _DOORS:
-        return getattr(import_module(f"stepwell.{_DOORS[name]}"), name)
+    for room, names in _DOORS.items():
+        if name in names:
+            return getattr(import_module(f"stepwell.{room}"), name)
     raise AttributeError(f"module 'stepwell' has no attribute {name!r}")
 
 

@@ -38,11 +38,8 @@ __all__ = [
 
 # These open NumPy and the rooms below, without which `stepwell doctor` reports what is missing.
 _LATE = {
-    "assumptions": "words",
-    "schema_kinds": "rendering.json_schema",
-    "schema_of": "rendering.json_schema",
-    "simulation_assumptions": "words",
-    "tie_notes": "words",
+    "rendering.json_schema": ("schema_kinds", "schema_of"),
+    "words": ("assumptions", "simulation_assumptions", "tie_notes"),
 }
 
 

@@ -1,6 +1,6 @@
 """What opens only when it is needed: late names of a room, and the packages of the extras."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from types import MappingProxyType
@@ -76,19 +76,20 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
 
 
 def late(
-    room: str, files: Mapping[str, str], names: Iterable[str]
+    room: str, files: Mapping[str, Sequence[str]], names: Iterable[str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """The functions `__getattr__` and `__dir__` of a room whose files open with their first use.
 
     Args:
         room: the module, such as "stepwell.design".
-        files: the file of each late name, within the room.
+        files: the late names that each file within the room has.
         names: what the room offers to scripts.
     """
+    homes = {name: file for file, its_names in files.items() for name in its_names}
 
     def attribute(name: str) -> Any:
-        if name in files:
-            return getattr(import_module(f"{room}.{files[name]}"), name)
+        if name in homes:
+            return getattr(import_module(f"{room}.{homes[name]}"), name)
         raise AttributeError(f"module {room!r} has no attribute {name!r}")
 
     return attribute, lambda: sorted(names)

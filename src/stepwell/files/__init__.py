@@ -90,25 +90,18 @@ __all__ = [
 
 # What reads robots and arenas and writes files opens when it is asked for.
 _LATE = {
-    "Given": "robot_parameters",
-    "arena_tables": "arena",
-    "arena_text": "arena",
-    "arenas": "arena",
-    "columns_of": "known",
-    "dumps": "write",
-    "key_unit": "robot_parameters",
-    "known_keys": "known",
-    "load_arena": "arena",
-    "loads_arena": "arena",
-    "loads_arena_tables": "arena",
-    "loads_rig": "rig",
-    "new_cells": "known",
-    "parameters": "robot_parameters",
-    "provenance": "robot_parameters",
-    "rig_toml": "rig",
-    "save": "write",
-    "vary": "robot_parameters",
-    "with_program": "write",
+    "arena": (
+        "arena_tables",
+        "arena_text",
+        "arenas",
+        "load_arena",
+        "loads_arena",
+        "loads_arena_tables",
+    ),
+    "known": ("columns_of", "known_keys", "new_cells"),
+    "rig": ("loads_rig", "rig_toml"),
+    "robot_parameters": ("Given", "key_unit", "parameters", "provenance", "vary"),
+    "write": ("dumps", "save", "with_program"),
 }
 
 

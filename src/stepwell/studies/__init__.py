@@ -131,23 +131,20 @@ __all__ = [
 
 # An atlas is made, charted and searched with more than a study needs.
 _LATE = {
-    "Atlas": "machines",
-    "Border": "finding",
-    "Cycling": "machines",
-    "Machine": "machines",
-    "QUERIES": "finding",
-    "Sampled": "machines",
-    "THREE": "finding",
-    "atlas": "machines",
-    "atlas_blocks": "machines",
-    "borders": "finding",
-    "canonical": "machines",
-    "charted": "charting",
-    "find": "finding",
-    "name_of": "machines",
-    "possible": "machines",
-    "proved_space": "machines",
-    "understood": "finding",
+    "charting": ("charted",),
+    "finding": ("Border", "QUERIES", "THREE", "borders", "find", "understood"),
+    "machines": (
+        "Atlas",
+        "Cycling",
+        "Machine",
+        "Sampled",
+        "atlas",
+        "atlas_blocks",
+        "canonical",
+        "name_of",
+        "possible",
+        "proved_space",
+    ),
 }
 
 

@@ -11,5 +11,5 @@ if TYPE_CHECKING:
 __all__ = ["embedded", "replay", "serve"]
 
 # A replay needs no server, and a server starts before the first replay is written.
-_LATE = {"embedded": "standalone", "replay": "standalone", "serve": "server"}
+_LATE = {"server": ("serve",), "standalone": ("embedded", "replay")}
 __getattr__, __dir__ = late(__name__, _LATE, __all__)
