@@ -171,7 +171,7 @@ def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])
     assert sorted_cycle(pack(chain.cells)) is not None
     fast = chain.cycle()
-    monkeypatch.setattr(run, "WORTH_SORTING", 10**9)
+    monkeypatch.setattr(run.sorted_cycle, "WORTH_SORTING", 10**9)
     slow = chain.cycle()
     assert fast.sequence == slow.sequence
     assert len(fast.snaps) == 2 * (cells - 1)

@@ -6,12 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell import base
+from stepwell import base, mechanism
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Level, Part, RecordTable, Section
 from stepwell.base import Quantity
 from stepwell.design import LONGEST_FOLLOWED
-from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
     from stepwell.design import Change, Margin
@@ -151,7 +150,7 @@ def margin_section(margin: Margin, *parts: Part) -> Section:
     return Section(heading, *parts, table)
 
 
-def _columns(chain: Chain, changes: Sequence[Change]) -> base.Columns:
+def _columns(chain: mechanism.Chain, changes: Sequence[Change]) -> base.Columns:
     """The columns of a table of changes; where a change leads is not known of long chains."""
     names, measure = chain.names, chain.measure
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stepwell import base
-from stepwell.accounts import yields
-from stepwell.accounts.changes import change_schema, critical_words
+from stepwell.accounts import changes, yields
 from stepwell.accounts.head import CALIBRATED, About, Shape
 from stepwell.accounts.parts import Account, Fact, Picture, Replay, Section, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, tie_notes
@@ -35,7 +34,7 @@ def check_schema(shape: Shape) -> base.Schema:
         Quantity("verdict", read=lambda found: str(found.verdict)),
         *base.quantities(reason=str, target=str, does=str, does_it=bool),
         *base.read_off(yields.counted_schema(shape), "yield_"),
-        Quantity("killer", holds=change_schema(shape), missing=True),
+        Quantity("killer", holds=changes.change_schema(shape), missing=True),
         *base.in_measure(_ACTUATOR, shape.measure),
         Quantity("pull", "g", read=_mass),
         Quantity("oddities", holds=[str]),
@@ -118,7 +117,7 @@ def check_account(found: Check, about: About) -> Account:
 
 def _critical(found: Check) -> str:
     if found.killer is not None:
-        return critical_words(found.killer)
+        return changes.critical_words(found.killer)
     return "no single change within reach breaks it" if found.does_it else ""
 
 

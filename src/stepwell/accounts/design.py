@@ -9,11 +9,10 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from stepwell import base
-from stepwell.accounts import yields
+from stepwell.accounts import run, yields
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About, Shape, of_class
 from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, RecordTable, Section, Text
-from stepwell.accounts.run import cycle_facts
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema
 from stepwell.design import Design, Impossible
@@ -121,7 +120,7 @@ def design_account(found: Design, about: About) -> Account:
         facts=(
             *yields.counted_facts(found.yield_),
             yields.critical_fact(found.yield_),
-            *(replace(fact, level=Level.PAGE) for fact in cycle_facts(found.cycle)),
+            *(replace(fact, level=Level.PAGE) for fact in run.cycle_facts(found.cycle)),
         ),
         warnings=[yields.advised(found.yield_)],
         sections=(

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell import base
+from stepwell import base, mechanism
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Level, RecordTable, Section, Text
 from stepwell.base import Column, Quantity
-from stepwell.mechanism import Chain
 from stepwell.statics import Cause
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ def _elsewhere(shape: Shape) -> base.Schema:
 
 
 def event_section(
-    chain: Chain, events: Sequence[Event], landings: Sequence[Landing] | None
+    chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
 ) -> Section:
     """Switches and snaps as a table, and the other places where snaps may land."""
     measure, shape = chain.measure, Shape.of(chain)
@@ -120,7 +119,7 @@ def event_section(
 
 
 def elsewhere_section(
-    chain: Chain, events: Sequence[Event], landings: Sequence[Landing] | None
+    chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
 ) -> Section:
     """Every other place where a snap lands for other mobilities of the cells."""
     shape = Shape.of(chain)
@@ -150,7 +149,7 @@ def elsewhere_section(
     )
 
 
-def _columns(chain: Chain) -> base.Columns:
+def _columns(chain: mechanism.Chain) -> base.Columns:
     names = chain.names
     schema = {q.attribute: q for q in event_schema(Shape.of(chain))}
     here, there, lost = (schema[key] for key in ("before", "after", "released"))

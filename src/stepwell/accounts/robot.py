@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stepwell import base
+from stepwell import base, files
 from stepwell.accounts import parts
 from stepwell.accounts.head import About
 from stepwell.base import Quantity, Schema
-from stepwell.files import provenance
 from stepwell.robot import Motion
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ PARAMETER: Schema = (
     Quantity("unit", head="unit"),
     Quantity("source", head="source"),
 )
-PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=provenance)
+PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=files.provenance)
 _ROBOT: Schema = (*base.quantities(title=str, mass="g", weight="N", u_max="mm"), PARAMETERS)
 _NEEDS: Schema = base.quantities(push="N", pull="N", stiffness="N_per_m")
 _PUSH: Schema = (
@@ -248,7 +247,7 @@ def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> s
 
 def assumed(robot: Robot) -> parts.Fact:
     """How many numbers of a robot are assumed."""
-    sources = [one.source for one in provenance(robot)]
+    sources = [one.source for one in files.provenance(robot)]
     text = f"{sources.count('assumed')} of {len(sources)}"
     return parts.Fact("Assumed numbers", text, parts.Level.TERMINAL)
 
@@ -265,4 +264,4 @@ def parameter_section(robot: Robot, level: parts.Level = parts.Level.PAGE) -> pa
 
 
 def _parameter_rows(robot: Robot) -> list[parts.Row]:
-    return [base.record(PARAMETER, one) for one in provenance(robot)]
+    return [base.record(PARAMETER, one) for one in files.provenance(robot)]

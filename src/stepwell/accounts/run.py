@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepwell.accounts import events, words
+from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
-from stepwell.accounts.changes import margin_schema, margin_section, margin_words, otherwise_words
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, Replay, Section, Text
 from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
@@ -43,7 +42,7 @@ def run_schema(shape: Shape) -> Schema:
             missing=True,
         ),
         *read_off(cycle_schema(shape), "cycle"),
-        Quantity("margin", holds=margin_schema(shape)),
+        Quantity("margin", holds=changes.margin_schema(shape)),
         Quantity(
             "ties", read=lambda run: words.tie_notes(run.cycle.degenerate, run.chain), holds=[str]
         ),
@@ -103,7 +102,7 @@ def run_account(run: Run, about: About) -> Account:
         answer=_answer(cycle),
         facts=(
             *cycle_facts(cycle),
-            Fact("Margin", margin_words(margin)),
+            Fact("Margin", changes.margin_words(margin)),
             Fact("Landings", landings),
         ),
         warnings=[words.degenerate(cycle.degenerate, chain)],
@@ -111,9 +110,9 @@ def run_account(run: Run, about: About) -> Account:
             events.event_section(chain, cycle.events, run.landings),
             events.elsewhere_section(chain, cycle.events, run.landings),
             cell_section(chain),
-            margin_section(
+            changes.margin_section(
                 margin,
-                Text(otherwise_words(margin, tied=tied), Level.PAGE),
+                Text(changes.otherwise_words(margin, tied=tied), Level.PAGE),
                 Picture("margins", "Distance of each parameter to another sequence"),
                 Picture("around", "Sequences around the most sensitive anchor"),
             ),

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell import base
+from stepwell import base, robot
 from stepwell.accounts import parts
 from stepwell.accounts.head import About
 from stepwell.base import Quantity, Schema
-from stepwell.robot import TRIAL
 
 if TYPE_CHECKING:
     from stepwell.design import Share
@@ -272,7 +271,7 @@ def _trials(sweep: Sweep) -> Sequence[parts.Row]:
     return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(TRIAL, "trial"))
+_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(robot.TRIAL, "trial"))
 # What is reported of a sweep over robots.
 SWEEP: Schema = (
     Quantity("keys", read=lambda sweep: list(sweep.values), holds=[str]),
@@ -311,7 +310,7 @@ def sweep_account(sweep: Sweep, about: About) -> parts.Account:
             parts.Section(
                 "Robots",
                 parts.RecordTable(
-                    (*varied, *TRIAL),
+                    (*varied, *robot.TRIAL),
                     "trials",
                     "One row for each robot.",
                     wide=[why] if failed else (),

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from stepwell import base
-from stepwell.accounts import parts
+from stepwell import base, files
+from stepwell.accounts import parts, words
 from stepwell.accounts.head import About
 from stepwell.accounts.robot import (
     FEET,
@@ -19,9 +19,7 @@ from stepwell.accounts.robot import (
     parameter_section,
     turn_words,
 )
-from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Quantity, Schema
-from stepwell.files import digest, dumps
 
 if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
@@ -158,7 +156,7 @@ def walk_account(walk: Walk, about: About) -> parts.Account:
             ),
             parameter_section(robot),
             parts.Section(
-                "Assumptions", parts.Notes(simulation_assumptions(walk), parts.Level.PAGE)
+                "Assumptions", parts.Notes(words.simulation_assumptions(walk), parts.Level.PAGE)
             ),
         ),
         hints=(SOURCES,),
@@ -231,7 +229,7 @@ _CHANGE: Schema = (
 
 def _hash(arena: Arena) -> str | None:
     try:
-        return digest(dumps(arena))
+        return files.digest(files.dumps(arena))
     except ValueError:
         return None
 
@@ -312,7 +310,7 @@ def maze_account(maze: Maze, about: About) -> parts.Account:
             ),
             parameter_section(robot),
             parts.Section(
-                "Assumptions", parts.Notes(simulation_assumptions(walk), parts.Level.PAGE)
+                "Assumptions", parts.Notes(words.simulation_assumptions(walk), parts.Level.PAGE)
             ),
         ),
         hints=(SOURCES,),

@@ -17,8 +17,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from stepwell.base import InputError, number
 from stepwell.figures import graph_layout
-from stepwell.figures.common import legends, sheet, style
-from stepwell.figures.common.marks import plain
+from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.mechanism import Cell
 
 if TYPE_CHECKING:
@@ -117,7 +116,7 @@ class _Drawing:
 
     def draw(self, ax: Axes) -> None:
         """Into axes of its size."""
-        plain(ax, (0.0, self.layout.width, 0.0, self.layout.height))
+        marks.plain(ax, (0.0, self.layout.width, 0.0, self.layout.height))
         for way in self.reduced.ways:
             self._draw_way(ax, way)
         for label in self.reduced.shown:

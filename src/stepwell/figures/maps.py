@@ -14,8 +14,7 @@ from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
-from stepwell.figures.common import sheet, style
-from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, sequence_words
 from stepwell.figures.map_parts import PLACES, Key, Row, badge, between, name_regions
 from stepwell.sequences import Pathway
@@ -202,14 +201,14 @@ def _draw_designs(
     taken: Sequence[Bbox],
 ) -> list[Bbox]:
     """Dots and names of designs, clear of what is taken; the boxes that they take."""
-    marks: list[Label] = []
+    marks: list[legends.Label] = []
     dots: list[Bbox] = []
     for name, (a, b) in designs.items():
-        marks.append(mark := Label(a * scale[0], b * scale[1], literal(name)))
+        marks.append(mark := legends.Label(a * scale[0], b * scale[1], literal(name)))
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
         dots.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
-    names = beside(ax, marks, keep_clear=[*taken, *dots])
+    names = legends.beside(ax, marks, keep_clear=[*taken, *dots])
     for text in names:
         text.set_bbox(style.on_white(0.12, 0.8))
     clear = _CLEAR * sheet.root(ax).dpi / 72

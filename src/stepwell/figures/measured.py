@@ -12,10 +12,8 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.figures.common.marks import mm_pair
+from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
-from stepwell.figures.common.words import literal, minus
 from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording
 
 T = TypeVar("T")
@@ -199,8 +197,8 @@ def _cell(
     ax.set_xticks([-widest, 0, widest])
     ax.margins(y=0.1)
     way = ", unloading" if first.series.unloading else ""
-    place_of = mm_pair(first.cell.bands[0].d)
-    sheet.name_panel(ax, f"{literal(first.series.code)}{way}, $d$ = {place_of} mm")
+    place_of = marks.mm_pair(first.cell.bands[0].d)
+    sheet.name_panel(ax, f"{words.literal(first.series.code)}{way}, $d$ = {place_of} mm")
 
 
 def _pair(ax: Axes, test: PairTest) -> None:
@@ -222,7 +220,7 @@ def _pair(ax: Axes, test: PairTest) -> None:
     ax.plot(wanted, below, "^", **style.hollow(4.0), zorder=5, gid="snaps predicted")
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
     order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
-    sheet.name_panel(ax, literal(f"{mechanism}: {order}"))
+    sheet.name_panel(ax, words.literal(f"{mechanism}: {order}"))
 
 
 def bands_words(count: int) -> str:
@@ -256,7 +254,7 @@ def recording(result: Recording) -> Figure:
         )
     ax.set(xlabel="Stroke of the machine [mm]", ylabel="Force [N]")
     legends.above(ax)
-    figure.text(0.98, 0.965, literal(result.name), ha="right", va="top")
+    figure.text(0.98, 0.965, words.literal(result.name), ha="right", va="top")
     return figure
 
 
@@ -396,7 +394,7 @@ def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float
         fit, left_out = np.array(result.fit_error)[at], np.array(result.left_out_error)[at]
         ax.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)
         ax.plot(left_out, rows, label=f"{name}, left out", **style)
-    ax.set_yticks(range(len(geometries)), [*map(mm_pair, geometries)])
+    ax.set_yticks(range(len(geometries)), [*map(marks.mm_pair, geometries)])
     ax.set(xlabel="RMSE [$kr$]", ylabel="$d = q - p$ [mm]")
     ax.set_xlim(left=0.0)
     ax.grid(axis="y", color=FAINT, linewidth=0.3)
@@ -423,7 +421,7 @@ def _hundredths(value: float) -> str:
     """A correlation with its sign, without the zero before the point: it has to be short."""
     # Nothing is ever minus zero.
     told = f"{round(value, 2) + 0.0:.2f}".replace("1.00", "1")
-    return minus(told.replace("0.", ".", 1) if abs(value) < 0.995 else told)
+    return words.minus(told.replace("0.", ".", 1) if abs(value) < 0.995 else told)
 
 
 def _symbol(name: str) -> str:

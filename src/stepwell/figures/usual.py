@@ -8,12 +8,10 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError, of_kind
 from stepwell.design import Boundary, Design
-from stepwell.figures import measured
+from stepwell.figures import graphs, maps, measured, robustness
 from stepwell.figures.cells.cell_curves import element_curve, unit_cell_force
 from stepwell.figures.cells.force_plane import force_plane
 from stepwell.figures.cells.mechanism import mechanism
-from stepwell.figures.graphs import machines, transition_graph
-from stepwell.figures.maps import transition_map
 from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
@@ -21,7 +19,6 @@ from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze
 from stepwell.figures.robots.robot import robot_drawing
 from stepwell.figures.robots.trajectory import trajectory
-from stepwell.figures.robustness import margins, yield_bars
 from stepwell.lab import BandFit, BandTest, Comparison, choose_law
 from stepwell.mechanism import Chain
 
@@ -89,7 +86,7 @@ def _is_map(value: Any) -> bool:
 
 
 def _map(data: Any, boundaries: Sequence[Boundary] = (), **options: Any) -> Figure:
-    return transition_map(data, boundaries, **options)
+    return maps.transition_map(data, boundaries, **options)
 
 
 def _map_view(view: Any, **options: Any) -> Figure:
@@ -121,7 +118,7 @@ def _comparison(found: Comparison) -> Figure:
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
-    "Atlas": machines,
+    "Atlas": graphs.machines,
     "BandFit": _band_fit,
     "BandTest": _band_test,
     "Calibration": measured.calibration,
@@ -133,9 +130,9 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Design": designed,
     "Element": element_curve,
     "MapView": _map_view,
-    "Margin": margins,
+    "Margin": robustness.margins,
     "Maze": maze,
-    "MemoryReading": lambda reading, **options: transition_graph(reading.graph, **options),
+    "MemoryReading": lambda reading, **options: graphs.transition_graph(reading.graph, **options),
     "PairTest": lambda test: measured.measured_pairs([test]),
     "Path": force_stroke,
     "Prediction": prediction,
@@ -143,7 +140,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Recording": measured.recording,
     "Robot": robot_drawing,
     "Sweep": sweep,
-    "TransitionGraph": transition_graph,
+    "TransitionGraph": graphs.transition_graph,
     "Walk": trajectory,
-    "Yield": yield_bars,
+    "Yield": robustness.yield_bars,
 }

@@ -14,13 +14,9 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, ValidationError
 
 from stepwell.base import from_unit, limits
-from stepwell.files import text
-from stepwell.files.design import text_of
-from stepwell.files.robots import part_of
-from stepwell.files.schema import keys
+from stepwell.files import design, robots, text
+from stepwell.files.schema import keys, robot, wording
 from stepwell.files.schema.keys import fields, slip_lines
-from stepwell.files.schema.robot import Size
-from stepwell.files.schema.wording import refused
 from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
@@ -33,21 +29,21 @@ class WallKeys(keys.Keys):
 
     from_mm: keys.Point
     to_mm: keys.Point
-    thickness_mm: Size | None = None
+    thickness_mm: robot.Size | None = None
 
 
 class CylinderKeys(keys.Keys):
     """A cylinder."""
 
     at_mm: keys.Point
-    radius_mm: Size | None = None
+    radius_mm: robot.Size | None = None
 
 
 class GoalKeys(keys.Keys):
     """The goal."""
 
     at_mm: keys.Point
-    radius_mm: Size | None = None
+    radius_mm: robot.Size | None = None
 
 
 class ArenaKeys(keys.Keys):
@@ -295,7 +291,7 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
         advice = text.did_you_mean(name, _texts())
         problem = f"no such arena, and no file that ends in .toml or .txt. {advice}"
         raise DesignError(f"arena {name}", [problem])
-    return loads_arena(text_of(arena), name)
+    return loads_arena(design.text_of(arena), name)
 
 
 def arena_text(name: str) -> str:
@@ -355,10 +351,10 @@ def _arena(tables: dict[str, Any], name: str) -> Arena:
     try:
         keys = ArenaKeys.model_validate(tables)
     except ValidationError as error:
-        raise refused(name, error, TABLES) from None
+        raise wording.refused(name, error, TABLES) from None
     problems: list[str] = []
     walls: list[Any] = [
-        part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
+        robots.part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
     ]
     if problems:
         raise DesignError(name, problems)

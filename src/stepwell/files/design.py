@@ -17,8 +17,7 @@ from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
 from stepwell.files.program import WrittenProgram, program_of
-from stepwell.files.schema import chain as schema
-from stepwell.files.schema.wording import refused
+from stepwell.files.schema import chain as schema, wording
 from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
 
@@ -225,7 +224,7 @@ def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProg
     try:
         return _chain(schema.FileKeys.model_validate(tables), name)
     except ValidationError as error:
-        raise refused(name, error, schema.TABLES) from None
+        raise wording.refused(name, error, schema.TABLES) from None
 
 
 def _robot(tables: dict[str, Any], name: str) -> Robot | None:
@@ -239,7 +238,7 @@ def _robot(tables: dict[str, Any], name: str) -> Robot | None:
     try:
         return robot(robot_schema.RobotKeys.model_validate(tables), name)
     except ValidationError as error:
-        raise refused(name, error, robot_schema.TABLES) from None
+        raise wording.refused(name, error, robot_schema.TABLES) from None
 
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:

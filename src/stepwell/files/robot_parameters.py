@@ -12,9 +12,7 @@ from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads
 from stepwell.files.paths import Item, Steps, find, spelled
 from stepwell.files.robots import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
-from stepwell.files.schema import robot as schema
-from stepwell.files.schema.keys import unit_of
-from stepwell.files.schema.wording import refused
+from stepwell.files.schema import keys, robot as schema, wording
 from stepwell.files.text import DesignError, value_text
 from stepwell.robot import Robot
 
@@ -102,7 +100,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     try:
         made = robot_of(schema.RobotKeys.model_validate(tree), name)
     except ValidationError as error:
-        raise refused(name, error, schema.TABLES) from None
+        raise wording.refused(name, error, schema.TABLES) from None
     return replace(made, sources=_assumed(robot, list(changed)))
 
 
@@ -154,7 +152,7 @@ def _lists(robot: Robot) -> dict[str, list[str]]:
 def _unit(steps: Steps) -> str:
     key = next(step for step in reversed(steps) if isinstance(step, str))
     last = steps[-1]
-    return unit_of(key, last.index if isinstance(last, Item) else 0)
+    return keys.unit_of(key, last.index if isinstance(last, Item) else 0)
 
 
 def _sizes(known: Iterable[Steps]) -> dict[Steps, int]:

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell import base
+from stepwell import base, sequences
 from stepwell.design import Draws, Parameter, parameters
 from stepwell.lab.recordings.curve import from_zero
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.mechanism import Chain
-from stepwell.sequences import Cycle
 
 WAYS: tuple[base.Vec2, ...] = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 _COUNTS = {1: "one hole", 2: "two holes", 3: "three holes"}
@@ -176,7 +175,7 @@ class Observed(base.ByValue):
         """How many strokes and forces were read."""
         return len(self.out or ()) + len(self.back or ()) + len(self.pulls)
 
-    def misfit(self, cycle: Cycle) -> float:
+    def misfit(self, cycle: sequences.Cycle) -> float:
         """Half the sum of squared errors in standard deviations; infinite where it did otherwise.
 
         A snap too many or too few is another motion, and so is a tie, which may end either way.
@@ -201,7 +200,7 @@ class Observed(base.ByValue):
         return base.brief(self)
 
 
-def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
+def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
     """Forces of the model [N] where some were read."""
     stroke, force = cycle.path.stroke, cycle.path.force
     top = int(np.argmax(stroke))

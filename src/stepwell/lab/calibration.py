@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, need
-from stepwell.lab import fit_model, fit_samples
+from stepwell.lab import comparison, fit_model, fit_samples
 from stepwell.lab.bands.halves import student
-from stepwell.lab.comparison import TIED, correlations
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
@@ -132,7 +131,7 @@ class Calibration(ByValue, Drawn):
     def tied(self) -> tuple[Correlated, ...]:
         """Pairs of numbers that the data cannot tell apart."""
         names = list(self.values)
-        tied = np.argwhere(np.tril(np.abs(self.correlations) > TIED, -1))
+        tied = np.argwhere(np.tril(np.abs(self.correlations) > comparison.TIED, -1))
         return tuple(
             Correlated(names[j], names[i], float(self.correlations[i, j])) for i, j in tied
         )
@@ -373,7 +372,7 @@ def calibrate(
         samples,
         fitted,
         left_out,
-        correlations(best.jacobian),
+        comparison.correlations(best.jacobian),
         reference,
         best.shape(best.whole),
         weighing,

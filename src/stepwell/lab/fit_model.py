@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell import mechanism
+from stepwell import mechanism, statics
 from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.fit_samples import Sample, Weighing
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
 from stepwell.lab.series import Geometry
-from stepwell.statics import EventKind
 
 
 class Number(NamedTuple):
@@ -355,7 +354,7 @@ def snap_of(
         )
     unloading = test.series.unloading
     path = path_of(chain, unloading)
-    events = [event for event in path.events if event.kind is EventKind.SNAP]
+    events = [event for event in path.events if event.kind is statics.EventKind.SNAP]
     if not events:
         return math.nan, math.nan
     event, way = events[0], -1.0 if unloading else 1.0

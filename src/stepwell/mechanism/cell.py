@@ -9,12 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, Vec2, check, require, to_unit
-from stepwell.mechanism import sizes
+from stepwell.mechanism import cubics, geometry, sizes
 from stepwell.mechanism.band import Band, Load
-from stepwell.mechanism.cubics import integral, value
-from stepwell.mechanism.geometry import sine_at, travel_of
 from stepwell.mechanism.phase import Phase, Stretch, a_mobility
-from stepwell.mechanism.sizes import SlipError
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit
 # divided by this number can be missed by `peak_angle` and `barrier`, never by the engine.
@@ -79,7 +76,7 @@ class Cell(ByValue, Drawn):
         if not (self.unusual or self._asked):
             found = sizes.slips(self)
             if found:
-                raise SlipError(found, _WAY)
+                raise sizes.SlipError(found, _WAY)
         object.__setattr__(self, "_asked", True)
         if self.load is not None:
             _refuse_steps(self.load, self.full_travel)
@@ -99,7 +96,7 @@ class Cell(ByValue, Drawn):
     @property
     def full_travel(self) -> float:
         """S = 2 r sin θc [m]."""
-        return travel_of(self.sin_limit, self.lever, self.sin_limit)
+        return geometry.travel_of(self.sin_limit, self.lever, self.sin_limit)
 
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.
@@ -117,7 +114,7 @@ class Cell(ByValue, Drawn):
                 for slip in sizes.far(name, check.vector(name, anchor), own)
             ]
             if far:
-                raise SlipError(tuple(far), _WAY)
+                raise sizes.SlipError(tuple(far), _WAY)
         moved = tuple(
             replace(b, p=b.p if p is None else p, q=b.q if q is None else q) for b in self.bands
         )
@@ -129,7 +126,7 @@ class Cell(ByValue, Drawn):
         Raises:
             ValueError: an angle past a stop.
         """
-        return travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
+        return geometry.travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
     def angle(self, travel: ArrayLike) -> Floats:
         """Lever angle θ [rad] at travels s [m] of any shape.
@@ -144,7 +141,7 @@ class Cell(ByValue, Drawn):
                 f"travel = {to_unit(_worst(travel), 'mm'):.6g} mm: must be between 0 and "
                 f"{to_unit(self.full_travel, 'mm'):.6g} mm, the stops."
             )
-        sine = np.clip(sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
+        sine = np.clip(geometry.sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
         return np.clip(np.arcsin(sine), -self.limit, self.limit)
 
     def energy(self, theta: ArrayLike) -> Floats:
@@ -158,7 +155,7 @@ class Cell(ByValue, Drawn):
         theta = self._within(theta)
         energy = sum(band.energy(band.length(theta, self.lever)) for band in self.bands)
         if self.load is not None:
-            energy = energy + integral(self.load.pieces(), self.travel(theta))
+            energy = energy + cubics.integral(self.load.pieces(), self.travel(theta))
         return np.asarray(energy)
 
     def force(self, theta: ArrayLike) -> Floats:
@@ -170,7 +167,7 @@ class Cell(ByValue, Drawn):
         theta = self._within(theta)
         force = sum(band.force(theta, self.lever) for band in self.bands)
         if self.load is not None:
-            force = force + value(self.load.pieces(), self.travel(theta))
+            force = force + cubics.value(self.load.pieces(), self.travel(theta))
         return np.asarray(force)
 
     @property

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stepwell.base import REACH, ByValue, Drawn, InputError, Measure, finite, require, short
-from stepwell.mechanism import sizes
+from stepwell.mechanism import phase, sizes
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.element import Element
 from stepwell.mechanism.law import ends_of, packed
-from stepwell.mechanism.phase import Phase, Stretch
-from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Robustness, Survival, Tolerances, Yield
@@ -116,12 +114,12 @@ class Chain(ByValue, Drawn):
         return levers
 
     @property
-    def phases(self) -> tuple[tuple[Phase, ...], ...]:
+    def phases(self) -> tuple[tuple[phase.Phase, ...], ...]:
         """The phases of every cell: digit k of a state stands for phase k of its cell."""
         return tuple(cell.phases for cell in self.cells)
 
     @property
-    def stretches(self) -> tuple[tuple[Stretch, ...], ...]:
+    def stretches(self) -> tuple[tuple[phase.Stretch, ...], ...]:
         """Sheet and travels [m] of every phase of every cell."""
         return tuple(cell.stretches for cell in self.cells)
 
@@ -184,7 +182,7 @@ class Chain(ByValue, Drawn):
 
         slips = sizes.drives(self, turning_points)
         if slips:
-            raise SlipError(slips, "")
+            raise sizes.SlipError(slips, "")
         return statics.path(self, turning_points, start=start, prefer=prefer, progress=progress)
 
     def cycle(

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
 from stepwell.mechanism import element_curves
 from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
-from stepwell.mechanism.element_curves import beside, folded
 from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
 
 if TYPE_CHECKING:
@@ -212,7 +211,7 @@ class Element(ByValue, Drawn):
             ValueError: too few points, two of them at one place, a curve that would be unstable
                 from the start, or a stretch from whose end there is nowhere to land.
         """
-        sheets = folded(travel, force, measure)
+        sheets = element_curves.folded(travel, force, measure)
         return cls(sheets, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
@@ -250,7 +249,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: elements of unlike measure, or that share no travel.
         """
-        sheets, stops, friction = beside(elements)
+        sheets, stops, friction = element_curves.beside(elements)
         mobility = 1.0 / sum(1.0 / element.mobility for element in elements)
         return cls(sheets, stops, friction, name, elements[0].measure, mobility=mobility)
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell import files
-from stepwell.base import ByValue
+from stepwell import base, files
 from stepwell.paper.walking import BACKWARD, FORWARD, STANDS_STILL, TURN_DEG, robot
 from stepwell.robot import Robot
 
@@ -21,7 +20,7 @@ CYCLES = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Effect(ByValue):
+class Effect(base.ByValue):
     """What a result becomes when one parameter alone is changed.
 
     Args:
@@ -44,7 +43,7 @@ class Effect(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sensitivity(ByValue):
+class Sensitivity(base.ByValue):
     """A result, and what each parameter does to it.
 
     Args:

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell import files
+from stepwell import files, mechanism, sequences
 from stepwell.base import from_unit, to_unit
 from stepwell.design import Reprogramming, reprogram
-from stepwell.mechanism import Chain
 from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
 from stepwell.paper.walking import robot
 from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_start
-from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
 PRESSED = -0.011  # where a contact is said to push p_in [m] ...
 ABOUT = 0.0005  # ... and how near to it that is [m]
 INWARDS = (-1.0, 0.0)
-BACKWARD = Pathway.COUNTERCLOCKWISE.value
+BACKWARD = sequences.Pathway.COUNTERCLOCKWISE.value
 
 # Stiffness of the inner cell's bands over that of one band. The paper gives no number of bands, and
 # its tests used one and two. The factor is in a notebook of the authors, on the inner force; that
@@ -37,7 +35,7 @@ NOT_SAID = (
 )
 
 
-def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> Chain:
+def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> mechanism.Chain:
     """Inner and outer cell of a leg of the robot with antennas, feet and weight left out.
 
     Args:
@@ -50,7 +48,7 @@ def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> Chain:
     inner = replace(inner, band=replace(inner.bands[0], stiffness=stiffness))
     if pressed:
         inner = inner.with_anchors(p=(PRESSED, 0.0))
-    return Chain((inner, outer.with_anchors(q=(q_out, 0.0))))
+    return mechanism.Chain((inner, outer.with_anchors(q=(q_out, 0.0))))
 
 
 def turning(q_out: float, bands: float = 2.0) -> Reprogramming:

@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell import files
-from stepwell.base import to_unit
+from stepwell import base, files, sequences
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.robot import TOLERANCE, Robot
-from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from stepwell.simulation import Walk
@@ -100,7 +98,7 @@ def robot_15_in_the_air() -> Finding:
     pathways = {leg.chain.cycle().pathway for leg in design.legs}
     gaits = {gaits[-1] for gaits in hung.gaits.values()}
     return judged(
-        pathways == {Pathway.CLOCKWISE} and gaits == {"00>10>11>01>00"},
+        pathways == {sequences.Pathway.CLOCKWISE} and gaits == {"00>10>11>01>00"},
         " and ".join(sorted(gaits)),
         note="Statics and simulation without gravity agree.",
         otherwise=f"Statics says {', '.join(str(p) for p in pathways)}.",
@@ -203,7 +201,7 @@ def robot_forward_loss() -> Finding:
         loss.snap > loss.whole / 2,
         f"{loss.start:.2f} u_max at the start, {loss.snap:.3f} in the snap near 11",
         otherwise=f"A cycle falls {loss.whole:.2f} u_max short. In the last "
-        f"{to_unit(NEAR, 'mm'):g} mm before 11 the foot is in the air and carries "
+        f"{base.to_unit(NEAR, 'mm'):g} mm before 11 the foot is in the air and carries "
         f"{loss.airborne:.2f} N, so no snap there can cost a step. It slips at the start instead: "
         f"the weight opens the outer cell by {loss.opened:.0%} of its travel, until the T-foot "
         f"carries it, and the foot, whose load falls to {loss.carried:.2f} N from the "

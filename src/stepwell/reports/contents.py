@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import stepwell as sw
-from stepwell import figures
+from stepwell import figures, mechanism
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, write_netcdf
 from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transition_map
 from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
-from stepwell.mechanism import Cell
 from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
 from stepwell.studio import replay
 
@@ -66,7 +65,7 @@ def _of_margin(margin: Margin) -> dict[str, Draw]:
         return draws
     cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
     # Maps need xarray.
-    if not isinstance(cell, Cell) or not 0.0 < far < math.inf or not have("tables"):
+    if not isinstance(cell, mechanism.Cell) or not 0.0 < far < math.inf or not have("tables"):
         return draws
     here = cell.bands[0].q
     x, y = (np.linspace(at - far, at + far, _NODES) for at in here)

@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import stepwell as sw
-from stepwell import figures
+from stepwell import base, figures, sequences
 from stepwell.accounts import Account
-from stepwell.base import InputError, have, nearest_word, to_unit
 from stepwell.design import boundaries, transition_map
 from stepwell.paper import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.reports.write import Content, Contents
-from stepwell.sequences import Cycle, Pathway
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,7 +52,7 @@ def pathways() -> Figure:
 def map_() -> Figure:
     """Pathways over the anchor of the outer cell, with the four pairs marked (Fig. 2C)."""
     x, y = np.linspace(0.0, 0.020, 400), np.linspace(-0.015, 0.015, 400)
-    chain = pair_cycle(Pathway.CLOCKWISE).chain
+    chain = pair_cycle(sequences.Pathway.CLOCKWISE).chain
     marked = {f"({_mm(outer_anchor(p))})": outer_anchor(p) for p in PAIRS}
     found = transition_map(chain, 1, x=x, y=y)
     return figures.transition_map(found, boundaries(chain, 1, x=x, y=y), marked)
@@ -97,14 +95,14 @@ MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 def figures_of(everything: bool) -> dict[str, Callable[[], Figure]]:
     """The figures that can be drawn here, by name; those of many runs only when asked for."""
     found = dict(FIGURES)
-    if have("robot"):
+    if base.have("robot"):
         found |= ROBOT_FIGURES
         found |= MANY_RUNS if everything else {}
     return found
 
 
-def _pairs() -> dict[str, Cycle]:
-    found: dict[str, Cycle] = {}
+def _pairs() -> dict[str, sequences.Cycle]:
+    found: dict[str, sequences.Cycle] = {}
     for cycle in map(pair_cycle, PAIRS):
         words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
         q = cycle.chain.levers[1].bands[0].q
@@ -113,7 +111,7 @@ def _pairs() -> dict[str, Cycle]:
 
 
 def _mm(q: tuple[float, float]) -> str:
-    return ", ".join(f"{to_unit(part, 'mm'):g}" for part in q).replace("-", "\N{MINUS SIGN}")
+    return ", ".join(f"{base.to_unit(part, 'mm'):g}" for part in q).replace("-", "\N{MINUS SIGN}")
 
 
 def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = False) -> Contents:
@@ -147,7 +145,7 @@ def figure_of(name: str) -> Figure:
     """
     every = FIGURES | ROBOT_FIGURES | MANY_RUNS
     if name not in every:
-        near = nearest_word(name, every)
+        near = base.nearest_word(name, every)
         guess = f"Did you mean {near}?" if near else f"There are {', '.join(every)}."
-        raise InputError(f"{name!r}: no such figure of the paper. {guess}")
+        raise base.InputError(f"{name!r}: no such figure of the paper. {guess}")
     return every[name]()

@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import stepwell as sw
-from stepwell import base
+from stepwell import base, studio
 from stepwell.accounts import About, Account, FigurePair, Image, account, page
 from stepwell.files import dumps, staged_folder
-from stepwell.studio import embedded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -155,7 +154,7 @@ def _motion(found: Account, contents: Contents) -> str:
     if contents.motion is None:
         return ""
     try:
-        return embedded(contents.motion(), found.title)
+        return studio.embedded(contents.motion(), found.title)
     except base.StepwellError:
         return ""
 

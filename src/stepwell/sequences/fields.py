@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
 from stepwell.mechanism import Cell, Chain, Element
-from stepwell.sequences import transition_graph
-from stepwell.sequences.branches import Branches, checked_state
+from stepwell.sequences import branches, transition_graph
 from stepwell.sequences.nodes import Digits, StateNodes, States, Transition, TransitionKind
 from stepwell.statics import problem_of, travel_in
 
@@ -46,7 +45,7 @@ def preisach(
     down = -up
     up[fields.cell, fields.step] = fields.up
     down[fields.cell, fields.step + 1] = fields.down
-    low, high = Branches(chain).range
+    low, high = branches.Branches(chain).range
     falls = _Flips.of(chain, travels, states, down, -1, low)
     rises = _Flips.of(chain, travels, states, up, +1, high)
     both = falls, rises
@@ -163,7 +162,7 @@ class _Flips:
 
 def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: str) -> Ints:
     """The states that the force can bring the chain to from one of them, in rising order."""
-    code = states.code(checked_state(chain, "start", start))
+    code = states.code(branches.checked_state(chain, "start", start))
     assert code is not None
     seen = front = np.array([code])
     falls, rises = both

@@ -8,15 +8,12 @@ from decimal import Decimal
 from functools import cached_property
 from itertools import islice
 
-from stepwell import concave
+from stepwell import concave, mechanism, statics
 from stepwell.base import ByValue, InputError, require
-from stepwell.mechanism import Chain
-from stepwell.sequences import transition_graph
+from stepwell.sequences import passages, transition_graph
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.fields import Travels, heat_of
 from stepwell.sequences.nodes import Node, Transition, TransitionKind
-from stepwell.sequences.passages import order_kept
-from stepwell.statics import Tie
 
 
 class ByBranches:
@@ -30,7 +27,7 @@ class ByBranches:
     # Nobody counts these but by following every branch.
     transitions = gardens = sub_loops = None
 
-    def __init__(self, chain: Chain):
+    def __init__(self, chain: mechanism.Chain):
         self.chain = chain
         self._branches = Branches(chain)
         self._sections: dict[str, tuple[int, int]] = {}
@@ -38,7 +35,7 @@ class ByBranches:
         self._sharing: Counter[str] = Counter()
 
     @property
-    def ties(self) -> tuple[Tie, ...]:
+    def ties(self) -> tuple[statics.Tie, ...]:
         """Those on the branches that were followed."""
         return tuple(self._branches.ties)
 
@@ -54,7 +51,7 @@ class ByBranches:
         fields = concave.relays(self.chain)
         if fields is None or not fields.equal or not math.isinf(self.chain.actuator_stiffness):
             return None
-        return _ideals(fields) if order_kept(self.chain, fields).only_ideals else None
+        return _ideals(fields) if passages.order_kept(self.chain, fields).only_ideals else None
 
     def node(self, label: str) -> Node:
         """The node of that label."""
@@ -111,9 +108,9 @@ class ByFields:
     """
 
     method = "switching fields: cells under a prescribed force do not feel each other"
-    ties: tuple[Tie, ...] = ()
+    ties: tuple[statics.Tie, ...] = ()
 
-    def __init__(self, chain: Chain, fields: concave.Relays):
+    def __init__(self, chain: mechanism.Chain, fields: concave.Relays):
         self.chain = chain
         self._windows = fields.windows
         self._levels = concave.levels(self._windows, fields.slip)
@@ -265,7 +262,7 @@ class ImplicitGraph(ByValue):
     ("Transition graphs", "Relays").
     """
 
-    chain: Chain
+    chain: mechanism.Chain
 
     def __post_init__(self):
         refuse_friction(self.chain)
@@ -303,7 +300,7 @@ class ImplicitGraph(ByValue):
         return self._ways.method
 
     @property
-    def ties(self) -> tuple[Tie, ...]:
+    def ties(self) -> tuple[statics.Tie, ...]:
         """Where the model cannot tell two outcomes apart, as far as branches were followed.
 
         Cells whose fields tie under a force are none: they leave together, and where they arrive no
@@ -506,6 +503,6 @@ def shown_count(count: int) -> str:
     return str(count) if count < 10**_DIGITS else f"{Decimal(count):.3e}".replace("e+", "e")
 
 
-def implicit_graph(chain: Chain, drive: Drive = None) -> ImplicitGraph:
+def implicit_graph(chain: mechanism.Chain, drive: Drive = None) -> ImplicitGraph:
     """The transition graph of a chain, not listed. All else as for `Chain.implicit_graph`."""
     return ImplicitGraph(driven(chain, drive))

@@ -7,8 +7,7 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell import base
-from stepwell.mechanism import Chain
+from stepwell import base, mechanism
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
 from stepwell.statics import Configuration, Landing, Path
@@ -90,7 +89,7 @@ class Program(base.ByValue, base.Drawn):
             None where it was not asked for.
     """
 
-    chain: Chain
+    chain: mechanism.Chain
     start: str
     target: str
     begin: float
@@ -105,7 +104,7 @@ class Program(base.ByValue, base.Drawn):
     @classmethod
     def given(
         cls,
-        chain: Chain,
+        chain: mechanism.Chain,
         turning_points: Drives[float],
         *,
         start: str | None = None,
@@ -252,7 +251,7 @@ class Unreachable(base.Shown, base.StepwellError, ValueError):
         chain, start, target, robust: what was asked of `Chain.program`; None where not known.
     """
 
-    chain: Chain | None = None
+    chain: mechanism.Chain | None = None
     start: str | None = None
     target: str | None = None
     robust: float | None = None

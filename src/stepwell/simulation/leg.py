@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from stepwell.robot import Leg, Robot
-from stepwell.simulation import hinges, parts
+from stepwell.simulation import hinges, parts, simulator
 from stepwell.simulation.parts import TOP, Place, Vec3
-from stepwell.simulation.simulator import Linkage, Settings
 
 # The damping that keeps a lever's sideways swing quiet [N s/m]: small beside that of a travel.
 SIDEWAYS = 0.02
@@ -49,12 +48,12 @@ class LegModel:
     body: Any
     carriage: Any
     anchors: dict[int, Any]
-    settings: Settings
+    settings: simulator.Settings
 
     @property
     def hinged(self) -> bool:
         """Whether levers and links are hinged bodies, and not lines of fixed length."""
-        return self.settings.linkage is Linkage.HINGES
+        return self.settings.linkage is simulator.Linkage.HINGES
 
     def cell_name(self, number: int) -> str:
         """What the model calls a cell, counted from inside."""

@@ -10,8 +10,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, Measure, brief, number, to_unit, told_in
 from stepwell.mechanism import Chain, Stretch, phase_at
-from stepwell.statics.following import log as logged
-from stepwell.statics.following.state import DrivenChain, moved
+from stepwell.statics.following import log as logged, state
 
 
 class EventKind(Enum):
@@ -184,7 +183,7 @@ _DECIDED = {
 
 
 def segments_of(
-    log: logged.Log, start: tuple[float, ...], problem: Callable[[], DrivenChain]
+    log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
     """Every segment of a log in order.
 
@@ -197,7 +196,7 @@ def segments_of(
     for k, row in enumerate(rows):
         movers = log.movers[log.first[k] : log.first[k + 1]]
         if row[logged.FOLLOW]:
-            movers = moved(problem(), log, k, now)
+            movers = state.moved(problem(), log, k, now)
         whole = movers[:, [logged.CELL, logged.SHEET_0, logged.SHEET_1]].astype(int)
         cells, sheet_0, sheet_1 = whole.T.tolist()
         before, after = movers[:, logged.TRAVEL_0], movers[:, logged.TRAVEL_1]

@@ -9,13 +9,9 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
-from stepwell.statics import places
-from stepwell.statics.following import log as logged
-from stepwell.statics.following.certificate import KEPT, audit
+from stepwell.statics import outcome, places, sorted_cycle
+from stepwell.statics.following import certificate, log as logged, pieces, rising, series
 from stepwell.statics.following.follow import follow
-from stepwell.statics.following.pieces import stand_all_on
-from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.series import FollowedSegment, no_segment
 from stepwell.statics.following.state import (
     DONE,
     GAVE_UP,
@@ -26,9 +22,7 @@ from stepwell.statics.following.state import (
     State,
     drive_of,
 )
-from stepwell.statics.outcome import refuse_broken, refuse_failure
 from stepwell.statics.path import Path
-from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
@@ -77,8 +71,8 @@ def full_cycle(
     laws, _ = cells
     rigid = math.isinf(chain.actuator_stiffness)
     alike = len({cell.mobility for cell in chain.cells}) == 1
-    if len(chain) >= WORTH_SORTING and rigid and alike and prefer is None:
-        proved = sorted_cycle(laws)
+    if len(chain) >= sorted_cycle.WORTH_SORTING and rigid and alike and prefer is None:
+        proved = sorted_cycle.sorted_cycle(laws)
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
@@ -110,10 +104,10 @@ def _follow_from(
         return State._make([*(values.copy() for values in start[:-1]), log])
 
     def again() -> State:
-        stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
+        pieces.stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
         return fresh()
 
-    state, queues = fresh(), (no_rising(len(chain)), no_segment(len(chain)))
+    state, queues = fresh(), (rising.no_rising(len(chain)), series.no_segment(len(chain)))
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
         problem.effort[MOST] = most if aside else min(most, few)
@@ -134,7 +128,7 @@ def _follow_from(
             break
     if status != DONE:
         status = STALLED if status == LOG_FULL else status
-        refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
+        outcome.refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
     _audited(chain, problem, state.log, start.travel, sheets)
     return _as_path(chain, problem, turning, place, float(start.force[0]), state.log)
 
@@ -144,12 +138,12 @@ def _audited(
 ) -> None:
     """Check the segments of a run that began at these travels; StaticsError where one is wrong."""
     broken, promise, by = watched(
-        lambda effort: audit(problem._replace(effort=effort), log, travel, sheets),
+        lambda effort: certificate.audit(problem._replace(effort=effort), log, travel, sheets),
         long=int(log.used[0]) > _MANY_SEGMENTS,
     )
-    if promise != KEPT:
+    if promise != certificate.KEPT:
         drive = float(log.segments[broken, logged.DRIVE_1])
-        refuse_broken(promise, chain, drive, by, problem.scale)
+        outcome.refuse_broken(promise, chain, drive, by, problem.scale)
 
 
 def _involved(state: State) -> list[int]:
@@ -164,7 +158,7 @@ def _watched(
     problem: DrivenChain,
     turning: Floats,
     state: State,
-    queues: tuple[Rising, FollowedSegment],
+    queues: tuple[rising.Rising, series.FollowedSegment],
     progress: Progress | None,
 ) -> int:
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.

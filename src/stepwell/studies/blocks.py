@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell import concave
+from stepwell import concave, mechanism
 from stepwell.base import Floats, InputError
-from stepwell.mechanism import Chain
 from stepwell.studies.designs import Block, Subject, changed, unit_in
 
 DRIVES = {"stroke": concave.STROKE, "force": concave.FORCE}
@@ -49,7 +48,7 @@ class Packed(NamedTuple):
         return found.reshape(len(points), *self.base.shape)
 
 
-def packed(chain: Chain, names: Sequence[str]) -> Packed:
+def packed(chain: mechanism.Chain, names: Sequence[str]) -> Packed:
     """The numbers of a chain by what varies, so that those of many designs are a few sums.
 
     What is found by two values of each is compared with the chain itself at others.
@@ -84,7 +83,7 @@ def packed(chain: Chain, names: Sequence[str]) -> Packed:
     return found
 
 
-def _value(chain: Chain, name: str) -> tuple[float, float]:
+def _value(chain: mechanism.Chain, name: str) -> tuple[float, float]:
     """What a number is, and a step of it that leaves a design possible."""
     from stepwell.design import parameter
 
@@ -94,7 +93,7 @@ def _value(chain: Chain, name: str) -> tuple[float, float]:
 
 
 def _numbers(chain: Subject, what: str) -> Floats:
-    assert isinstance(chain, Chain)
+    assert isinstance(chain, mechanism.Chain)
     found = [concave.simple(cell) for cell in chain.cells]
     if any(one is None for one in found) or np.isfinite(chain.actuator_stiffness):
         raise InputError(

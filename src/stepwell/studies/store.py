@@ -20,8 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
-from stepwell import base
-from stepwell.robot import Robot
+from stepwell import base, robot
 from stepwell.studies.designs import (
     Designs,
     IndependentBlocks,
@@ -143,7 +142,7 @@ class Study(base.ByValue):
         A key of a robot has its unit in its name, and is told as it is kept.
         """
         unit = self.columns[name]
-        if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, Robot)):
+        if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, robot.Robot)):
             return "", 1.0
         return base.told_in(unit)
 

@@ -8,11 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stepwell import files
+from stepwell import files, mechanism, robot
 from stepwell.base import InputError, to_unit, told_in
 from stepwell.design import parameter
-from stepwell.mechanism import Chain
-from stepwell.robot import Robot
 from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
 from stepwell.studio.ask import Ask, PageDesign
 from stepwell.studio.panels.maps import unit_of
@@ -67,10 +65,10 @@ def _given(what: str, ask: Ask) -> dict[str, Any]:
     return {}
 
 
-def _designs(subject: Chain | Robot, ask: Ask) -> Designs:
+def _designs(subject: mechanism.Chain | robot.Robot, ask: Ask) -> Designs:
     how, seed = ask.text("how", 20, How.GRID), ask.whole("seed", 0, 2**32 - 1, 0)
     if how == BUILT:
-        if isinstance(subject, Robot):
+        if isinstance(subject, robot.Robot):
             raise InputError("ask.how = 'built': robots have no tolerances; let a number vary.")
         within = ask.tolerances()
         return Workshop(within, ask.whole("count", 1, _MOST), seed)
@@ -85,10 +83,10 @@ def _designs(subject: Chain | Robot, ask: Ask) -> Designs:
     return Space(axes, How(how), ask.whole("count", 1, _MOST), seed)
 
 
-def _asked_axis(subject: Chain | Robot, one: Ask, how: str) -> Axis:
+def _asked_axis(subject: mechanism.Chain | robot.Robot, one: Ask, how: str) -> Axis:
     name = one.text("key", 200)
     factor = 1.0
-    if isinstance(subject, Chain):
+    if isinstance(subject, mechanism.Chain):
         factor = unit_of(parameter(subject, name))[1]
     else:
         files.key_unit(subject, name)  # or refused
@@ -150,7 +148,7 @@ def _words_of(study: Study) -> list[str]:
 
 def _axis_word(study: Study, axis: Axis) -> str:
     factor = 1.0
-    if isinstance(study.subject, Chain):
+    if isinstance(study.subject, mechanism.Chain):
         factor = told_in(study.varied[axis.name])[1]
     ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
     assert isinstance(study.designs, Space)

@@ -9,11 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell import base
-from stepwell.concave import SortedChain
-from stepwell.design.margins import numbers
-from stepwell.design.margins.nearest import Aim, Nearest, nearest
-from stepwell.design.margins.search import Displacements, resolution
+from stepwell import base, concave
+from stepwell.design.margins import nearest, numbers, search
 from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import Parameter, parameter
 from stepwell.design.plane import Method
@@ -310,7 +307,7 @@ def reprogram(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
         )
-    ways = Displacements.of(along, one_way, reach)
+    ways = search.Displacements.of(along, one_way, reach)
     refuse_reach(chain, reach)
     wanted = None
     if target is not None:
@@ -319,10 +316,10 @@ def reprogram(
     if number:
         return _of_number(chain, wanted, anchor, before, progress)
     if before == wanted:
-        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
+        found = nearest.Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
     else:
-        forces = SortedChain.of(chain)
-        found = nearest(Aim(chain, before, anchor, wanted), forces, ways, progress)
+        forces = concave.SortedChain.of(chain)
+        found = nearest.nearest(nearest.Aim(chain, before, anchor, wanted), forces, ways, progress)
     after = anchor.displaced(chain, found.past) if math.isfinite(found.distance) else None
     return Reprogramming(
         chain,
@@ -335,7 +332,7 @@ def reprogram(
         str(before),
         "" if after is None else str(cycle(after).sequence),
         found.method,
-        resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
+        search.resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
     )
 
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell import base
-from stepwell.concave import in_disc, in_discs
+from stepwell import base, concave
 from stepwell.design.parameters import WAY
 from stepwell.design.switches import switching_forces
 from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Element, SlipError, sizes, travel_of
@@ -328,7 +327,7 @@ class Draws(base.ByValue):
         if designs is None:
             return None
         where = np.empty((len(drawn), 2 * b, 2))
-        in_discs(t.anchor, np.ascontiguousarray(drawn[:, : 4 * b]), where)
+        concave.in_discs(t.anchor, np.ascontiguousarray(drawn[:, : 4 * b]), where)
         drawing = [band for cell in levers_of(self.chain) for band in cell.bands]
         p, q = (np.array([getattr(band, end) for band in drawing]) for end in "pq")
         bands, cells = designs.bands, designs.cells
@@ -358,8 +357,8 @@ class Draws(base.ByValue):
 
         def made(number: int, band: Band) -> Band:
             where = draw[4 * number : 4 * number + 4].tolist()
-            px, py = in_disc(t.anchor, where[0], where[1])
-            qx, qy = in_disc(t.anchor, where[2], where[3])
+            px, py = concave.in_disc(t.anchor, where[0], where[1])
+            qx, qy = concave.in_disc(t.anchor, where[2], where[3])
             return replace(
                 band,
                 p=(band.p[0] + px, band.p[1] + py),

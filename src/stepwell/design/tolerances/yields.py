@@ -7,18 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell import base
+from stepwell import base, sequences, statics
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
-from stepwell.design.tolerances import draws
+from stepwell.design.tolerances import draws, survival
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.survival import Survival, count_ends
 from stepwell.design.tolerances.tally import HANGS, Counted, RelayJudge, Tally, varied, why_none
 from stepwell.mechanism import Chain
-from stepwell.sequences import Cycle, cycle
-from stepwell.statics import a_ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -218,9 +215,9 @@ def yields(
     All else as for `Chain.yields`.
     """
     _refuse(chain, tolerances, base.ONE_BY_ONE if samples is None else samples, seed)
-    robust = None if robust is None else a_ratio("robust", robust)
+    robust = None if robust is None else statics.a_ratio("robust", robust)
     states = _states(chain, tolerances, target)
-    drawing = cycle(chain) if target is None or states is not None else None
+    drawing = sequences.cycle(chain) if target is None or states is not None else None
     sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
     tally = Tally(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
@@ -340,7 +337,7 @@ def _critical(tally: Tally) -> Critical | None:
     )
 
 
-def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
+def _assumptions(tally: Tally, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:
     if tally.states is not None:
         how = (
             f"{tally.by_engine} followed along every branch by the general engine"
@@ -382,12 +379,12 @@ def _whatever_mobilities(tally: Tally, ratio: float) -> str:
     return f"{told}: of {tally.proved} that is proved{rest}"
 
 
-def parts_of(found: Yield | Survival) -> dict[str, draws.Part]:
+def parts_of(found: Yield | survival.Survival) -> dict[str, draws.Part]:
     """The parts that vary in what was counted, by their names, such as "outer.stiffness"."""
     return Draws(found.chain, found.tolerances, found.seed).parts
 
 
-def with_known(found: Yield | Survival, part: str, left: float, n: int) -> int:
+def with_known(found: Yield | survival.Survival, part: str, left: float, n: int) -> int:
     """How many of the first n mechanisms work where one part is known better.
 
     The same mechanisms are made with the same luck; only that part is nearer to its drawing, and
@@ -400,8 +397,8 @@ def with_known(found: Yield | Survival, part: str, left: float, n: int) -> int:
         n: how many are counted.
     """
     draws = Draws(found.chain, found.tolerances, found.seed, part, left)
-    if isinstance(found, Survival):
-        return count_ends(draws, found.turning_points, found.start, found.target, n)
+    if isinstance(found, survival.Survival):
+        return survival.count_ends(draws, found.turning_points, found.start, found.target, n)
     states = None if found.states is None else frozenset(found.states)
     tally = Tally(draws, found.target, states, found.robust)
     tally.count(n, None)

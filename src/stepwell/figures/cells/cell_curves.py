@@ -11,8 +11,6 @@ from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import legends, marks, style, words as told
-from stepwell.figures.common.legends import Label, beside
-from stepwell.figures.common.marks import mm_pair
 from stepwell.figures.common.sheet import (
     blank,
     canvas,
@@ -173,10 +171,10 @@ class _Curve:
     def name_fields(self) -> None:
         """Their forces, beside their marks; on axes that have their final place."""
         names = (
-            Label(x, force, minus(f"{force:.3g} {self.force.sign}"), colour)
+            legends.Label(x, force, minus(f"{force:.3g} {self.force.sign}"), colour)
             for x, force, colour in self.fields
         )
-        beside(self.ax, names)
+        legends.beside(self.ax, names)
 
     def _draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
         """A law of travel, bold in its phases, dotted past its ends; the phases shaded."""
@@ -425,7 +423,7 @@ def _names(cells: Sequence[Cell]) -> list[str]:
     found: list[str] = []
     for i, cell in enumerate(cells):
         band = cell.bands[0]
-        anchor = f"${'q' if same_p else 'd'}$ = {mm_pair(band.q if same_p else band.d)} mm"
+        anchor = f"${'q' if same_p else 'd'}$ = {marks.mm_pair(band.q if same_p else band.d)} mm"
         unnamed = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
         found.append(literal(cell.name) if cell.name else unnamed)
     return found

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import legends, sheet, style, words as told
-from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.words import literal, shortened
 from stepwell.mechanism import Chain
 
@@ -231,8 +230,8 @@ def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
 def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
     # In the colour of their dots and clouds, so that every outline has its owner.
     named = zip(forces.tolist(), switches, strict=True)
-    labels = [Label(x, y, literal(one.name), one.colour) for (x, y), one in named]
-    for text in beside(ax, labels, leaders=True):
+    labels = [legends.Label(x, y, literal(one.name), one.colour) for (x, y), one in named]
+    for text in legends.beside(ax, labels, leaders=True):
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
 
 

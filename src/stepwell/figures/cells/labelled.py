@@ -13,8 +13,7 @@ from matplotlib.transforms import Bbox
 from stepwell.base import Floats, InputError
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground
-from stepwell.figures.common import sheet, style
-from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Band, Cell, Chain, Element
@@ -243,7 +242,7 @@ class _Shown:
             _label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
             _label((0.85 * self.p + 0.15 * self.q), "band", self.colour),
         ]
-        beside(ax, labels, keep_clear=clear)
+        legends.beside(ax, labels, keep_clear=clear)
 
     def _frame(self, ax: Axes) -> None:
         """Which way x and y go."""
@@ -281,11 +280,11 @@ class _Shown:
             _label(end * 0.75, "band $\\ell$", self.colour),
             _label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]
-        beside(ax, labels, keep_clear=clear)
+        legends.beside(ax, labels, keep_clear=clear)
 
 
-def _label(at: Floats, text: str, colour: str = style.INK) -> Label:
-    return Label(float(at[0]), float(at[1]), text, colour)
+def _label(at: Floats, text: str, colour: str = style.INK) -> legends.Label:
+    return legends.Label(float(at[0]), float(at[1]), text, colour)
 
 
 def _arrow(ax: Axes, tail: Floats, tip: Floats, colour: str, width: float) -> None:

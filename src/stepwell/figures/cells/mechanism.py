@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from stepwell.base import InputError
 from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
 from stepwell.figures.common import legends, marks, style, words
-from stepwell.figures.common.marks import plain, round_length
 from stepwell.figures.common.sheet import canvas, page_width
 from stepwell.mechanism import Chain, Element
 
@@ -178,7 +177,7 @@ def _longest_run(ways: Sequence[int]) -> int:
 
 def draw(ax: Axes, sheet: DrawingPlan) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    plain(ax, (0.0, sheet.width, 0.0, sheet.height))
+    marks.plain(ax, (0.0, sheet.width, 0.0, sheet.height))
     per_metre = sheet.scale * style.MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -250,7 +249,7 @@ def _key(ax: Axes, sheet: DrawingPlan, slack: bool) -> None:
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
     # A round length, so that no reader needs the design file.
-    bar = round_length(_BAR / sheet.scale)
+    bar = marks.round_length(_BAR / sheet.scale)
     x = sheet.width - 4.0
     look = {"color": style.INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)

@@ -9,9 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.figures.common import legends
-from stepwell.figures.common.reading import SnapSamples, curve, legs
-from stepwell.figures.common.sheet import shared
+from stepwell.figures.common import legends, reading, sheet, words
 from stepwell.figures.common.style import (
     FAINT,
     INK,
@@ -22,7 +20,6 @@ from stepwell.figures.common.style import (
     hollow,
     on_white,
 )
-from stepwell.figures.common.words import minus
 from stepwell.statics import Path
 
 _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
@@ -112,7 +109,7 @@ def plain(ax: Axes, box: tuple[float, float, float, float]) -> None:
 def mm(metres: float, digits: int = 4) -> str:
     """A length [m] as a number of millimetres."""
     # Nothing is ever minus zero.
-    return minus(f"{round(metres * MM, 3) + 0.0:.{digits}g}")
+    return words.minus(f"{round(metres * MM, 3) + 0.0:.{digits}g}")
 
 
 def mm_pair(vector: Sequence[float]) -> str:
@@ -128,7 +125,7 @@ SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
 
 def snaps(
     ax: Axes,
-    found: Sequence[SnapSamples],
+    found: Sequence[reading.SnapSamples],
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     size: float = 4.2,
@@ -178,7 +175,7 @@ def trace(
     """
     looks = ((1, widths[0], "-", 3), (-1, widths[1], unloading_style, 4))
     for direction, width, style, zorder in looks:
-        at = curve(path, direction, x, y)
+        at = reading.curve(path, direction, x, y)
         colour = direction_colour(direction)
         ax.plot(*at, color=colour, linewidth=width, linestyle=style, zorder=zorder)
 
@@ -198,7 +195,7 @@ def headings(
         x, y: (n,) the samples in data units.
         sizes: of the heads of loading and of unloading [pt].
     """
-    found = legs(path)
+    found = reading.legs(path)
     for direction, at in found if len(found) <= MOST_HEADS else ():
         # Not in the middle: where both directions take the same way, one would hide the other.
         size = sizes[0 if direction > 0 else 1]
@@ -264,7 +261,7 @@ def legend(
     if np.any(path.snap_after):
         look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
         found.append(legends.line("snap", width=1.1, **look))
-    if (all_share := shared()) is None:
+    if (all_share := sheet.shared()) is None:
         legends.above(ax, [*found, *more], fit=fit)
     else:
         known = {one.get_label() for one in all_share}

@@ -19,15 +19,10 @@ from matplotlib.text import Text
 from stepwell.base import Floats, InputError, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import MOST_CELLS, ground
-from stepwell.figures.common import style, words as told
-from stepwell.figures.common.marks import plain
-from stepwell.figures.common.reading import path_of, phases
+from stepwell.figures.common import marks, reading, style, words as told, write
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
-from stepwell.figures.common.write import write_gif
-from stepwell.figures.motion import stroke_program
-from stepwell.figures.motion.overview import landscape
-from stepwell.figures.motion.strokes import force_stroke
+from stepwell.figures.motion import overview, stroke_program, strokes
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -73,7 +68,7 @@ def animation(
         ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
             or a file name that does not end in .gif.
     """
-    path = path_of(result)
+    path = reading.path_of(result)
     if len(path.chain) > MOST_CELLS:
         raise InputError(
             f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
@@ -100,7 +95,7 @@ def animation(
                 progress(k + 1, count)
 
     seen = [scene.swatches(), *map(scene.shoot, look)]
-    return write_gif(file, pictures(), seen, hundredths)
+    return write.write_gif(file, pictures(), seen, hundredths)
 
 
 class _Scene:
@@ -141,10 +136,10 @@ class _Scene:
         self.figure.set_dpi(_DPI)
         self.two = len(self.chain) == 2
         self.plot = place(self.figure, *plot)
-        (landscape if self.two else force_stroke)(path, ax=self.plot)
+        (overview.landscape if self.two else strokes.force_stroke)(path, ax=self.plot)
 
         ax = place(self.figure, *stage)
-        plain(ax, (0.0, stage[2], 0.0, stage[3]))
+        marks.plain(ax, (0.0, stage[2], 0.0, stage[3]))
         scale = min(stage[2] / wide, stage[3] / high)
         origin = (
             (stage[2] - wide * scale) / 2 - left * style.MM * scale,
@@ -200,7 +195,7 @@ class _Scene:
 
     def _state(self, frame: stroke_program.Instant) -> str:
         places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
-        found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
+        found = (int(reading.phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
         return "".join("-" if digit < 0 else str(digit) for digit in found)
 
     def swatches(self) -> Picture:

@@ -13,8 +13,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, printable, write_atomic
 from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.cells.mechanism import MOST_CELLS
-from stepwell.figures.common import style
-from stepwell.figures.common.reading import path_of
+from stepwell.figures.common import reading, style
 from stepwell.figures.motion.stroke_program import instants
 
 if TYPE_CHECKING:
@@ -140,7 +139,7 @@ def moving(
         ValueError: a chain too long to draw, no time or more than a minute, or a file name that
             does not end in .svg.
     """
-    path = path_of(result)
+    path = reading.path_of(result)
     if len(path.chain) > MOST_CELLS:
         raise InputError(
             f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."

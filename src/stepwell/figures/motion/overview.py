@@ -17,8 +17,7 @@ from matplotlib.ticker import MaxNLocator
 from stepwell.base import Floats
 from stepwell.figures.cells.cell_curves import element_curves
 from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, arrange, draw, mechanism
-from stepwell.figures.common import marks, style, words
-from stepwell.figures.common.reading import path_of, require_two_cells, snaps_of, span
+from stepwell.figures.common import marks, reading, style, words
 from stepwell.figures.common.sheet import (
     Draw,
     blank,
@@ -29,7 +28,6 @@ from stepwell.figures.common.sheet import (
     root,
     text_at,
 )
-from stepwell.figures.common.words import literal
 from stepwell.figures.composing import compose
 from stepwell.figures.motion.strokes import MOST_LANES, force_stroke, travel_stroke
 from stepwell.mechanism import Cell, Chain, Element
@@ -79,8 +77,8 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 
     Source: Kamp et al. 2024, Fig. 2B.
     """
-    path = path_of(result)
-    require_two_cells(path.chain, "an energy landscape")
+    path = reading.path_of(result)
+    reading.require_two_cells(path.chain, "an energy landscape")
     own = ax is None
     width = page_width(style.COLUMN)
     side = min(width - 31.0, _WIDEST)
@@ -99,7 +97,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     """The landscape itself with its stops or phases, states and lines of equal stroke."""
     chain, of = path.chain, words.travel(path.chain.measure)
-    spans = [span(path, i) for i in range(2)]
+    spans = [reading.span(path, i) for i in range(2)]
     along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
     inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
     x, y = (travel * of.factor for travel in along)
@@ -130,7 +128,7 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     ax.spines.bottom.set_bounds(left, right)
     ax.spines.left.set_bounds(low, high)
     ax.tick_params(length=2.0)
-    xlabel, ylabel = (f"{of.word} of {literal(name)} [{of.sign}]" for name in chain.names)
+    xlabel, ylabel = (f"{of.word} of {words.literal(name)} [{of.sign}]" for name in chain.names)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     if chain.elements:
         _frame_states(ax, chain, ((left, right), (low, high)))
@@ -200,7 +198,7 @@ def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
     x, y = path.travel.T * words.travel(path.chain.measure).factor
     marks.trace(ax, path, x, y, _WIDTHS)
-    marks.snaps(ax, snaps_of(path), x, y)
+    marks.snaps(ax, reading.snaps_of(path), x, y)
     marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
     marks.legend(ax, path, _WIDTHS)
 

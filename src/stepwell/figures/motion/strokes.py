@@ -18,7 +18,6 @@ from stepwell.base import Floats, InputError, Measure, to_unit
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
-from stepwell.figures.common.sheet import canvas, keep_inside
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Element
 
@@ -337,7 +336,7 @@ def snap_motion(
         moved |= np.ptp(travel, axis=0) > _STILL * full
     # Room for the rows of the legend.
     top = 2.5 + 3.8 * -(-(np.count_nonzero(moved) + len(landings)) // 3)
-    figure, ax = canvas(ax, (style.COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
+    figure, ax = sheet.canvas(ax, (style.COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
     looks = _LOOKS if len(landings) > 1 else _LOOKS[1:]
     for look, (name, landing) in zip(looks, landings.items(), strict=False):
         time, travel = _curve(name, landing, full)
@@ -360,7 +359,7 @@ def snap_motion(
     for look, name in zip(looks, landings, strict=False):
         lines.append(Line2D([], [], color=style.FAINT, label=literal(name), **look))
     if own:
-        keep_inside(ax)
+        sheet.keep_inside(ax)
     legends.above(ax, lines, columns=3)
     return figure
 

@@ -14,10 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from stepwell.base import Floats
-from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.figures.common.legends import Label, beside
-from stepwell.figures.common.marks import limits, plain, round_length, scale_bar
-from stepwell.figures.common.words import literal
+from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.robots import parts, walks
 
 if TYPE_CHECKING:
@@ -66,7 +63,7 @@ def maze(maze: Maze) -> Figure:
     height = high + _TITLE + _LINE * (len(says) - 1) + key
     figure = sheet.blank(page, height)
     ax = sheet.place(figure, (page - wide) / 2, key, wide, high)
-    plain(ax, box)
+    marks.plain(ax, box)
 
     parts.draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
     _path(ax, walk)
@@ -76,18 +73,18 @@ def maze(maze: Maze) -> Figure:
     start, end = (np.array([walk.x[k], walk.y[k]]) * style.MM for k in (0, -1))
     ax.plot(*start, "o", **_START, zorder=8, gid="start")
     ax.plot(*end, "o", markersize=5.0, color=style.INK, zorder=8, gid="end")
-    bar = round_length((box[1] - box[0]) / 4)
-    scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
-    labels = [Label(start[0], start[1], "start"), Label(end[0], end[1], "end")]
+    bar = marks.round_length((box[1] - box[0]) / 4)
+    marks.scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
+    labels = [legends.Label(start[0], start[1], "start"), legends.Label(end[0], end[1], "end")]
     if arena.goal is not None:
         x, y = (value * style.MM for value in arena.goal.at)
-        labels.append(Label(x, y, "goal", style.GREEN))
+        labels.append(legends.Label(x, y, "goal", style.GREEN))
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
-    for text in beside(ax, labels, keep_clear=bars):
+    for text in legends.beside(ax, labels, keep_clear=bars):
         text.set_bbox(style.on_white(alpha=0.75))
     look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
     for k, line in enumerate(says):
-        sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
+        sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, words.literal(line), **look)
     legends.below(figure, handles, columns)
     return figure
 
@@ -101,7 +98,7 @@ def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]
         points += [_placed(line, walk, sample) for line in lines]
     every = np.concatenate(points) * style.MM
     wide = float(np.ptp(every, axis=0).max())
-    return limits(every, (0.02 * wide, 0.02 * wide, 0.07 * wide, 0.02 * wide))
+    return marks.limits(every, (0.02 * wide, 0.02 * wide, 0.07 * wide, 0.02 * wide))
 
 
 def _path(ax: Axes, walk: Walk) -> None:
@@ -244,7 +241,7 @@ def maze_timeline(maze: Maze) -> Figure:
         bottom -= _ANTENNA
         axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, _ANTENNA))
         _swing(ax, maze, i)
-        ax.set_ylabel(f"{literal(antenna.name)}\nantenna [°]")
+        ax.set_ylabel(f"{words.literal(antenna.name)}\nantenna [°]")
         bottom -= _GAP
     bottom -= len(legs) * _LANE
     axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, len(legs) * _LANE))
@@ -302,7 +299,7 @@ def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
         ax.plot(
             [change.time] * 2, [at - 0.4, at + 0.4], color=style.INK, linewidth=0.8, gid="change"
         )
-    style.name_rows(ax, [f"{literal(leg.name)} leg" for leg in legs])
+    style.name_rows(ax, [f"{words.literal(leg.name)} leg" for leg in legs])
 
 
 def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from stepwell.figures.common import legends, sheet, style
-from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, plain, scale_bar
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots import parts
@@ -79,13 +78,13 @@ def draw_above(ax: Axes, robot: Robot) -> None:
         return
     _dimensions(ax, robot, box)
     names = [
-        Label(leg.at[0] * style.MM, leg.at[1] * style.MM, literal(leg.name), FOOT)
+        legends.Label(leg.at[0] * style.MM, leg.at[1] * style.MM, literal(leg.name), FOOT)
         for leg in robot.legs
     ]
     for antenna in robot.antennas:
         x, y = antenna_line(antenna)[1] * style.MM
-        names.append(Label(float(x), float(y), _antenna_text(robot, antenna)))
-    beside(ax, names)
+        names.append(legends.Label(float(x), float(y), _antenna_text(robot, antenna)))
+    legends.beside(ax, names)
 
 
 def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) -> None:

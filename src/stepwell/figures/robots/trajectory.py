@@ -15,7 +15,6 @@ from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.figures.common.marks import limits, round_length
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots.parts import frame, in_world
 from stepwell.figures.robots.walks import cycle_samples, number_cycles, refuse_empty
@@ -156,7 +155,7 @@ def _extent(walk: Walk) -> tuple[float, float, float, float]:
     refuse_empty(walk)
     ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
     points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * style.MM])
-    return limits(points, (0.0, 0.0, 0.0, 0.0))
+    return marks.limits(points, (0.0, 0.0, 0.0, 0.0))
 
 
 def _path(
@@ -189,7 +188,7 @@ def _path(
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
     ax.set_xlim(middle[0] - wide / scale / 2, middle[0] + wide / scale / 2)
     ax.set_ylim(middle[1] - high / scale / 2, middle[1] + high / scale / 2)
-    step = round_length(min(high, wide / 2) / scale / 1.5)
+    step = marks.round_length(min(high, wide / 2) / scale / 1.5)
     for axis in (ax.xaxis, ax.yaxis):
         low, top = axis.get_view_interval()
         axis.set_ticks(np.arange(math.ceil(low / step), math.floor(top / step) + 1) * step)

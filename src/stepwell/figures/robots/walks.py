@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, InputError
 from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.figures.common.sheet import page_width
 from stepwell.figures.common.words import literal
 
 if TYPE_CHECKING:
@@ -164,7 +163,7 @@ def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
     """
     time = walk.time[some]
     ax.set_xlim(time[0], max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
-    if page_width(style.PAGE) < style.PAGE:
+    if sheet.page_width(style.PAGE) < style.PAGE:
         # Moments of a short walk have many digits.
         ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     for start in walk.starts:

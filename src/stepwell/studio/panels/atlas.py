@@ -8,9 +8,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from stepwell import files, studies
-from stepwell.accounts import account
-from stepwell.base import need
+from stepwell import accounts, base, files, studies
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
@@ -100,7 +98,7 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     With a `query`, the names that `stepwell atlas find` finds, and nothing else. `name` is that
     of a store, "" of the atlas that comes with Stepwell.
     """
-    need("studies")
+    base.need("studies")
     name, query = ask.text("name", 200), ask.text("query", _LONGEST, "")
     least = ask.number("yield_percent", 0.0, 100.0, 0.0)
     ask.close()
@@ -115,7 +113,7 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     shown = found.machines[:_MOST]
     names = {one.name for one in shown}
     among = [one for one in near if {one.machine, one.beyond} <= names]
-    record = account(found, machines=shown, borders=among).record
+    record = accounts.account(found, machines=shown, borders=among).record
     places = placed(found, near, shown)
     for told, machine in zip(record["machines"], shown, strict=True):
         told["design_tables"] = files.tables_in(files.dumps(machine.chain))

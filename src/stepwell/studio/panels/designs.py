@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell import files
+from stepwell import files, statics
 from stepwell.base import ExtraError, InputError, Ints
-from stepwell.files import WrittenProgram
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.sequences import Program
-from stepwell.statics import Path
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of
@@ -99,7 +97,7 @@ def _moving(name: str) -> View:
 
 
 def _chain(
-    name: str, chain: Chain, written: WrittenProgram | None, cells: list[dict[str, Any]]
+    name: str, chain: Chain, written: files.WrittenProgram | None, cells: list[dict[str, Any]]
 ) -> View:
     result = chain.cycle() if written is None else written.on(chain)
     path = drawn(result.path)
@@ -123,7 +121,7 @@ def _chain(
     )
 
 
-def _few(path: Path) -> Ints:
+def _few(path: statics.Path) -> Ints:
     """The samples of a small picture: the ends of all branches, and between them steps alike."""
     step = np.abs(np.diff(path.travel, axis=0) / path.chain.full_travels).max(axis=1)
     step[path.branch[1:] != path.branch[:-1]] = 0.0

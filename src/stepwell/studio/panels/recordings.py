@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from stepwell import lab
+from stepwell import lab, mechanism, statics
 from stepwell.accounts import account
 from stepwell.base import Floats, InputError, Ints, Measure, plain, to_unit, told_in
-from stepwell.mechanism import Chain
-from stepwell.statics import EventKind
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
@@ -107,7 +105,7 @@ def _unpacked(packed: str, most: int) -> bytes:
 
 
 def _series(
-    recordings: Sequence[lab.Recording], chain: Chain
+    recordings: Sequence[lab.Recording], chain: mechanism.Chain
 ) -> tuple[list[lab.Series], list[str]]:
     try:
         found = lab.sort_series(recordings, [chain], as_designed=True)
@@ -117,7 +115,7 @@ def _series(
 
 
 def _compared(
-    recordings: Sequence[lab.Recording], chain: Chain, series: Sequence[lab.Series]
+    recordings: Sequence[lab.Recording], chain: mechanism.Chain, series: Sequence[lab.Series]
 ) -> tuple[lab.Comparison | None, str]:
     """The comparison; None where there can be none, and why."""
     if not series:
@@ -166,7 +164,7 @@ def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, An
 
 def _predicted(series: lab.Series) -> list[float]:
     events = series.path.events
-    return [event.stroke for event in events if event.kind is EventKind.SNAP]
+    return [event.stroke for event in events if event.kind is statics.EventKind.SNAP]
 
 
 def _measured(series: lab.Series, run: lab.Recording) -> tuple[float, ...]:

@@ -1,8 +1,6 @@
 """What the page asks of robots: where they stand, what they will do, and what they do."""
 
-from stepwell import files
-from stepwell.accounts import account
-from stepwell.base import InputError
+from stepwell import accounts, base, files
 from stepwell.robot import Arena
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
@@ -40,7 +38,7 @@ def maze_asked(ask: Ask) -> tuple[Arena, float]:
     arena, limit = arena_of(ask), ask.number("limit_s", 1.0, _LONGEST, 600.0)
     ask.close()
     if arena is None:
-        raise InputError("ask.arena: is missing; a maze needs one, if only the open floor.")
+        raise base.InputError("ask.arena: is missing; a maze needs one, if only the open floor.")
     return arena, limit
 
 
@@ -66,7 +64,7 @@ def answer_arena(_design: PageDesign, ask: Ask) -> View:
         text = ask.text("text", LONGEST_MESSAGE)
     ask.close()
     if not text.strip():
-        raise InputError("ask.text: is empty; it must be an arena's file or a map of letters.")
+        raise base.InputError("ask.text: is empty; it must be an arena's file or a map of letters.")
     arena = files.loads_arena(text)
     return View({"arena": files.arena_tables(arena), "title": arena.title})
 
@@ -87,7 +85,7 @@ def answer_predict(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell robot show --json` prints, and the prediction in words."""
     ask.close()
     prediction = design.robot.predict()
-    return View({"motion": prediction.motion.value, "record": account(prediction).record})
+    return View({"motion": prediction.motion.value, "record": accounts.account(prediction).record})
 
 
 def answer_walk(design: PageDesign, ask: Ask) -> View:
@@ -99,7 +97,7 @@ def answer_walk(design: PageDesign, ask: Ask) -> View:
 
     live = Live(robot, arena, ask)
     found = walk(robot, cycles, arena=arena, progress=ask.tell, look=live.look)
-    return live.view(found, record=account(found).record)
+    return live.view(found, record=accounts.account(found).record)
 
 
 def answer_maze(design: PageDesign, ask: Ask) -> View:
@@ -111,7 +109,7 @@ def answer_maze(design: PageDesign, ask: Ask) -> View:
 
     live = Live(robot, arena, ask)
     found = maze(robot, arena, limit=limit, progress=ask.tell, look=live.look)
-    return live.view(found.walk, record=account(found).record, outcome=str(found.outcome))
+    return live.view(found.walk, record=accounts.account(found).record, outcome=str(found.outcome))
 
 
 _SHARES = 0.8, 1.2

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stepwell import files
-from stepwell.accounts import account
+from stepwell import accounts, files, robot
 from stepwell.base import InputError, have, missing, to_unit
 from stepwell.kernels import cores
-from stepwell.robot import Robot
 from stepwell.studies import IndependentBlocks, Study, begun, cancel, estimate, pace, status
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import begin, described, home, how, stop, stores, study_of
@@ -46,7 +44,7 @@ def answer_study(_design: PageDesign, ask: Ask) -> View:
     study = study_of(ask)
     ask.close()
     found = status(study)
-    record = account(found).record
+    record = accounts.account(found).record
     going = pace(study)
     done = study.done_chunks()
     numbers = np.concatenate([np.asarray(study.rows(k)) for k in done] or [np.empty(0, int)])
@@ -171,4 +169,4 @@ def answer_study_design(_design: PageDesign, ask: Ask) -> View:
     if isinstance(made, ValueError):
         raise InputError(f"design {number}: cannot be built: {made}")
     tables = files.tables_in(files.dumps(made))
-    return View({"number": number, "design": tables, "robot": isinstance(made, Robot)})
+    return View({"number": number, "design": tables, "robot": isinstance(made, robot.Robot)})

@@ -3,11 +3,9 @@
 import math
 from typing import Any
 
-from stepwell import files
-from stepwell.accounts import account
+from stepwell import accounts, files, sequences
 from stepwell.base import InputError, from_unit
 from stepwell.design import Yield, design as designed, judged, yields
-from stepwell.sequences import cycle
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.panels.motion import answer_evaluate as evaluated
 
@@ -41,7 +39,7 @@ def answer_wish(_design: PageDesign, ask: Ask) -> View:
     )
     tables = files.tables_in(files.dumps(found.chain))
     shown = evaluated(PageDesign(tables), Ask())
-    header = {**account(found).record, "design": tables, "shown": shown.header}
+    header = {**accounts.account(found).record, "design": tables, "shown": shown.header}
     return View(header, shown.blocks)
 
 
@@ -79,7 +77,7 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
     seed = ask.whole("seed", 0, 2**32 - 1, 0)
     ask.close()
     chain = design.chain
-    tied = bool(cycle(chain).path.degenerate)
+    tied = bool(sequences.cycle(chain).path.degenerate)
     if n is None:
         first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.tell)
         if first.by_engine > _FIRST // 10:
@@ -91,4 +89,4 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
 
 def _yield_told(found: Yield, tied: bool) -> dict[str, Any]:
     verdict = judged(does_it=True, tied=tied, interval=found.interval)
-    return {**account(found).record, "verdict": verdict}
+    return {**accounts.account(found).record, "verdict": verdict}
