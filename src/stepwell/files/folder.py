@@ -15,17 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import (
-    InputError,
-    StepwellError,
-    __version__,
-    draft_beside,
-    naming,
-    printable,
-    refuse_address,
-    sync_folder,
-    write_atomic,
-)
+from stepwell import base
 from stepwell.files.outputs import OUTPUTS
 
 if TYPE_CHECKING:
@@ -38,7 +28,7 @@ PATIENCE, _QUIET = 300.0, 0.5
 _NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
 
 
-class BusyError(StepwellError, TimeoutError):
+class BusyError(base.StepwellError, TimeoutError):
     """Another process has been writing there for too long; nothing was written."""
 
 
@@ -114,11 +104,11 @@ _MOST_BYTES = 1 << 20
 _MOST_NAMED = 6
 
 
-class OverwriteError(StepwellError, FileExistsError):
+class OverwriteError(base.StepwellError, FileExistsError):
     """What somebody else wrote stands where results should go; nothing was written."""
 
 
-class IncompleteError(InputError):
+class IncompleteError(base.InputError):
     """A folder that does not hold one whole set of results."""
 
 
@@ -153,11 +143,11 @@ def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
     note = _note(place / MANIFEST)
     if note is None:
         why = _interrupted(place) or "holds no results of Stepwell, or not all of them"
-        raise IncompleteError(f"{printable(str(folder))}: {why}.")
+        raise IncompleteError(f"{base.printable(str(folder))}: {why}.")
     for name, hashes in note.files.items():
         if _digest_of(place / name) not in hashes:
             what = "is not the one that was written" if (place / name).exists() else "is missing"
-            raise IncompleteError(f"{printable(str(folder))}: {printable(name)} {what}.")
+            raise IncompleteError(f"{base.printable(str(folder))}: {base.printable(name)} {what}.")
     return json.loads((place / MANIFEST).read_text("utf-8"))
 
 
@@ -195,8 +185,8 @@ def check_folder(
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    refuse_address(folder)
-    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    base.refuse_address(folder)
+    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
     known = dict.fromkeys(_names(command, names), "")
     _check(_Order(shown, target, command, force), known | hashes)
@@ -204,7 +194,7 @@ def check_folder(
         place = target
         while not place.exists():
             place = place.parent
-        trial = draft_beside(place / "stepwell")
+        trial = base.draft_beside(place / "stepwell")
         trial.mkdir()
         with suppress(FileNotFoundError):  # a command that ends here removes all drafts
             trial.rmdir()
@@ -240,18 +230,18 @@ def staged_folder(
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    refuse_address(folder)
-    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    base.refuse_address(folder)
+    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
     known, asked = _names(command, names), _Order(shown, target, command, force)
     _check(asked, {})
     with _made(shown):
         target.parent.mkdir(parents=True, exist_ok=True)
     with _only_writer(shown, target) as place:
-        draft = draft_beside(place)
+        draft = base.draft_beside(place)
         with _made(shown):
             draft.mkdir()
         try:
-            with naming(draft, target):
+            with base.naming(draft, target):
                 yield draft
                 with ExitStack() as also:
                     if place != _place(target):
@@ -311,34 +301,34 @@ def _commit(asked: _Order, draft: Path, record: Mapping[str, Any], known: frozen
     _check(asked, new)
     about = {
         "schema": FOLDER_SCHEMA,
-        "stepwell": __version__,
+        "stepwell": base.__version__,
         "command": command,
         "design_sha256": record.get("design_sha256"),
         "seed": record.get("seed"),
     }
     mine = {name for name in new if not _is_theirs(target, name, new[name])}
-    write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
+    base.write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
     if not target.exists():
         os.rename(draft, target)
-        sync_folder(target.parent)
+        base.sync_folder(target.parent)
         return
     old = _owned(target)
     may_be = {name: set(hashes) for name, hashes in old.items()}
     for name in mine:
         may_be.setdefault(name, set()).add(new[name])
     hashes = {name: sorted(may_be[name]) for name in sorted(may_be)}
-    write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
+    base.write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
     os.replace(draft / UNFINISHED, target / UNFINISHED)
-    sync_folder(target)
+    base.sync_folder(target)
     (target / MANIFEST).unlink(missing_ok=True)
-    sync_folder(target)
+    base.sync_folder(target)
     _put(draft, target, mine)
     for name in sorted(old.keys() - new.keys()):
         if _digest_of(target / name) in old[name]:
             (target / name).unlink()
-    sync_folder(target)
+    base.sync_folder(target)
     os.replace(draft / MANIFEST, target / MANIFEST)
-    sync_folder(target)
+    base.sync_folder(target)
     (target / UNFINISHED).unlink()
 
 
@@ -348,7 +338,7 @@ def _put(draft: Path, target: Path, names: Iterable[str]) -> None:
         place = target / name
         place.parent.mkdir(parents=True, exist_ok=True)
         os.replace(draft / name, place)
-        sync_folder(place.parent)
+        base.sync_folder(place.parent)
 
 
 def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
@@ -369,7 +359,7 @@ def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
             f"force=True)."
         )
     if theirs := _others(target, new):
-        named = ", ".join(map(printable, theirs[:_MOST_NAMED])) + (
+        named = ", ".join(map(base.printable, theirs[:_MOST_NAMED])) + (
             f" and {len(theirs) - _MOST_NAMED} more" if len(theirs) > _MOST_NAMED else ""
         )
         it = "it" if len(theirs) == 1 else "them"
@@ -431,7 +421,7 @@ def _note(file: Path) -> _Note | None:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     # Files are removed by these names: none may lead out of the folder.
-    return _Note(printable(data["command"]), files) if all(map(_is_inside, files)) else None
+    return _Note(base.printable(data["command"]), files) if all(map(_is_inside, files)) else None
 
 
 def _is_inside(name: str) -> bool:
@@ -473,7 +463,7 @@ def _made(shown: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if isinstance(error, StepwellError):
+        if isinstance(error, base.StepwellError):
             raise
         why = f"cannot be made or written ({error.strerror}): name a folder where you may write"
         raise type(error)(error.errno, why, shown) from None

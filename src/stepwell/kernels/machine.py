@@ -10,9 +10,8 @@ import numba
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from stepwell.kernels import compiler, store
+from stepwell.kernels import compiler, reference, store
 from stepwell.kernels.fingerprint import is_called, is_leaf, is_record, kernel_of, names_of, stem
-from stepwell.kernels.reference import maker
 
 _MADE: dict[FunctionType, Any] = {}
 
@@ -42,7 +41,7 @@ def _dispatcher(function: FunctionType) -> Any:
                     f"arrays of a kernel that counts references may be gone before the record is."
                 )
             if is_record(value):
-                scope[name] = maker(value)
+                scope[name] = reference.maker(value)
             else:
                 scope[name] = value if inner is None else _dispatcher(inner)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)

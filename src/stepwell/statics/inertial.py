@@ -11,26 +11,12 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, check
 from stepwell.mechanism import Chain
+from stepwell.statics import outcome, ride
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landed import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
-from stepwell.statics.outcome import StaticsError
-from stepwell.statics.ride import (
-    DAMPED,
-    GOES_ON,
-    JUMPED,
-    PEAK,
-    RESTS,
-    RUBBED,
-    STEP,
-    STRUCK,
-    TIME,
-    Inertias,
-    MotionState,
-    ride,
-)
 
 # The push on the leader that sets it off, as a share of the largest force.
 _PUSH = 1e-7
@@ -134,7 +120,7 @@ class InertialLanding(ByValue):
 class _Ride:
     """One integration."""
 
-    motion: MotionState
+    motion: ride.MotionState
     sheet: tuple[int, ...]
     history: Floats
     freed: float
@@ -142,7 +128,9 @@ class _Ride:
     @property
     def imbalance(self) -> float:
         book = self.motion.book
-        return self.freed - float(np.sum(book[[DAMPED, RUBBED, STRUCK, JUMPED]]))
+        return self.freed - float(
+            np.sum(book[[ride.DAMPED, ride.RUBBED, ride.STRUCK, ride.JUMPED]])
+        )
 
 
 class Inertia(NamedTuple):
@@ -183,14 +171,14 @@ def inertial_landing(
     found = go(tolerance, _PUSH)
     for tolerance in _TOLERANCES[1:]:
         coarse, found = found, go(tolerance, _PUSH)
-        speeds = coarse.motion.book[PEAK], found.motion.book[PEAK]
+        speeds = coarse.motion.book[ride.PEAK], found.motion.book[ride.PEAK]
         tie = not alike(coarse, found)
         slow = abs(speeds[1] - speeds[0]) <= _SPEEDS_AGREE * speeds[1]
         if not tie and slow and abs(found.imbalance) <= _ENERGIES_AGREE * found.freed:
             break
     else:
         if not tie:
-            raise StaticsError(
+            raise outcome.StaticsError(
                 f"the snap at {event.drive:.6g} does not come out right with masses: energies are "
                 f"{amount(found.imbalance, 'J')} apart. Its masses or dampers are too far apart "
                 f"for double precision: look for one that was meant in another unit."
@@ -208,13 +196,13 @@ def inertial_landing(
         tuple(travel.tolist()),
         found.sheet,
         state_of(chain, travel, sheet),
-        float(book[TIME]),
-        float(book[PEAK]),
+        float(book[ride.TIME]),
+        float(book[ride.PEAK]),
         found.freed,
-        float(book[DAMPED]),
-        float(book[RUBBED]),
-        float(book[STRUCK]),
-        float(book[JUMPED]),
+        float(book[ride.DAMPED]),
+        float(book[ride.RUBBED]),
+        float(book[ride.STRUCK]),
+        float(book[ride.JUMPED]),
         _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
         tie,
         len(rows),
@@ -230,7 +218,7 @@ def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Pl
     return same_place(chain, problem, snap, here, there)
 
 
-def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> Inertias:
+def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> ride.Inertias:
     """Masses and dampers as the integration takes them."""
     masses, damping, restitution = inertia
     mass_unit, damping_unit = _UNITS[chain.measure]
@@ -260,29 +248,29 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> I
         loose[-1], heavy[-1] = 0.0, np.min(heavy[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
-    return Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+    return ride.Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
 
 
-def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: Inertias) -> _Ride:
+def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -> _Ride:
     """The motion until it rests."""
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)
-    motion = MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
+    motion = ride.MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
     lightest, shortest = float(np.min(body.mass)), float(np.min(laws.full))
-    motion.book[STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
+    motion.book[ride.STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
     parts: list[Floats] = []
-    status = GOES_ON
-    while status == GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
+    status = ride.GOES_ON
+    while status == ride.GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
         rows = np.full((_ROWS, 1 + 2 * n), np.nan)
-        status = ride(problem, body, motion, rows)
+        status = ride.ride(problem, body, motion, rows)
         parts.append(rows[np.isfinite(rows[:, 0])])
-    if status != RESTS:
+    if status != ride.RESTS:
         unit = _UNITS[chain.measure][1]
-        raise StaticsError(
+        raise outcome.StaticsError(
             f"with these masses the snap does not come to rest in {len(parts) * _ROWS} steps, "
-            f"{amount(float(motion.book[TIME]), 's')}: too little takes its energy. Give every "
-            f"cell some damping [{unit}]."
+            f"{amount(float(motion.book[ride.TIME]), 's')}: too little takes its energy. Give "
+            f"every cell some damping [{unit}]."
         )
     sheet = tuple(sheets_of(problem.sheets).tolist())
     freed = math.fsum(_given(chain, problem, snap, body, motion.travel, sheet))
@@ -293,7 +281,7 @@ def _given(
     chain: Chain,
     problem: DrivenChain,
     snap: Snap,
-    body: Inertias,
+    body: ride.Inertias,
     travel: Floats,
     sheet: tuple[int, ...],
 ) -> Iterator[float]:

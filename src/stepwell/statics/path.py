@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell import base
+from stepwell import base, mechanism
 from stepwell.kernels import watched
-from stepwell.mechanism import Chain
 from stepwell.statics.events import (
     Event,
     EventKind,
@@ -21,8 +20,7 @@ from stepwell.statics.events import (
     phase_changes,
     segments_of,
 )
-from stepwell.statics.following import certificate, log as logged
-from stepwell.statics.following.state import DrivenChain
+from stepwell.statics.following import certificate, log as logged, state
 from stepwell.statics.inertial import Inertia, InertialLanding, inertial_landing
 from stepwell.statics.landed import Landing, Mobilities, landings
 from stepwell.statics.landings.start import Snap, snaps_of
@@ -58,7 +56,7 @@ class Path(base.ByValue, base.Drawn):
     fixed drive, each cell with its mobility, equal unless given (theory page, "Landing").
     """
 
-    chain: Chain
+    chain: mechanism.Chain
     turning_points: tuple[float, ...]
     start: tuple[float, ...]
     points: int
@@ -99,10 +97,10 @@ class Path(base.ByValue, base.Drawn):
         return samples
 
     @cached_property
-    def _problem(self) -> DrivenChain:
+    def _problem(self) -> state.DrivenChain:
         return problem_of(self.chain)
 
-    def with_problem(self, problem: DrivenChain | None) -> "Path":
+    def with_problem(self, problem: state.DrivenChain | None) -> "Path":
         """The same path, which need not set up its problem once more."""
         if problem is not None:
             self.__dict__["_problem"] = problem
