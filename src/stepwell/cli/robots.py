@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -13,11 +13,6 @@ import stepwell as sw
 from stepwell.base import require
 from stepwell.cli import options, screen
 from stepwell.cli.ranges import Range, read_range
-
-if TYPE_CHECKING:
-    import stepwell.robot as values
-    from stepwell.simulation import Sweep
-
 
 commands = screen.subcommands(
     "Compute a robot's gait by statics, vary its numbers, or check its time step."
@@ -152,16 +147,16 @@ def _range(text: str, drawn: int | None) -> Range:
 
 
 def _swept(
-    robot: values.Robot,
+    robot: sw.robot.Robot,
     name: str,
     values: Mapping[str, Sequence[float]],
     cycles: int,
     keep: Path,
     progress: screen.Progress | None,
-) -> Sweep:
+) -> sw.simulation.Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     count = len(next(iter(values.values())))
-    made: dict[int, values.Robot] = {}
+    made: dict[int, sw.robot.Robot] = {}
     wrong: dict[int, sw.files.DesignError] = {}
     for i in range(count):
         try:
@@ -215,10 +210,8 @@ def walk(
 
 def _list(wanted: bool) -> None:
     if wanted:
-        from stepwell import files
-
         screen.show_table(
-            "Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1)
+            "Arenas", ["name", "what it is"], list(sw.files.arenas().items()), left=(0, 1)
         )
         raise typer.Exit
 
@@ -244,7 +237,7 @@ class Course(options.Group):
         int | None, typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
     ] = None
 
-    def read(self) -> values.Arena:
+    def read(self) -> sw.robot.Arena:
         """The arena, with its walls and its start moved."""
         arena = sw.files.load_arena(self.arena)
         if self.layout_seed is not None:
@@ -267,7 +260,7 @@ class Control(options.Group):
         bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
     ] = False
 
-    def of(self, robot: values.Robot) -> values.Robot:
+    def of(self, robot: sw.robot.Robot) -> sw.robot.Robot:
         """The robot as given, or one of the two controls."""
         if not (self.disconnect or self.no_antennas):
             return robot
@@ -370,7 +363,7 @@ def view(robot: options.Robot, arena: options.Arena = None) -> None:
         _show(design, place)
 
 
-def command(robot: values.Robot, settle: float) -> Callable[[Any, Any], None]:
+def command(robot: sw.robot.Robot, settle: float) -> Callable[[Any, Any], None]:
     """What MuJoCo calls at every step: the stroke wanted at that time, 0 while it settles."""
 
     def control(_model: Any, data: Any) -> None:
@@ -379,7 +372,7 @@ def command(robot: values.Robot, settle: float) -> Callable[[Any, Any], None]:
     return control
 
 
-def model(robot: values.Robot, arena: values.Arena | None) -> tuple[Any, Any]:
+def model(robot: sw.robot.Robot, arena: sw.robot.Arena | None) -> tuple[Any, Any]:
     """The compiled model, and its data standing at the start."""
     compiled = sw.simulation.spec(robot, arena).compile()
     data = sw.simulation.mujoco.MjData(compiled)
@@ -387,7 +380,7 @@ def model(robot: values.Robot, arena: values.Arena | None) -> tuple[Any, Any]:
     return compiled, data
 
 
-def _show(robot: values.Robot, arena: values.Arena | None) -> None:
+def _show(robot: sw.robot.Robot, arena: sw.robot.Arena | None) -> None:
     """Open the viewer, and come back when it is closed."""
     from importlib import import_module
 
