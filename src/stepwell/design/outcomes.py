@@ -33,7 +33,7 @@ FRICTION = 6
 
 
 @record
-class Varied(NamedTuple):
+class VariedCells(NamedTuple):
     """A chain of n cells, of which two numbers vary."""
 
     base: Floats  # (n, 7) a cell a row: the fields of `Simple`, and its friction
@@ -83,7 +83,7 @@ class Swept(NamedTuple):
 
 @entry(3e-6, "values", "varied.base")
 @leaf
-def sweep(values: Floats, varied: Varied, work: _Work, out: Swept) -> int:
+def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
     """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
 
     It is proved where all cells are certified and without friction and have one full travel (a
@@ -150,7 +150,7 @@ def sweep(values: Floats, varied: Varied, work: _Work, out: Swept) -> int:
 
 
 @leaf
-def vary(cells: Floats, varied: Varied, values: Floats, i: int) -> None:
+def vary(cells: Floats, varied: VariedCells, values: Floats, i: int) -> None:
     """Write the two numbers of a design over those of the one before."""
     base, rows, columns = varied.base, varied.rows, varied.columns
     for k in range(2):
@@ -209,7 +209,7 @@ def _snaps(work: _Work, side: int, equal: bool) -> tuple[float, int, bool]:
 
 
 @entry(1e-5, "values", "varied.turned")
-def ends(values: Floats, varied: Varied, out: Floats) -> None:
+def ends(values: Floats, varied: VariedCells, out: Floats) -> None:
     """F0 and F1 [N] of the turned cells, (m, c, 2), proved or not; all else as in `sweep`."""
     cells, turned = varied.base.copy(), varied.turned
     for i in range(len(values)):
@@ -340,7 +340,7 @@ class Outcomes:
         found = Found.nothing(len(values))
         if self.base is None or len(values) == 0:
             return found
-        varied = Varied(self.base, self.rows, self.columns, np.array(self.turned))
+        varied = VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
         n = len(self.chain)
         blocks: dict[int, tuple[Found, Codes]] = {}
 
@@ -429,7 +429,7 @@ class Outcomes:
         """F0 and F1 [N] of the cells whose parameters vary, (m, c, 2), proved or not."""
         assert self.base is not None
         out = np.empty((len(values), len(self.turned), 2))
-        varied = Varied(self.base, self.rows, self.columns, np.array(self.turned))
+        varied = VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
         ends(self.added(values), varied, out)
         return out
 
