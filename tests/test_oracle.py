@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,8 +73,8 @@ def test_it_shares_no_code_with_the_package_it_judges():
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0
             roots.add(str(node.module).split(".")[0])
-    standard = {"__future__", "collections", "dataclasses", "itertools", "math"}
-    assert roots - standard == {"numba", "numpy"}
+    # A lock lets one process compile it.
+    assert roots - sys.stdlib_module_names == {"filelock", "numba", "numpy"}
 
 
 @pytest.mark.parametrize(
