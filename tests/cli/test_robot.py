@@ -9,7 +9,7 @@ import xarray
 
 from cli.folders import written
 from stepwell import files
-from stepwell.cli import robots
+from stepwell.cli import robots, screen
 from stepwell.simulation import Settings, walk
 from stepwell.simulation.simulator import mujoco
 
@@ -167,7 +167,7 @@ def test_the_viewers_command_is_the_one_that_walks(stepwell):
 
 
 def test_view_without_a_display_says_so_in_a_line(stepwell, monkeypatch):
-    monkeypatch.setattr(robots, "has_display", lambda: False)
+    monkeypatch.setattr(screen, "has_display", lambda: False)
     result = stepwell("view", "robot-forward")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("There is no display here")

@@ -11,8 +11,8 @@ from scipy.interpolate import PchipInterpolator
 import stepwell as sw
 from chains import any_cell
 from sizes import SIZE, examples
-from stepwell.statics import StaticsError, drive_range
-from stepwell.statics.following import log as logged
+from stepwell.statics import StaticsError, drive_range, outcome
+from stepwell.statics.following import certificate, log as logged
 
 EVENT_LOOP = sys.modules["stepwell.statics.following.follow"]
 RUN = sys.modules["stepwell.statics.run"]
@@ -229,13 +229,15 @@ def test_a_long_path_that_is_not_in_balance_is_refused():
     path = chain.cycle().path
     problem, log = path._problem, path._log
     start, sheets = np.array(path.start), np.array(path.start_sheet)
-    assert RUN.audit(problem, log, start, sheets)[1] == RUN.KEPT
+    assert certificate.audit(problem, log, start, sheets)[1] == certificate.KEPT
     # The force of the last row is a little off: the travels no longer add up to the stroke.
     spoilt = log._replace(segments=log.segments.copy())
     spoilt.segments[-1, logged.FORCE_1] += 1e-4
-    assert RUN.audit(problem, spoilt, start, sheets)[1] != RUN.KEPT
+    assert certificate.audit(problem, spoilt, start, sheets)[1] != certificate.KEPT
     with pytest.raises(StaticsError, match="certificate"):
-        RUN.refuse_broken(RUN.audit(problem, spoilt, start, sheets)[1], chain, 0.0, 1.0, 1.0)
+        outcome.refuse_broken(
+            certificate.audit(problem, spoilt, start, sheets)[1], chain, 0.0, 1.0, 1.0
+        )
 
 
 def test_a_long_path_goes_on_where_its_log_was_full(monkeypatch):
