@@ -40,10 +40,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
-    """All cores for all tests, one process for a few that are named, unless `-n` is said."""
+    """More than the cores for all tests, one for a few that are named, unless `-n` is said.
+
+    Tests wait for browsers and for other processes a third of their time.
+    """
     said = any(one.startswith(("-n", "--numprocesses")) for one in config.invocation_params.args)
     named = config.args_source is not pytest.Config.ArgsSource.TESTPATHS
-    return 0 if named and not said else None
+    if said:
+        return None
+    return 0 if named else (os.cpu_count() or 1) + 1
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -17,6 +17,8 @@ from typing import Any
 
 from stepwell.kernels import store
 
+# No compiler waits longer than this for another one.
+_LONGEST = 120.0  # s
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from stepwell.kernels.compiler import main; main()"
@@ -26,23 +28,13 @@ _working: "list[subprocess.Popen[bytes]]" = []
 here = False
 
 
-def busy() -> bool:
-    """Whether a compiler is at work, of whatever process."""
-    place = store.folder()
-    if place is None:
-        return False
-    with _alone(place, 0.0) as alone:
-        return not alone
-
-
 def begin(function: FunctionType, kinds: bytes) -> bool:
     """Have a kernel compiled for a kind of arguments, in the background; whether that began.
 
     Whoever asks may end meanwhile; what is compiled next time is what is still missing.
     """
-    for process in _working:
-        process.poll()
-    if not _possible() or busy():
+    _working[:] = [process for process in _working if process.poll() is None]
+    if _working or not _possible():
         return False
     process = _started(function, kinds, background=True)
     if process is not None:
@@ -133,10 +125,8 @@ def main() -> None:
     if not background:
         # Ctrl-C ends it at once; there is nothing to tidy up.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # In the background it gives way to any other; a look of another process takes no time.
-    with _alone(Path(place), 1.0 if background else -1.0) as alone:
-        if alone:
-            _compile(module, name, kinds)
+    with _one_at_a_time(Path(place)):
+        _compile(module, name, kinds)
 
 
 def _compile(module: str, name: str, kinds: bytes) -> None:
@@ -155,26 +145,15 @@ def _type(numba: Any, kind: Any) -> Any:
 
 
 @contextmanager
-def _alone(place: Path, timeout: float) -> Iterator[bool]:
-    """Compile while no other process does, which may be making the same; whether none does.
-
-    Args:
-        place: where compiled kernels are kept.
-        timeout: how long to wait for the other [s]; without an end where it is negative.
-    """
+def _one_at_a_time(place: Path) -> Iterator[None]:
+    """Wait while another process compiles, which may be making the same."""
     from filelock import FileLock, Timeout
 
-    lock = FileLock(place / "compiling", fallback_to_soft=False)
+    lock = FileLock(place / "compiling", timeout=_LONGEST, fallback_to_soft=False)
+    # Without locks, and after that time, the same may be made twice, which does no harm.
+    with suppress(OSError, NotImplementedError, Timeout):
+        lock.acquire()
     try:
-        lock.acquire(timeout)
-    except Timeout:
-        yield False
-        return
-    except (OSError, NotImplementedError):
-        # Without locks the same may be made twice, which does no harm.
-        yield True
-        return
-    try:
-        yield True
+        yield
     finally:
         lock.release()
