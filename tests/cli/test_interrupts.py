@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sizes import SIZE
+from sizes import SIZE, cases
 
 COMMAND = Path(sys.executable).parent / "stepwell"
 SLACK = """
@@ -184,9 +184,7 @@ def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "after", [0.05, 0.15, 0.4] if SIZE == "ci" else [0.05, 0.1, 0.15, 0.25, 0.4, 0.7]
-)
+@pytest.mark.parametrize("after", cases([0.05, 0.1, 0.15, 0.25, 0.4, 0.7], [0.05, 0.15, 0.4]))
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     (tmp_path / "slack.toml").write_text(SLACK)
     code, told = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)

@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from sizes import SIZE
+from sizes import SIZE, cases
 from stepwell.accounts.rendering import terminal as fold
 from stepwell.cli import screen
 
 # Narrower and wider terminals, and what the pages and a pipe have; that no screen of a golden case
 # is wider than 80 letters, those cases hold (tests/golden).
-WIDTHS = (40, 60, 72, 80, 100) if SIZE == "full" else (40, 60, 100)
+WIDTHS = cases((40, 60, 72, 80, 100), (40, 60, 100))
 
 
 @pytest.mark.slow

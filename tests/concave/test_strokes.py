@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses
-from sizes import SIZE
+from sizes import cases
 from stepwell.concave import (
     FORCE,
     NOT_PROVED,
@@ -61,7 +61,7 @@ def ways_of(chain, drive):
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize(
     ("cells", "count"),
-    [(1, 3), (2, 25), (3, 40), (4, 12)] if SIZE == "full" else [(1, 3), (2, 10), (3, 15), (4, 4)],
+    cases([(1, 3), (2, 25), (3, 40), (4, 12)], [(1, 3), (2, 10), (3, 15), (4, 4)]),
 )
 def test_closed_form_finds_the_graph_that_the_engine_finds(cells, count, drive):
     numbers = drawn(np.random.default_rng(7), count, cells)

@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from facts import says
-from sizes import SIZE, examples
+from sizes import cases, examples
 from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
@@ -134,7 +134,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CHAINS if SIZE == "full" else KINDS)
+@pytest.mark.parametrize("name", cases(CHAINS, KINDS))
 def test_every_design_gets_a_verdict(name):
     found = check(sw.load(f"preset:{name}"), samples=20)
     assert isinstance(found, Check) and found.reason

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from sizes import SIZE
+from sizes import cases
 from stepwell import files
 from stepwell.design import survival
 
@@ -31,7 +31,7 @@ def test_the_program_in_the_file_ends_where_the_file_says(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MACHINES if SIZE == "full" else [*MACHINES][:2])
+@pytest.mark.parametrize("name", cases(MACHINES, [*MACHINES][:2]))
 def test_ninety_five_of_a_hundred_built_with_care_do_it(name):
     chain, plan = sw.preset(name), files.load(f"preset:{name}").program
     assert plan is not None and plan.ends is not None

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 import stepwell as sw
 from facts import refuses, says
-from sizes import SIZE, examples
+from sizes import SIZE, cases, examples
 from stepwell import sequences
 from stepwell.design.margins.robustness import robustness
 from stepwell.design.orders import Orders, of_states
@@ -60,7 +60,7 @@ def refuses_nothing(made: Design, wanted: str) -> None:
 # Found and verified ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("loading", "unloading"), PAIRS if SIZE == "full" else PAIRS[::7])
+@pytest.mark.parametrize(("loading", "unloading"), cases(PAIRS, PAIRS[::7]))
 def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_band(
     loading, unloading
 ):

@@ -20,7 +20,7 @@ import runpy
 import stepwell as sw
 from docs.machines import FOLDER, computed, draw, entries
 from docs.pages import ROOT
-from sizes import SIZE
+from sizes import cases
 from stepwell import files
 from stepwell.simulation import Walk
 from stepwell.studio.message import unpacked
@@ -86,7 +86,7 @@ def test_another_design_and_another_version_are_found_out():
 
 @pytest.mark.slow
 @pytest.mark.shown
-@pytest.mark.parametrize("name", OF_EACH_KIND if SIZE == "ci" else PRESETS)
+@pytest.mark.parametrize("name", cases(PRESETS, OF_EACH_KIND))
 def test_what_is_kept_is_what_the_engine_says_now(name, tmp_path):
     machine = computed(name)
     assert machine.entry == entries()[name], AGAIN.format(name)

@@ -22,7 +22,7 @@ from docs.pages import ROOT
 from docs.screenshots import FOLDER, SCHEMES, labels, taken
 from docs.site import lost, outside, read, shown
 from docs.test_pages import difference
-from sizes import SIZE
+from sizes import SIZE, cases
 from stepwell import files
 from stepwell.accounts import schema_kinds, schema_of
 from stepwell.files import preset_text
@@ -54,7 +54,7 @@ ASKED = {
 }
 # In the quick run a thing, a question, a key of a file and a command are asked for, and a chain and
 # a robot are opened.
-ASKED_NOW = list(ASKED)[:4] if SIZE == "ci" else list(ASKED)
+ASKED_NOW = cases(ASKED, list(ASKED)[:4])
 MACHINES = ["countdown", "robot-explorer"]
 if SIZE == "full":
     MACHINES += ["paper-forward", "dome"]
@@ -306,7 +306,7 @@ def shots(page: Page, name: str) -> tuple[bytes, bytes]:
 
 
 def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, home):
-    names = ("robot-left", "metachronal-wave") if SIZE == "full" else ("robot-left",)
+    names = cases(("robot-left", "metachronal-wave"), ("robot-left",))
     context = chromium.new_context(**LOOKS["light"])
     page = context.new_page()
     page.goto(home + "gallery/")
@@ -364,7 +364,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield address
 
 
-@pytest.mark.parametrize("scheme", SCHEMES if SIZE == "full" else SCHEMES[1:])
+@pytest.mark.parametrize("scheme", cases(SCHEMES, SCHEMES[1:]))
 def test_pictures_of_the_studio_show_what_it_is_now(chromium, studio, tmp_path, scheme):
     kept = FOLDER / f"{scheme}.png"
     now = taken(chromium, studio, scheme)

@@ -9,13 +9,13 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from sizes import SIZE
+from sizes import cases
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "examples" / "notebooks"
 NAMES = ("maker", "researcher", "roboticist")
 # In the quick run one of them; what the others show has tests of its own.
-RUN = NAMES[:1] if SIZE == "ci" else NAMES
+RUN = cases(NAMES, NAMES[:1])
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from facts import says
 from lab.machine import SPEED, pair
-from sizes import SIZE, examples
+from sizes import cases, examples
 from stepwell import lab
 from stepwell.lab import Recording
 from stepwell.mechanism import Band, Cell, Chain
@@ -191,7 +191,7 @@ def sampled(run: Recording, rate: float) -> Recording:
 
 
 @pytest.mark.parametrize(
-    "rate", [2.0, 5.0, 10.0, 200.0, 2000.0, 5000.0] if SIZE == "full" else [2.0, 10.0, 5000.0]
+    "rate", cases([2.0, 5.0, 10.0, 200.0, 2000.0, 5000.0], [2.0, 10.0, 5000.0])
 )
 @pytest.mark.parametrize("unloading", [False, True])
 def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloading):

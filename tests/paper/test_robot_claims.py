@@ -7,7 +7,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from sizes import SIZE
+from sizes import SIZE, cases
 from stepwell import files, paper
 from stepwell.paper import Judgement, sensitivity, steering
 from stepwell.paper.sensitivity import RESULTS
@@ -113,7 +113,7 @@ def test_an_obstacle_is_left_behind(arena):
 
 @pytest.mark.slow
 # In the open it is examples/10 that is held to this; its side walls are never touched here.
-@pytest.mark.parametrize("name", ["corridor"] if SIZE == "ci" else ["three-walls", "corridor"])
+@pytest.mark.parametrize("name", cases(["three-walls", "corridor"], ["corridor"]))
 def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     arena = files.load_arena(name)
     start, design = other_start(arena, steering.STARTS[0]), robot("antennas")

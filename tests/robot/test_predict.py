@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 import stepwell as sw
 from facts import says
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, gaits, leg, motion, robot
-from sizes import SIZE, examples
+from sizes import SIZE, cases, examples
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Motion, PushEnd, Robot
 from stepwell.robot.prediction import TURNS, changes, depths
 from stepwell.statics import StaticsError
@@ -120,7 +120,7 @@ def test_a_robot_gets_further_where_the_floor_drags_less():
 
 @pytest.mark.slow
 # Those of the first two sizes are predicted by other tests too.
-@pytest.mark.parametrize("q", [0.005, 0.020, *[0.004, 0.0155, 0.023] * (SIZE == "full")])
+@pytest.mark.parametrize("q", cases([0.005, 0.020, 0.004, 0.0155, 0.023], [0.005, 0.020]))
 def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
     one = robot(q)
     said = one.predict().leg("left")

@@ -10,7 +10,7 @@ import pytest
 import oracle
 import stepwell as sw
 from chains import any_cell, any_chain, concave_chain
-from sizes import SIZE, examples
+from sizes import SIZE, cases, examples
 
 STEPS = 1500
 
@@ -142,7 +142,7 @@ KINDS = [
 CASES = [
     (kind, cells, stiffness)
     for kind, stiffness, lengths in KINDS
-    for cells in (lengths if SIZE == "full" else lengths[-1:])
+    for cells in cases(lengths, lengths[-1:])
 ]
 
 

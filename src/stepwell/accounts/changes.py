@@ -72,12 +72,12 @@ def critical_words(change: Change) -> str:
         return "any change at all decides what it does"
     if isinstance(change.move, tuple):
         far, way = base.amount(change.distance, "m", 3), _sides(*change.move)
-        told = f"{what} of {name} {far} {way}"
+        words = f"{what} of {name} {far} {way}"
     else:
         of = f" of its largest {chain.measure.force}" * (part == "friction")
-        told = f"{name}'s {what}: {base.signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
+        words = f"{name}'s {what}: {base.signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
     becomes = _becomes(change)
-    return f"{told} breaks it" + (f": then {becomes}" if becomes else "")
+    return f"{words} breaks it" + (f": then {becomes}" if becomes else "")
 
 
 def _sides(x: float, y: float) -> str:

@@ -9,8 +9,7 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import installation
-from stepwell.cli import options as completing, screen
-from stepwell.cli.options import ForceFile, Json, Output, free_file, grouped, local
+from stepwell.cli import options, screen
 
 
 def presets(
@@ -27,17 +26,17 @@ def presets(
 
 def new(
     file: Annotated[
-        Path, typer.Argument(metavar="NAME.toml", help="The file to write.", callback=local)
+        Path, typer.Argument(metavar="NAME.toml", help="The file to write.", callback=options.local)
     ],
     preset: Annotated[
         str,
         typer.Option(
             metavar="NAME",
             help="Which design; see `stepwell presets`.",
-            autocompletion=completing.presets,
+            autocompletion=options.presets,
         ),
     ] = "paper-forward",
-    force: ForceFile = False,
+    force: options.ForceFile = False,
 ) -> None:
     """Write a design file to start from.
 
@@ -49,13 +48,13 @@ def new(
         raise typer.BadParameter(
             f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
         )
-    free_file(file, force)
+    options.free_file(file, force)
     sw.files.write_atomic(file, sw.files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
     screen.show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
-@grouped
+@options.grouped
 def paper(
     everything: Annotated[
         bool, typer.Option("--all", help="Also what takes many simulated runs: several minutes.")
@@ -67,7 +66,7 @@ def paper(
         ),
     ] = None,
     *,
-    output: Output,
+    output: options.Output,
 ) -> None:
     """Check what the paper claims.
 
@@ -83,7 +82,7 @@ def paper(
     output.report(account(found), everything=everything)
 
 
-def validate(as_json: Json = False) -> None:
+def validate(as_json: options.Json = False) -> None:
     """Check results of others about chains of bistable elements.
 
     Closed forms, transition graphs and sequences that others have published are computed; the
@@ -102,7 +101,7 @@ def schema(
         typer.Argument(
             metavar="RESULT",
             help="Which result, such as run or lab.read; a list of all by default.",
-            autocompletion=completing.results,
+            autocompletion=options.results,
         ),
     ] = None,
 ) -> None:
@@ -122,7 +121,7 @@ def schema(
     screen.show_verbatim(json.dumps(found, indent=2))
 
 
-def doctor(as_json: Json = False) -> None:
+def doctor(as_json: options.Json = False) -> None:
     """List what is installed, what is kept and what is missing.
 
     Packages and extras with the command that adds each, compiled kernels and where they are kept,

@@ -128,7 +128,7 @@ def as_built(
     (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
-        told = sw.lab.Observed(
+        seen = sw.lab.Observed(
             observed.seen,
             _strokes(observed.snaps_out, "--snaps-out", driven),
             _strokes(observed.snaps_back, "--snaps-back", driven),
@@ -143,7 +143,7 @@ def as_built(
     with usable("what was seen"), progress("builds") as tell:
         found = sw.lab.as_built(
             chain,
-            told,
+            seen,
             spread,
             target=target,
             hole=within.hole * 1e-3,
@@ -167,7 +167,7 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
         raise typer.BadParameter(message, param_hint=option) from None
 
 
-def _read(text: str | None, chain: Chain) -> tuple[sw.lab.Pull, ...]:
+def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
     if text is None:
         return ()
     stroke, force = told_in(chain.measure.travel_unit)[1], told_in(chain.measure.force_unit)[1]

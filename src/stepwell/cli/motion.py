@@ -134,7 +134,7 @@ def program(
             found = planned(chain, start, target, robust)
         else:
             found = replace(own(text, design), robust=robust)
-    except sw.sequences.Unreachable as why:
+    except sw.Unreachable as why:
         found, output = why, replace(output, out=None)
     reported = sw.accounts.account(found, sw.accounts.About(text, design))
     output.report(reported)
@@ -318,7 +318,7 @@ def cell_of(chain: Chain, text: str) -> int:
 def marks(chain: Chain, cell: int) -> dict[str, tuple[float, float]]:
     """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
     own = chain.cells[cell]
-    if isinstance(own, sw.mechanism.Element):
+    if isinstance(own, sw.Element):
         raise typer.BadParameter(
             f"{chain.names[cell]} is an element and has no anchor: pass --across "
             f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",

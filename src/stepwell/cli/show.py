@@ -271,7 +271,7 @@ def replay(
         raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
     options.free_file(out, force)
     text, found = options.read_design(design)
-    if isinstance(found, sw.mechanism.Chain):
+    if isinstance(found, sw.Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
@@ -386,18 +386,18 @@ def demo(
         screen.show_text(
             f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
         )
-    told: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
+    shown: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
     for telling in sw.reports.STEPS:
         if telling in left_out:
             continue
-        screen.show_title(f"{len(told) + 1}  {telling.title}")
+        screen.show_title(f"{len(shown) + 1}  {telling.title}")
         with screen.progress(telling.title) as tell:
             step = telling.make(tell)
         orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
         screen.show_lines(*step.told, *orders)
-        told.append((telling, step))
+        shown.append((telling, step))
     with screen.progress(screen.WRITING) as tell:
-        sw.reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
+        sw.reports.write_story(shown, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
     screen.show_text("All of it, moving, on one page:")
     screen.show_verbatim(str(page))

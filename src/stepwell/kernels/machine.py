@@ -48,7 +48,7 @@ def _dispatcher(function: FunctionType) -> Any:
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
         # What takes and gives values of Python and of C is compiled only where it is used: for all
-        # kernels it would take as long as two thirds of the rest.
+        # kernels it would take more than half as long as the rest.
         options["no_cpython_wrapper"] = not is_called(function)
         options["no_cfunc_wrapper"] = True
         # An option that Numba does not list: whether references are counted.
