@@ -104,7 +104,7 @@ def independent(chain: sw.Chain, landing: InertialLanding, start: np.ndarray, le
 
     It knows nothing of contacts: a cell past its stop is pushed back and damped there.
     """
-    n, stiff = len(chain), 3e4
+    n, stiff = len(chain), 1e6
     mass, damping = np.array(landing.masses), np.array(landing.damping)
     rigid = math.isinf(chain.actuator_stiffness)
     full = np.array([cell.full_travel for cell in chain.cells])
@@ -140,8 +140,9 @@ def independent(chain: sw.Chain, landing: InertialLanding, start: np.ndarray, le
 @pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [math.inf, 0.0, 60.0])
 def test_an_integration_that_knows_no_contacts_lands_in_the_same_place(stiffness):
+    # Behind the spring this chain landed elsewhere as long as these stops had 30 N/mm.
     # The quick run takes a short chain, since this other integration is slow.
-    rng, found = np.random.default_rng(examples(1, full=4)), 0
+    rng, found = np.random.default_rng(examples(5, full=4)), 0
     while found < examples(1, full=60):
         cells = int(rng.integers(2, examples(4, full=5)))
         chain = replace(concave_chain(rng, cells), actuator_stiffness=stiffness)
@@ -170,7 +171,7 @@ def test_an_integration_that_knows_no_contacts_lands_in_the_same_place(stiffness
         )
         if landing.tie:
             continue
-        # A stop gives way by a force over its stiffness, some hundredths of a millimetre.
+        # A stop gives way by a force over its stiffness, some thousandths of a millimetre.
         assert there == pytest.approx(np.array(landing.travel), abs=1e-4), event
         assert peak == pytest.approx(landing.peak_speed, rel=0.05)
         found += 1

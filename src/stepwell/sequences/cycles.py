@@ -344,9 +344,10 @@ def cycles_of(
             _numbered(followed.visited, designs, sequences),
             followed.found,
         )
-    for i in np.flatnonzero(number == _ASK).tolist():
+    left = np.flatnonzero(number == _ASK).tolist()
+    for done, i in enumerate(left, count - len(left)):
         if progress is not None:
-            progress(i, count)
+            progress(done, count)
         number[i] = IMPOSSIBLE
         chain = _built(build, i)
         if chain is None:

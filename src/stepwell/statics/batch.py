@@ -218,7 +218,8 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
 
     Args:
         designs: of one shape of chain.
-        progress: called now and then with (done, total).
+        progress: called now and then with (done, total); those that could not be followed here,
+            which are left to another way, are not done.
     """
     m = len(designs.cells)
     out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))
@@ -226,8 +227,12 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
     def some(begin: int, end: int) -> None:
         follow_each(designs, begin, end, _work(designs), out)
 
+    def tell(tried: int, total: int) -> None:
+        if progress is not None:
+            progress(int(np.count_nonzero(out.visited[:tried, 0] >= 0)), total)
+
     if m:
-        in_blocks(some, m, follow_each.block(_AT_ONCE, designs), progress)
+        in_blocks(some, m, follow_each.block(_AT_ONCE, designs), tell)
     return out
 
 
