@@ -183,6 +183,25 @@ def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
     assert process.returncode == 130 and told.startswith("Interrupted"), told
 
 
+PARSES = """
+import os, signal, sys
+from stepwell.cli import app, main
+def interrupted(context, value):
+    os.kill(os.getpid(), signal.SIGINT)
+app.registered_callback.callback.__annotations__["version"].__metadata__[0].callback = interrupted
+sys.argv = ["stepwell", "doctor"]
+main()
+"""
+
+
+def test_ctrl_c_before_a_command_begins_ends_with_one_line():
+    done = subprocess.run(
+        [sys.executable, "-c", PARSES], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 130, done.stderr
+    assert done.stderr == "Interrupted before anything was done.\n"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("after", cases([0.05, 0.1, 0.15, 0.25, 0.4, 0.7], [0.05, 0.15, 0.4]))
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stepwell.__main__ import leave
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
@@ -98,6 +99,8 @@ def main() -> None:
         # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # Typer ends without a word where Ctrl-C comes before the command that it looks for.
+    signal.signal(signal.SIGINT, leave)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
