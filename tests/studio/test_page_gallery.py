@@ -29,7 +29,8 @@ def listed(opened: Opened, empty_address: str) -> Page:
 @pytest.fixture(scope="module")
 def come(browser: Browser, empty_address: str) -> Iterator[Page]:
     """One page for all: its motions take a quarter of a minute to come."""
-    context = browser.new_context(viewport=WIDE, color_scheme="light")
+    # Pictures that move meanwhile keep a core busy, which makes those that come wait.
+    context = browser.new_context(viewport=WIDE, color_scheme="light", reduced_motion="reduce")
     yield shown(context.new_page(), empty_address)
     context.close()
 
@@ -191,6 +192,7 @@ def test_the_gallery_that_was_left_goes_on_and_what_was_open_comes_first(
     opened: Opened, empty_address: str
 ):
     page = opened.page
+    page.emulate_media(reduced_motion="reduce")
     page.goto(empty_address)
     card(page, "three-wave").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", "000>100>110>111>011>001>000")

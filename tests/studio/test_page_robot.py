@@ -107,6 +107,7 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     opened: Opened, empty_address: str
 ):
     page = opened.page
+    page.emulate_media(reduced_motion="reduce")
     page.goto(empty_address)
     page.get_by_role("button", name=re.compile("walks forward: q")).first.click()
     legs = page.get_by_role("group", name="Leg whose chain is shown below")

@@ -31,6 +31,7 @@ def compare(page: Page) -> None:
 
 def test_the_tour_shows_what_it_says(opened: Opened, empty_address: str):
     page = opened.page
+    page.emulate_media(reduced_motion="reduce")
     page.goto(empty_address + "&demo=step")
     said = output(page, "tour")
     count = int(page.get_by_text(re.compile(r"of \d+$")).inner_text().split()[-1])
