@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell import mechanism, statics
+from stepwell import mechanism
 from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.fit_samples import Sample, Weighing
-from stepwell.lab.pair_test import PairTest
+from stepwell.lab.pair_test import PairTest, fall_before, snaps_of
 from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
 from stepwell.lab.series import Geometry
 
@@ -51,26 +51,18 @@ def _is(name: str, stem: str) -> bool:
 
 
 def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
-    """Names of what is fitted to these samples with a law.
+    """Names of what is fitted to these samples with a law; not what no sample shows.
 
-    What no sample shows is not fitted: the rig's terms are those of pairs, and friction in the
-    joints, which grows with the load, is told from the loss of the rubber by loading and unloading.
+    The rig's terms are those of pairs, and loading and unloading tell friction in the joints, which
+    grows with the load, from the loss of the rubber.
     """
     rubbers = sorted({sample.rubber for sample in samples})
     pairs = {sample.unloading for sample in samples if sample.in_pair}
     joints = ["joints"] if len(pairs) == 2 else []
     starts = [f"start_{'un' * way}loading" for way in sorted(pairs)]
     rig = ["travel", *starts] if pairs else []
-    return [
-        *rubbers,
-        "rest_length",
-        *LAWS.get(law, ()),
-        "loss",
-        "loss_length",
-        "friction",
-        *joints,
-        *rig,
-    ]
+    rubber = "rest_length", *LAWS.get(law, ()), "loss", "loss_length"
+    return [*rubbers, *rubber, "friction", *joints, *rig]
 
 
 def law_of(
@@ -103,12 +95,11 @@ class Rows:
 
     def where(self, use: Bools) -> "Rows":
         """Some of the rows."""
-        cut: dict[str, Any] = {}
-        for one in fields(self):
-            held = getattr(self, one.name)
-            many = isinstance(held, dict)
-            cut[one.name] = {k: v[use] for k, v in held.items()} if many else held[use]
-        return Rows(**cut)
+
+        def cut(held: Any) -> Any:
+            return {k: v[use] for k, v in held.items()} if isinstance(held, dict) else held[use]
+
+        return Rows(*(cut(getattr(self, one.name)) for one in fields(self)))
 
 
 def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
@@ -166,8 +157,8 @@ def late(values: Mapping[str, float], data: Rows) -> Floats:
 def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats:
     """F of every row [N].
 
-    While a band gets longer than ever before in the motion its tension is that of the law; once it
-    is shorter by x than it has been, it is less by the share h (1 - exp(-x/c)). Friction is against
+    Tension is that of the law while a band gets longer than ever before in the motion; once it is
+    shorter by x than it has been, it is less by the share h (1 - exp(-x/c)). Friction is against
     the motion: a constant, and a share of the tension.
     """
     full = 2.0 * data.lever * data.sin_limit
@@ -192,21 +183,12 @@ def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats
     return mechanism.band_force(tension, slope) + data.direction * rubbing
 
 
-# The force is read before a snap over this stroke [m]; it falls no slower than so [N/m].
-_BEFORE, _FLATTEST = 1e-3, 20.0
 _EARLY = 0.25  # of the stroke, where the first cell moves
 
 
 @dataclass(frozen=True)
 class Model:
-    """What a fit says of mechanisms and of the rig.
-
-    Attributes:
-        values: fitted numbers by name.
-        law: of all bands.
-        weighing: weight and friction of the machine; None where they are not known.
-        given: by which the rig gives way [m/N].
-    """
+    """What a fit says of mechanisms and of a rig that gives way by `given` [m/N]."""
 
     values: Mapping[str, float]
     law: mechanism.Law
@@ -234,14 +216,10 @@ class Model:
     def applied(
         self, chain: mechanism.Chain, stiffness: Callable[[mechanism.Cell], float]
     ) -> mechanism.Chain:
-        """A chain with these bands, and with this weight and friction where they are known.
+        """A chain of cells whose bands have this `stiffness` together [N/m], shared as they are
+        now.
 
-        Args:
-            chain: of cells; the bands of each share the stiffness as they do now.
-            stiffness: of all bands of a cell together [N/m].
-
-        Returns:
-            The chain, its anchors, levers and stops as they were.
+        Weight and friction come with them where they are known.
         """
         cells = chain.levers
         return replace(
@@ -250,15 +228,9 @@ class Model:
         )
 
     def _cell(self, cell: mechanism.Cell, stiffness: float, inner: bool) -> mechanism.Cell:
-        total = sum(band.stiffness for band in cell.bands)
+        total, rest = sum(band.stiffness for band in cell.bands), self.values["rest_length"]
         bands = [
-            mechanism.Band(
-                band.p,
-                band.q,
-                stiffness * band.stiffness / total,
-                self.values["rest_length"],
-                self.law,
-            )
+            mechanism.Band(band.p, band.q, stiffness * band.stiffness / total, rest, self.law)
             for band in cell.bands
         ]
         theta = np.linspace(-cell.limit, cell.limit, 41)
@@ -276,7 +248,6 @@ class SnapPrediction(ByValue):
     """What a fit says of a series of a pair whose snaps had no part in it.
 
     Attributes:
-        series: its name.
         geometry: d of the outer cell, which was left out [m].
         measured, spread: mean and standard deviation of the first snaps [m]; NaN for none.
         reached: the last stroke of the recordings, in the direction of motion [m].
@@ -330,39 +301,22 @@ class SnapPrediction(ByValue):
 def snap_of(
     model: Model, test: PairTest, stiffness: float, missed: Sequence[float] = ()
 ) -> tuple[float, float]:
-    """Where a pair snaps first.
+    """Stroke of the machine [m] where a pair snaps first, and the fall of the force there [N/m].
 
-    Args:
-        model: of its cells and of the rig.
-        test: the pair.
-        stiffness: of all bands of a cell together [N/m].
-        missed: by how much the forces of the cells are larger than the model's [N].
-
-    Returns:
-        Stroke of the machine [m], NaN for no snap, and how steeply the force falls there [N/m].
+    `stiffness` is that of all bands of a cell together [N/m], `missed` by how much the forces of
+    the cells are larger than the model's [N]; the stroke is NaN for no snap.
     """
     chain = model.applied(test.series.chain, lambda _: stiffness)
-    for i, more in enumerate(missed):
-        cell = chain.levers[i]
-        load = (0.0 if cell.load is None else cell.load.force[0]) + more
-        chain = replace(
-            chain,
-            cells=[
-                replace(one, load=mechanism.Load.constant(load)) if k == i else one
-                for k, one in enumerate(chain.levers)
-            ],
-        )
-    unloading = test.series.unloading
-    path = path_of(chain, unloading)
-    events = [event for event in path.events if event.kind is statics.EventKind.SNAP]
-    if not events:
-        return math.nan, math.nan
-    event, way = events[0], -1.0 if unloading else 1.0
-    at = model.rig.at_machine(event.stroke, event.force_before, chain.full_stroke, unloading)
-    order = np.argsort(path.stroke, kind="stable")
-    ends = event.stroke - way * np.array([_BEFORE, 1e-6])
-    rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
-    return float(at), max(abs(float(rise)), _FLATTEST)
+    if missed:
+        loads = [
+            (0.0 if cell.load is None else cell.load.force[0]) + more
+            for cell, more in zip(chain.levers, missed, strict=True)
+        ]
+        pairs = zip(chain.levers, map(mechanism.Load.constant, loads), strict=True)
+        chain = replace(chain, cells=[replace(cell, load=load) for cell, load in pairs])
+    path = path_of(chain, test.series.unloading)
+    found = snaps_of(path, model.rig)
+    return (found[0], fall_before(path)) if found else (math.nan, math.nan)
 
 
 def order_of(model: Model, test: PairTest, stiffness: float) -> tuple[str, ...]:

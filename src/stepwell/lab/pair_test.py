@@ -41,7 +41,6 @@ class PairTest(ByValue, Drawn):
     """What a series of two cells shows.
 
     Attributes:
-        series: the recordings and their model.
         stroke: (n,) from state 0 on [m].
         force: (n,) measured, baseline subtracted for the cells in the order `shown` [N].
         model: (n,) force of the model [N].
@@ -50,8 +49,7 @@ class PairTest(ByValue, Drawn):
         errors: RMSE against the cells moving in the order (0, 1) and (1, 0), in k r; the stiffness
             is left free, and strokes past the first snap, predicted or measured, do not count.
         rmse, worst, rmse_corrected: measured less model, in k r; corrected for the rig's bar.
-        predicted: cells in the order in which the model moves them.
-        tie: whether the model cannot tell that order.
+        predicted, tie: cells in the order of the model; whether it cannot tell that order.
         first: the cell that is taken to move first in the baseline.
         snaps: for each run the strokes where it snaps, as predicted by sign and size of the jump in
             force, or where nothing is predicted with the sign of a snap [m].
@@ -114,14 +112,14 @@ class PairTest(ByValue, Drawn):
 
     def baseline_levels(self) -> list[tuple[float, float]]:
         """Force [N] of every baseline run while the inner cell is at mid-travel, and the outer."""
-        found: list[tuple[float, float]] = []
-        for run in self.series.baseline:
-            curve = mean_curve([run], self.series.chain.full_stroke)
-            levels = [
-                float(np.mean(_baseline_force(self.series, self.first, i, _MIDDLE * full, curve)))
-                for i, full in enumerate(cell.full_travel for cell in self.series.chain.levers)
-            ]
-            found.append((levels[0], levels[1]))
+        series, found = self.series, []
+        for run in series.baseline:
+            curve = mean_curve([run], series.chain.full_stroke)
+            inner, outer = (
+                np.mean(_baseline_force(series, self.first, i, _MIDDLE * cell.full_travel, curve))
+                for i, cell in enumerate(series.chain.levers)
+            )
+            found.append((float(inner), float(outer)))
         return found
 
     @property
@@ -144,8 +142,8 @@ class PairTest(ByValue, Drawn):
     def sigmas(self) -> float:
         """By how many standard deviations the first snap is off what may be; NaN for none.
 
-        Friction that the baseline shows may sit in the machine, where it holds no snap, or in the
-        joints: whatever lies between the two predictions is off by nothing.
+        Friction of the baseline may sit in the machine, where it holds no snap, or in the joints:
+        whatever lies between the two predictions is off by nothing.
         """
         mean, _, count = self.snap_strokes
         if not count or not self.snaps_predicted:
@@ -163,8 +161,7 @@ class PairTest(ByValue, Drawn):
     def right_snaps(self) -> bool | None:
         """Whether most runs snap as often as the model, and where it does within two sigmas.
 
-        None where samples are missing and a run has fewer snaps than the model: the hole may hide
-        them, and so may strokes that it did not reach.
+        None where a hole or strokes that a run did not reach may hide snaps that it lacks.
         """
         wanted = len(self.snaps_predicted)
         if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
@@ -177,10 +174,7 @@ class PairTest(ByValue, Drawn):
         return not wanted or abs(self.sigmas) <= AGREE
 
     def _ends(self, run: Recording) -> bool:
-        """Whether a run ends before what snaps late, held by friction, is over.
-
-        Without a baseline nobody knows how late that is.
-        """
+        """Whether a run ends before late snaps, held by the baseline's friction, are over."""
         full, stroke = self.series.chain.full_stroke, self.series.placed(run)
         late = np.array(self.snaps_predicted + self.snaps_with_friction)
         if self.series.unloading:
@@ -234,14 +228,14 @@ class PairTest(ByValue, Drawn):
     def snaps_told(self) -> str:
         """Measured snaps against the predicted ones, in words."""
         mean, spread, count = self.snap_strokes
-        theory = _strokes(self.snaps_predicted)
-        held = _strokes(self.snaps_with_friction)
-        both = f"{theory}, with friction {held}"
+        both = (
+            f"{_strokes(self.snaps_predicted)}, with friction {_strokes(self.snaps_with_friction)}"
+        )
         if not count and self.snaps_predicted:
-            word = "could hold" if self.hold >= self.pull else "could hold only"
+            only = "" if self.hold >= self.pull else " only"
             return (
                 f"no snap, predicted at {both}; at the end the cells pull {self.pull:.2f} N "
-                f"against each other, of which friction {word} {self.hold:.2f} N"
+                f"against each other, of which friction could hold{only} {self.hold:.2f} N"
             )
         if not count:
             return "no snap, as predicted"
@@ -251,12 +245,12 @@ class PairTest(ByValue, Drawn):
         )
         if not self.snaps_predicted:
             return f"{measured}, predicted nowhere"
-        sigmas = (
-            f"{abs(self.sigmas):.1f} σ outside the two (σ = {to_unit(self.doubt, 'mm'):.2f} mm)"
-        )
         if self.sigmas == 0.0:
-            sigmas = "between the two"
-        return f"{measured}, predicted at {both}; {sigmas}"
+            return f"{measured}, predicted at {both}; between the two"
+        return (
+            f"{measured}, predicted at {both}; {abs(self.sigmas):.1f} σ outside the two "
+            f"(σ = {to_unit(self.doubt, 'mm'):.2f} mm)"
+        )
 
     def names(self, order: Order) -> list[str]:
         """What its cells are called, in an order."""
@@ -276,16 +270,8 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
 
     A baseline of two cells without bands shows one cell moving and then the other, and which is
     which is not recorded. It is decided once for all series that share the baseline: the cell is
-    taken to move first with which the measured forces come nearer to the model.
-
-    Args:
-        series: each of two cells.
-        rig: its stretch, starts, compliance and friction move what is predicted to the strokes
-            that the machine shows; its bar is for the correction that is reported beside the plain
-            result.
-
-    Returns:
-        A comparison for each.
+    taken to move first with which the measured forces come nearer to the model. The bar of the rig
+    is for the correction beside the plain result; all else moves the prediction to the machine.
     """
     errors = [_errors(one) for one in series]
     total: dict[tuple[str, ...], Floats] = {}
@@ -337,8 +323,8 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         ),
         tuple(holes_of(run) for run in series.recordings),
         _doubt(series, snaps),
-        _snaps_of(path, rig),
-        _snaps_of(path_of(_with_friction(series, first), series.unloading), rig),
+        snaps_of(path, rig),
+        snaps_of(path_of(_with_friction(series, first), series.unloading), rig),
         *_pull_and_hold(series, first, shown, curve.stroke[inside], force[inside]),
     )
 
@@ -367,7 +353,7 @@ def _errors(series: Series) -> Floats:
 
 def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
-    found = [*_snaps_of(path_of(series.chain, series.unloading), Rig())]
+    found = [*snaps_of(path_of(series.chain, series.unloading), Rig())]
     # In neither order may a handover be taken for a snap.
     ways = [
         _snaps_of_runs(series, [_jumps(series, run, order) for run in series.recordings])
@@ -396,15 +382,9 @@ def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int,
 def _baseline_force(
     series: Series, first: int, cell: int, travel: Floats, curve: Curve | None = None
 ) -> Floats:
-    """Baseline force [N] while a cell moves, at its travels (n,) [m].
+    """Baseline force [N] while a cell moves, at its travels (n,) [m]; the mean, or of one run.
 
-    Args:
-        series: with the baseline.
-        first: the cell that moved first in it; while it did, the other one was at the stop that
-            it has not left yet.
-        cell: which.
-        travel: of that cell.
-        curve: of one run; by default the mean of all.
+    While the cell `first` moved in it, the other one was at the stop that it has not left yet.
     """
     curve = series.baseline_curve if curve is None else curve
     if curve is None:
@@ -417,7 +397,7 @@ def _baseline_force(
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
     """What the model leaves out: the baseline, each cell's share put where that cell moves.
 
-    A weight that the design states as a load is in its model, and stays in what is measured.
+    A weight that the design states is in the model, and stays in what is measured.
     """
     found = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
@@ -463,15 +443,23 @@ def _snap_events(path: Path) -> list[Event]:
     return [event for event in path.events if event.kind is EventKind.SNAP]
 
 
+def fall_before(path: Path) -> float:
+    """How steeply the force of a path that goes one way falls before its first snap [N/m]."""
+    way = -1.0 if path.stroke[-1] < path.stroke[0] else 1.0
+    ends = _snap_events(path)[0].stroke - way * np.array([_BEFORE, 1e-6])
+    order = np.argsort(path.stroke, kind="stable")
+    rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
+    return max(abs(float(rise)), _FLATTEST)
+
+
 def _snaps_of_runs(
     series: Series, jumps: Sequence[tuple[MeasuredSnap, ...]]
 ) -> tuple[tuple[MeasuredSnap, ...], ...]:
     """For each run those of its jumps that are snaps.
 
     At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
-    towards where the drive came from: up while loading, down while unloading. A slip within a cell
-    gives way to the drive, and has the other sign. Where none is predicted, a snap is what most
-    repeats show at one place.
+    towards where the drive came from, and in a slip within a cell the other way. Where none is
+    predicted, a snap is what most repeats show at one place.
     """
     predicted = _snap_events(series.path)
     if predicted:
@@ -490,27 +478,18 @@ def _snaps_of_runs(
 def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m].
 
-    A cell lets go where its force meets that of another one: a force that is off by a little is off
-    in stroke by as much over how steeply it falls there. How well the model fits does not count,
-    or a bad one would agree with everything.
+    A force that is off moves the stroke by as much over its fall there. How well the model fits
+    does not count, or a bad one would agree with everything.
     """
     firsts = [found[0].stroke for found in snaps if found]
-    predicted = _snap_events(series.path)
-    if not firsts or not predicted:
+    if not firsts or not _snap_events(series.path):
         return math.nan
     scatter = float(np.std(firsts, ddof=1)) if len(firsts) > 1 else 0.0
-    path, event = series.path, predicted[0]
-    way = -1.0 if series.unloading else 1.0
-    ends = event.stroke - way * np.array([_BEFORE, 1e-6])
-    order = np.argsort(path.stroke, kind="stable")
-    rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
     off = math.hypot(FORCE_DOUBT, float(np.mean(series.curve.spread)))
-    return math.hypot(
-        scatter, _seen(series) / math.sqrt(12.0), off / max(abs(float(rise)), _FLATTEST)
-    )
+    return math.hypot(scatter, _seen(series) / math.sqrt(12.0), off / fall_before(series.path))
 
 
-def _snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
+def snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
     """Strokes that the machine shows where a path snaps [m]."""
     full, unloading = path.chain.full_stroke, bool(path.stroke[-1] < path.stroke[0])
     return tuple(
