@@ -1,9 +1,10 @@
 """One physical model of rubber and rig fitted to all cells at once, single and in pairs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -33,10 +34,9 @@ _LATE = 4  # the last of so many parts of what was used of a travel
 
 @dataclass(frozen=True, eq=False)
 class FittedParameter(ByValue):
-    """A fitted number with its interval.
+    """A fitted number; `stiffness_2`, for one, belongs to cells with two bands.
 
     Attributes:
-        name, unit: what it is; `stiffness_2` belongs to cells with two bands.
         value: the fit to all geometries.
         low, high: 95 % interval, by leaving out one geometry after the other.
     """
@@ -68,17 +68,15 @@ class Calibration(ByValue, Drawn):
 
     Attributes:
         law: "linear", "cubic", or the name of a table.
-        parameters: every number with its interval.
         samples: what was fitted: each cell that moves in a series, in one direction.
         fit_error, left_out_error: for each sample RMSE in k r, fitted and predicted from the other
             geometries; k r is that of `reference` and the number of bands.
         correlations: (m, m) of the parameters, from the Jacobian of the fit.
         reference: stiffness of one band by which errors are scaled [N/m].
         shape: the law of a band, its numbers set.
-        weighing: what pairs without bands tell; None where there are none.
+        weighing: what pairs without bands tell.
         compliance: by which the rig gives way [m/N]; NaN where no pair tells it.
-        pairs: the series of pairs beside their model without a fit.
-        snaps: for each of them what is predicted of its snaps, and what was seen.
+        pairs, snaps: the series of pairs beside their model without a fit; their predicted snaps.
         notes: which recordings were used, which were dropped, and what is odd, a line each.
     """
 
@@ -137,10 +135,7 @@ class Calibration(ByValue, Drawn):
         )
 
     def band(self, bands: int = 1, in_pair: bool = False) -> Band:
-        """A band of a cell with so many, as it loads; anchors at their defaults.
-
-        The loss on the way back is not in it: a band of a mechanism has one law.
-        """
+        """A band of a cell with so many, as it loads, without the loss on the way back."""
         k = self[fit_samples.rubber_name(bands, in_pair)].value
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
@@ -152,12 +147,8 @@ class Calibration(ByValue, Drawn):
         length and law are shared. Every cell but the outermost carries the block beyond it.
 
         Args:
-            chain: of cells.
-            bands: how many are on each cell; by default as many as the stiffness says: a cell that
-                is twice as stiff as the softest band has two.
-
-        Returns:
-            The chain, its anchors, levers and stops as they were.
+            chain: of cells; its anchors, levers and stops stay.
+            bands: on each cell; by default its stiffness over that of the softest band.
 
         Raises:
             LabError: a cell whose stiffness is no whole number of bands.
@@ -212,8 +203,7 @@ class Calibration(ByValue, Drawn):
     def snap_error(self, name: str = "left_out") -> float:
         """Mean distance of the snaps that were seen and predicted [m]; NaN for none.
 
-        Args:
-            name: "plain", "fitted" or "left_out", as in `SnapPrediction`.
+        `name` is "plain", "fitted" or "left_out", as in `SnapPrediction`.
         """
         gaps = [abs(getattr(one, name) - one.measured) for one in self.snaps]
         known = [gap for gap in gaps if not math.isnan(gap)]
@@ -230,46 +220,32 @@ class Calibration(ByValue, Drawn):
 
         Each series is scaled by itself to the model that fits all; NaN for fewer than three.
         """
-        model = self._model
-        found: list[float] = []
-        for sample in self.samples:
-            told = fit_model.force(self.values, fit_model.rows([sample], model.given), self.shape)
-            found.append(float(told @ sample.force) / float(told @ told))
+        forces = [(sample.force, self.force(sample)) for sample in self.samples]
+        found = [float(model @ force) / float(model @ model) for force, model in forces]
         return float(np.std(found, ddof=1)) if len(found) >= _FEW else math.nan
 
     @property
     def open(self) -> list[str]:
         """What these recordings cannot tell apart, and which experiment would tell it."""
-        told: list[str] = []
         ways = {(sample.in_pair, sample.unloading) for sample in self.samples}
-        cells = [way for way in ways if not way[0]]
-        pairs = [way for way in ways if way[0]]
-        if len(cells) == 1 and len(pairs) < 2:
-            told.append(
-                "the loss of the rubber and friction in the joints: cells that are loaded and "
-                "unloaded tell them apart"
-            )
-        if len(pairs) == 1:
-            told.append(
-                "friction of the machine and in the joints: pairs that are loaded and unloaded "
-                "tell them apart, at mid-travel, with one band and with two"
-            )
-        if pairs and self.weighing is None:
-            told.append(
-                "the weight of the block between the cells, taken as none: runs of the pair "
-                "without a band, loading and unloading, tell it"
-            )
-        elif self.weighing is not None and not self.weighing.both:
-            told.append(
-                "weight and friction, which is taken to be the same for both cells: runs "
-                "without a band in the other direction tell them apart"
-            )
-        if len(pairs) == 2:
-            told.append(
-                "friction in the joints and rubber that recovers while it waits at a stop, which "
-                "both hold a snap back: a run that waits a minute before the snap tells them apart"
-            )
-        return told
+        pairs = sum(in_pair for in_pair, _ in ways)
+        unknown = {
+            "the loss of the rubber and friction in the joints: cells that are loaded and "
+            "unloaded tell them apart": len(ways) - pairs == 1 and pairs < 2,
+            "friction of the machine and in the joints: pairs that are loaded and unloaded "
+            "tell them apart, at mid-travel, with one band and with two": pairs == 1,
+            "the weight of the block between the cells, taken as none: runs of the pair "
+            "without a band, loading and unloading, tell it": pairs > 0 and self.weighing is None,
+            "weight and friction, which is taken to be the same for both cells: runs without a "
+            "band in the other direction tell them apart": not (
+                self.weighing is None or self.weighing.both
+            ),
+            "friction in the joints and rubber that recovers while it waits at a stop, which both "
+            "hold a snap back: a run that waits a minute before the snap tells them apart": (
+                pairs == 2
+            ),
+        }
+        return [line for line, holds in unknown.items() if holds]
 
     @property
     def coverage(self) -> tuple[int, int]:
@@ -332,19 +308,15 @@ def calibrate(
         reference: stiffness of one band by which errors are scaled [N/m].
         progress: called with (done, total) fits.
 
-    Returns:
-        The calibration.
-
     Raises:
         LabError: fewer than three geometries, or a law that is not known.
 
     Source: delete-one-group jackknife, Quenouille 1956, Tukey 1958.
     """
-    samples = data.samples
     known = [*fit_model.LAWS, *data.tables]
     if law is not None and law not in known:
         raise LabError("law", f"{law!r}: must be one of {', '.join(known)}.")
-    folds = sorted({sample.fold for sample in samples})
+    folds = sorted({sample.fold for sample in data.samples})
     if len(folds) < _FEW:
         raise LabError(
             "data",
@@ -353,31 +325,24 @@ def calibrate(
         )
     given = fit_samples.compliance(data.pairs)
     laws = known if law is None else [law]
-    done, total = 0, len(laws) * len(folds)
-    found: list[_Fit] = []
-    for name in laws:
-        fit = _Fit(data, name, folds, 0.0 if math.isnan(given) else given, reference)
-        for fold in folds:
-            fit.leave_out(fold)
-            done += 1
-            if progress is not None:
-                progress(done, total)
-        found.append(fit)
+    stiff = 0.0 if math.isnan(given) else given
+    found = [_Fit(data, name, folds, stiff, reference) for name in laws]
+    for done, (fit, fold) in enumerate(product(found, folds), 1):
+        fit.leave_out(fold)
+        if progress is not None:
+            progress(done, len(laws) * len(folds))
     best = min(found, key=lambda one: float(np.mean(one.errors[1])))
-    fitted, left_out = best.errors
-    weighing = fit_samples.weigh(data.pairs)
     return Calibration(
         best.law,
         best.parameters(),
-        samples,
-        fitted,
-        left_out,
+        data.samples,
+        *best.errors,
         comparison.correlations(best.jacobian),
         reference,
         best.shape(best.whole),
-        weighing,
+        best.weighing,
         given,
-        tuple(best.predict(test, weighing) for test in data.pairs),
+        tuple(map(best.predict, data.pairs)),
         data.pairs,
         data.notes,
     )
@@ -394,9 +359,10 @@ class _Fit:
         given: float,
         reference: float,
     ):
-        self.data, self.law, self.given, self.reference = data, law, given, reference
+        self.data, self.law, self.given = data, law, given
         self.names = fit_model.numbers_of(data.samples, law)
         self.rows = fit_model.rows(data.samples, given)
+        self.scales = np.array([s.bands * reference * s.cell.lever for s in data.samples])
         self.fold = np.concatenate([np.full(len(s.way), folds.index(s.fold)) for s in data.samples])
         self.folds, self.left = folds, {}
         self.whole, self.jacobian = self._fitted(np.ones(len(self.fold), bool), None)
@@ -410,83 +376,60 @@ class _Fit:
         return fit_model.law_of(self.law, self._named(numbers), self.data.tables)
 
     @cached_property
+    def weighing(self) -> fit_samples.Weighing | None:
+        """What pairs without bands tell."""
+        return fit_samples.weigh(self.data.pairs)
+
+    @cached_property
     def errors(self) -> tuple[Floats, Floats]:
         """RMSE of each sample in k r, fitted and left out."""
-        whole = fit_model.force(self._named(self.whole), self.rows, self.shape(self.whole))
-        out = np.zeros(len(whole))
-        for k, fold in enumerate(self.folds):
-            mine, numbers = self.fold == k, self.left[fold]
-            out[mine] = fit_model.force(self._named(numbers), self.rows, self.shape(numbers))[mine]
-        ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
-
-        def rmse(model: Floats) -> Floats:
-            gaps = np.split(model - self.rows.force, ends)
-            return np.array(
-                [
-                    rms(gap) / (s.bands * self.reference * s.cell.lever)
-                    for gap, s in zip(gaps, self.data.samples, strict=True)
-                ]
-            )
-
-        return rmse(whole), rmse(out)
+        left = np.array([self._model_force(self.left[fold]) for fold in self.folds])
+        fitted, out = (
+            np.array([rms(gap) for gap in self._by_sample(force - self.rows.force)]) / self.scales
+            for force in (self._model_force(self.whole), left[self.fold, np.arange(len(self.fold))])
+        )
+        return fitted, out
 
     def parameters(self) -> tuple[FittedParameter, ...]:
         n, each = len(self.left), np.array(list(self.left.values()))
         scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
         wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
+        rows = zip(self.names, self.whole, self.whole - wide, self.whole + wide, strict=True)
         return tuple(
             FittedParameter(name, fit_model.number(name).unit, *map(float, row))
-            for name, *row in zip(
-                self.names, self.whole, self.whole - wide, self.whole + wide, strict=True
-            )
+            for name, *row in rows
         )
 
-    def predict(
-        self, test: PairTest, weighing: fit_samples.Weighing | None
-    ) -> fit_model.SnapPrediction:
+    def predict(self, test: PairTest) -> fit_model.SnapPrediction:
         """Snaps and order of a pair, from all curves and from those of the other geometries."""
         series = test.series
         fold = fit_samples.geometry_of(series.chain.levers[-1])
-        each = {name: self._snap(test, numbers, weighing) for name, numbers in self.left.items()}
-        fitted, _ = fit_model.snap_of(
-            *self._asked(test, self.whole, weighing), self._missed(test, self.whole, True)
-        )
-        left_out, steep = fit_model.snap_of(
-            *self._asked(test, self.left[fold], weighing),
-            self._missed(test, self.left[fold], False),
-        )
-        strokes = np.array([stroke for stroke, _ in each.values()])
+        fitted, _ = self._snap(test, self.whole, self._missed(test, self.whole, True))
+        others = self.left[fold]
+        left_out, steep = self._snap(test, others, self._missed(test, others, False))
+        strokes = np.array([self._snap(test, numbers)[0] for numbers in self.left.values()])
         strokes = strokes[~np.isnan(strokes)]
         n = max(len(strokes), 1)
         moved = (n - 1) / n * float(np.sum((strokes - np.mean(strokes)) ** 2)) if n > 1 else 0.0
-        off = [
-            error * sample.bands * self.reference * sample.cell.lever
-            for sample, error in zip(self.data.samples, self.errors[1], strict=True)
-            if sample.in_pair and sample.bands == series.bands
-        ]
+        alike = [s.in_pair and s.bands == series.bands for s in self.data.samples]
+        off = rms((self.errors[1] * self.scales)[alike])
         measured, spread, count = test.snap_strokes
         scatter = 0.0 if math.isnan(spread) else spread**2 / count
-        plain = test.snaps_predicted[0] if test.snaps_predicted else math.nan
-        order = fit_model.order_of(*self._asked(test, self.left[fold], weighing))
         return fit_model.SnapPrediction(
             series.name,
             fold,
             measured,
             spread,
             float(test.stroke[0] if series.unloading else test.stroke[-1]),
-            plain,
+            test.snaps_predicted[0] if test.snaps_predicted else math.nan,
             fitted,
             left_out,
             # A snap is where two forces are equal, and each is off.
             math.sqrt(
-                moved
-                + 2.0 * (rms(np.array(off)) / steep) ** 2
-                + scatter
-                + _STROKE**2
-                + test.seen_within**2
+                moved + 2.0 * (off / steep) ** 2 + scatter + _STROKE**2 + test.seen_within**2
             ),
             tuple(test.names(test.shown)),
-            order,
+            fit_model.order_of(*self._asked(test, others)),
             test.ratio,
         )
 
@@ -497,33 +440,31 @@ class _Fit:
         as many bands in the same direction.
         """
         series, found = test.series, [[] for _ in test.series.chain.cells]
-        gaps = self.rows.force - fit_model.force(
-            self._named(numbers), self.rows, self.shape(numbers)
-        )
-        ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
+        gaps = self._by_sample(self.rows.force - self._model_force(numbers))
         fold = fit_samples.geometry_of(series.chain.levers[-1])
-        for sample, gap in zip(self.data.samples, np.split(gaps, ends), strict=True):
-            alike = sample.in_pair and (sample.bands, sample.unloading) == (
-                series.bands,
-                series.unloading,
-            )
-            asked = sample.series == series.name if own else alike and sample.fold != fold
-            if asked:
+        kind = True, series.bands, series.unloading
+        for sample, gap in zip(self.data.samples, gaps, strict=True):
+            alike = (sample.in_pair, sample.bands, sample.unloading) == kind
+            if sample.series == series.name if own else alike and sample.fold != fold:
                 found[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
         return [float(np.mean(one)) if one else 0.0 for one in found]
 
     def _snap(
-        self, test: PairTest, numbers: Floats, weighing: fit_samples.Weighing | None
+        self, test: PairTest, numbers: Floats, missed: Sequence[float] = ()
     ) -> tuple[float, float]:
-        return fit_model.snap_of(*self._asked(test, numbers, weighing))
+        return fit_model.snap_of(*self._asked(test, numbers), missed)
 
-    def _asked(
-        self, test: PairTest, numbers: Floats, weighing: fit_samples.Weighing | None
-    ) -> tuple[fit_model.Model, PairTest, float]:
+    def _asked(self, test: PairTest, numbers: Floats) -> tuple[fit_model.Model, PairTest, float]:
         values = self._named(numbers)
-        model = fit_model.Model(values, self.shape(numbers), weighing, self.given)
+        model = fit_model.Model(values, self.shape(numbers), self.weighing, self.given)
         bands = test.series.bands
         return model, test, bands * values[fit_samples.rubber_name(bands, in_pair=True)]
+
+    def _model_force(self, numbers: Floats) -> Floats:
+        return fit_model.force(self._named(numbers), self.rows, self.shape(numbers))
+
+    def _by_sample(self, values: Floats) -> list[Floats]:
+        return np.split(values, np.cumsum([len(s.way) for s in self.data.samples])[:-1])
 
     def _named(self, numbers: Floats) -> dict[str, float]:
         return dict(zip(self.names, numbers.tolist(), strict=True))
