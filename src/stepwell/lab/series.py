@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, to_unit
+from stepwell.base import Bools, ByValue, Floats, counted, to_unit
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import natural
@@ -57,7 +57,6 @@ class Series(ByValue):
         chain: the model of what was tested, one cell or two.
         bands: how many bands each cell carried, where names leave it open; 1 for a design as it is.
         unloading: whether the stroke falls.
-        recordings: the repeats.
         baseline: runs of the same rig without a band; empty where there is none.
         told: what was used, dropped or odd.
     """
@@ -81,8 +80,8 @@ class Series(ByValue):
     def damaged(self) -> dict[str, str]:
         """Repeats that do not count for the mean, by source, and why.
 
-        What is far off the median of three or more, and the others are not, shows something else:
-        a band that slipped, a jam, somebody who leaned on the machine.
+        What alone is far off the median of three or more shows something else: a slipped band, a
+        jam.
         """
         return _damaged(self.recordings, self.chain.full_stroke)
 
@@ -120,7 +119,7 @@ class Series(ByValue):
     def net(self, stroke: Floats, force: Floats) -> Floats:
         """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m].
 
-        A weight that the design of a single cell states as a load is in its model: it stays in.
+        A weight in the design of a single cell is in its model, and stays in.
         """
         base = self.baseline_curve
         if base is None:
@@ -138,12 +137,7 @@ class Series(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Sorted(ByValue):
-    """All series of a batch, and what became of every other recording.
-
-    Attributes:
-        series: in the order of their files.
-        told: a line for whatever is in no series.
-    """
+    """All series of a batch in the order of their files, and a line for whatever is in none."""
 
     series: tuple[Series, ...]
     told: tuple[str, ...]
@@ -189,9 +183,6 @@ def sort_series(
         baseline: runs without a band; by default those whose name says so, from the same folder
             where possible, with about the same stroke and the same direction. Empty for none.
         as_designed: take the design as it is, whatever names say.
-
-    Returns:
-        The series.
 
     Raises:
         LabError: there is no series, or more than one design for recordings that do not say which.
@@ -243,11 +234,8 @@ def _grouped(
             for part in _parts(recording):
                 way = part.direction == "unloading"
                 groups[recording.group, stem_of(recording.name), way].append(part)
-    told += [
-        f"{group}: {count} tension tests left out; `stepwell lab band` reads them"
-        for group, count in tension.items()
-    ]
-    return groups, told
+    read = "tension tests left out; `stepwell lab band` reads them"
+    return groups, told + [f"{group}: {count} {read}" for group, count in tension.items()]
 
 
 def _baseline_lines(
@@ -274,8 +262,20 @@ class _Group(NamedTuple):
     gaps: dict[str, str]
 
     def base(self, run: Recording) -> list[Recording]:
-        """The baselines that fit a run."""
-        return _matching(run, self.unloading, self.baselines)
+        """The family of baselines that fits best: same direction, about the same stroke."""
+        span = float(np.ptp(run.stroke))
+        families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
+        for other in self.baselines:
+            ratio = float(np.ptp(other.stroke)) / span if span else 0.0
+            falls = other.direction == "unloading"
+            if falls == self.unloading and _COVER[0] <= ratio <= _COVER[1]:
+                families[other.group, stem_of(other.name)].append(other)
+
+        def far(family: list[Recording]) -> tuple[bool, float]:
+            elsewhere = PurePath(family[0].group).parent != PurePath(run.group).parent
+            return elsewhere, abs(float(np.mean([np.ptp(r.stroke) for r in family])) / span - 1)
+
+        return min(families.values(), key=far, default=[])
 
     def series(
         self,
@@ -287,9 +287,15 @@ class _Group(NamedTuple):
         told: Sequence[str] = (),
     ) -> Series:
         """A series of runs of the group."""
-        odd = [
-            f"{PurePath(source).stem}: not in the mean, its force is {why}"
-            for source, why in _damaged(mine, chain.full_stroke).items()
+        names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
+        lines = [
+            f"runs: {', '.join(run.name for run in mine)}",
+            f"baseline: {names}",
+            *_odd_lines(mine, self.gaps),
+            *(
+                f"{PurePath(source).stem}: not in the mean, its force is {why}"
+                for source, why in _damaged(mine, chain.full_stroke).items()
+            ),
         ]
         return Series(
             f"{name}, {'unloading' if self.unloading else 'loading'}",
@@ -299,7 +305,7 @@ class _Group(NamedTuple):
             self.unloading,
             tuple(mine),
             tuple(base),
-            (*_used_lines(mine, base, self.gaps), *odd, *told),
+            (*lines, *told),
         )
 
 
@@ -345,20 +351,20 @@ def _series_of_names(
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         chain = Chain([_with_bands(cell, bands) for cell in cells])
-        name, told = f"{setup.code}, {counted_bands(bands)}", _band_lines(bands, ratio)
+        name, told = f"{setup.code}, {counted(bands, 'band')}", _band_lines(bands, ratio)
         found.append(group.series(name, chain, bands, mine, base, told))
     return found, left_out
 
 
 def _band_lines(bands: int, ratio: float) -> list[str]:
     """How many bands were judged to be on, by the force over that of one, and what is doubtful."""
-    told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
+    told = [f"{counted(bands, 'band')}, judged from the force: {ratio:.2f} times that of one"]
     if ratio < 0:
         told.append("it pushes where the model pulls: check the sign of the force")
     for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
         # Near where one more or one less would be taken.
         if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
-            told.append(f"{counted_bands(other)} may be too: check how many were on")
+            told.append(f"{counted(other, 'band')} may be too: check how many were on")
     if 0 <= ratio < _WEAK:
         told.append("that is weak for a band: check which one was on")
     return told
@@ -367,7 +373,7 @@ def _band_lines(bands: int, ratio: float) -> list[str]:
 def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
     """Where the forces say that q of a cell is, and how much better that fits than the next.
 
-    Of the places that names can say the one that fits best, stiffness and friction left free.
+    Of the places that names can say, with stiffness and friction left free.
     """
     chain = Chain(cells)
     usable = [run for run in _over_stroke(runs, chain)[0] if not unusable(run)]
@@ -388,10 +394,8 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
             errors.append((rms(columns @ found - curve.force[use]), q))
     if len(errors) < 2:
         return ""
-    (best, *_), (next_best, *_) = sorted(errors)[:2]
-    one, other = (
-        f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for _, (x, y) in sorted(errors)[:2]
-    )
+    (best, at), (next_best, beside) = sorted(errors)[:2]
+    one, other = (f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for x, y in (at, beside))
     times = next_best / max(best, 1e-9)
     if times < TELLING:
         return f" (its forces may be those of q at {one} or at {other} mm, {times:.2f} to 1)"
@@ -412,13 +416,13 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
         covered = min(high, full) - max(low, 0.0)
         if covered >= _LEAST * full and high - low <= _MOST * full:
             kept.append((run, covered))
-            continue
-        told.append(
-            f"{run.source}: left out, its stroke goes from {to_unit(low, 'mm'):.4g} to "
-            f"{to_unit(high, 'mm'):.4g} mm and that of the design from 0 to "
-            f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design was "
-            "tested"
-        )
+        else:
+            told.append(
+                f"{run.source}: left out, its stroke goes from {to_unit(low, 'mm'):.4g} to "
+                f"{to_unit(high, 'mm'):.4g} mm and that of the design from 0 to "
+                f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design "
+                "was tested"
+            )
     longest = max((covered for _, covered in kept), default=0.0)
     told += [
         f"{run.source}: left out, it covers {to_unit(covered, 'mm'):.4g} mm where another repeat "
@@ -456,18 +460,13 @@ def _ratio(series: Series, run: Recording) -> float:
 def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
     """Runs sorted by how many bands they show: the count, the runs, the median of their ratios.
 
-    Each is judged by itself, whatever other files there are: so many bands as make each at most
-    1.4 times as strong as the model's.
+    Each run has so many bands as make each at most 1.4 times as strong as the model's.
     """
     groups: dict[int, list[tuple[float, Recording]]] = defaultdict(list)
-    for ratio, run in runs:
+    for ratio, run in sorted(runs, key=lambda one: natural(one[1].source)):
         groups[max(1, math.ceil(ratio / _STRONG))].append((ratio, run))
     return [
-        (
-            count,
-            sorted((run for _, run in group), key=lambda run: natural(run.source)),
-            float(np.median([ratio for ratio, _ in group])),
-        )
+        (count, [run for _, run in group], float(np.median([ratio for ratio, _ in group])))
         for count, group in sorted(groups.items())
     ]
 
@@ -477,18 +476,13 @@ def _with_bands(cell: Cell, count: int) -> Cell:
     return replace(cell, band=bands)
 
 
-def counted_bands(count: int) -> str:
-    """How many bands, in words."""
-    return "1 band" if count == 1 else f"{count} bands"
-
-
 def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
     fitting = [chain for chain in designs if len(chain) == count]
     if len(fitting) > 1:
         raise LabError(
             "designs",
-            f"{len(fitting)} of them have {count} cell{'s' * (count > 1)}: give one, and file "
-            f"names say the anchors; or compare each design with its own recordings.",
+            f"{len(fitting)} of them have {counted(count, 'cell')}: give one, and file names say "
+            f"the anchors; or compare each design with its own recordings.",
         )
     return fitting[0].levers if fitting else (paper_cell(),) * count
 
@@ -501,28 +495,6 @@ def _parts(recording: Recording) -> list[Recording]:
         )
         for h in recording.halves
     ]
-
-
-def _matching(run: Recording, unloading: bool, baselines: list[Recording]) -> list[Recording]:
-    """The family of baselines that fits best: same direction, about the same stroke, nearest."""
-    span = float(np.ptp(run.stroke))
-    families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
-    for other in baselines:
-        ratio = float(np.ptp(other.stroke)) / span if span else 0.0
-        if (other.direction == "unloading") == unloading and _COVER[0] <= ratio <= _COVER[1]:
-            families[other.group, stem_of(other.name)].append(other)
-
-    def far(family: list[Recording]) -> tuple[bool, float]:
-        elsewhere = PurePath(family[0].group).parent != PurePath(run.group).parent
-        return elsewhere, abs(float(np.mean([np.ptp(r.stroke) for r in family])) / span - 1)
-
-    return min(families.values(), key=far) if families else []
-
-
-def _used_lines(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> list[str]:
-    names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
-    used = ", ".join(run.name for run in runs)
-    return [f"runs: {used}", f"baseline: {names}", *_odd_lines(runs, gaps)]
 
 
 def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:

@@ -17,7 +17,7 @@ from stepwell.lab.bands.choice import NOTHING
 from stepwell.lab.calibration import Calibration
 from stepwell.lab.fit_samples import rubber_name
 from stepwell.lab.recordings.recording import LabError, Recording, setup_of
-from stepwell.lab.series import TENSION_TEST, counted_bands
+from stepwell.lab.series import TENSION_TEST
 from stepwell.mechanism import Cubic, Table
 
 _ROWS = 13
@@ -26,13 +26,8 @@ _ROWS = 13
 def band_table(found: BandFit, source: str = "") -> str:
     """The `band` line of a design file, and above it in comments where it comes from.
 
-    Args:
-        found: the fit to tension tests.
-        source: what the recordings are called.
-
-    Returns:
-        TOML to paste into [chain] or [[chain.cell]]; the rest length is left out where it is not
-        known, and a comment says so.
+    `source` is what the recordings are called. TOML to paste into [chain] or [[chain.cell]]; the
+    rest length is left out where it is not known, and a comment says so.
     """
     gauge, keys, comments = found.choice.gauge, _keys(found), _provenance(found, source)
     if gauge is None:
@@ -76,10 +71,8 @@ def _provenance(found: BandFit, source: str) -> list[str]:
     estimate, alone = found.stiffness, found.alone
     low, high = (to_unit(edge, "mm") for edge in test.window)
     if alone is None:
-        interval = (
-            f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
-            f"{estimate.spread:.3g}"
-        )
+        between = f"{estimate.low:.4g} to {estimate.high:.4g}"
+        interval = f"95 % {between}, scatter between samples {estimate.spread:.3g}"
     elif math.isnan(alone.stiffness.low):
         interval = "one sample and too few readings: its uncertainty is not known"
     else:
@@ -111,14 +104,8 @@ def _provenance(found: BandFit, source: str) -> list[str]:
 def calibrated_table(calibration: Calibration, source: str = "") -> str:
     """The `band` line of a design file for each number of bands, the first of them ready to use.
 
-    Args:
-        calibration: the fit.
-        source: what the recordings are called.
-
-    Returns:
-        TOML: comments with provenance, errors and what a design cannot hold, then the band of
-        cells with the fewest bands; those of the others are commented out, and so are the weight
-        and the friction that cells of pairs carry.
+    `source` is what the recordings are called. In comments are provenance, errors, what a design
+    cannot hold, the lines but the first, and the weight and the friction that cells of pairs carry.
     """
     loss, length = calibration["loss"], calibration["loss_length"]
     friction, rest = calibration["friction"], calibration["rest_length"]
@@ -168,7 +155,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
 
 
 def _kind(bands: int, pair: bool) -> str:
-    return f"{'pairs' if pair else 'cells'} with {counted_bands(bands)}"
+    return f"{'pairs' if pair else 'cells'} with {counted(bands, 'band')}"
 
 
 def _calibrated_keys(calibration: Calibration, bands: int, pair: bool) -> dict[str, Any]:
@@ -192,13 +179,8 @@ _TAUT = 0.02  # of the largest force, below which a band counts as slack
 def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
     """The law of each set of tension tests: the mean loading curve of its usual bands.
 
-    Args:
-        recordings: of any kind; tension tests are told by their names.
-
-    Returns:
-        By the name of a folder of tests its law, tension over the stiffness at the largest
-        extension; where its bands are not of one kind, by the names of the runs. What gives no band
-        is left out.
+    By the name of a folder of tests, which their names tell, or of the run where bands are not of
+    one kind: tension over the stiffness at the largest extension. What gives no band is left out.
     """
     groups: dict[str, list[Recording]] = defaultdict(list)
     for one in recordings:
