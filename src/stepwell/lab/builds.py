@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -19,15 +19,10 @@ _COUNTS = {1: "one hole", 2: "two holes", 3: "three holes"}
 
 @dataclass(frozen=True)
 class Holes:
-    """What is believed of the holes of a build before it is tried.
+    """What is believed of the holes of a build before it is tried, `apart` [m] from each other.
 
     Of anchors a motion knows d = q - p alone, so a cell has one shift, of its q; a wrong hole of p
-    is the opposite one.
-
-    Attributes:
-        anchors: q of every cell that has one.
-        apart: how far holes are apart [m].
-        chance: that an anchor is one hole off, along x or y.
+    is the opposite one. `chance` is that an anchor is one hole off, along x or y.
     """
 
     anchors: tuple[Parameter, ...]
@@ -48,8 +43,8 @@ class Holes:
         """(cells, 2) by how much q of each cell is off [m], for numbers (cells,) from 0 to 1."""
         found = np.zeros((len(even), 2))
         wrong = even < self._drawn
-        way = np.minimum((even[wrong] / self._drawn * len(WAYS)).astype(int), len(WAYS) - 1)
-        found[wrong] = self.apart * np.array(WAYS)[way]
+        way = (even[wrong] / self._drawn * len(WAYS)).astype(int)
+        found[wrong] = self.apart * np.array(WAYS)[np.minimum(way, len(WAYS) - 1)]
         return found
 
     def price(self, even: base.Floats) -> float:
@@ -111,10 +106,8 @@ def way_in_words(was: base.Vec2, to: base.Vec2, holes: int) -> str:
     """How far from one place to another, in holes; along x q goes outwards, away from its block."""
     dx, dy = to[0] - was[0], to[1] - was[1]
     if abs(dx) > abs(dy):
-        word = "outwards" if dx > 0 else "inwards"
-    else:
-        word = "along +y" if dy > 0 else "along -y"
-    return f"{_COUNTS[holes]} {word}"
+        return f"{_COUNTS[holes]} {'outwards' if dx > 0 else 'inwards'}"
+    return f"{_COUNTS[holes]} along {'+y' if dy > 0 else '-y'}"
 
 
 # Forces of a recording that are compared, each way; more of them are no more independent.
@@ -124,12 +117,9 @@ _REACH = 0.5
 
 
 class Pull(NamedTuple):
-    """The force of the actuator at a stroke.
+    """The force of the actuator [N] at a stroke from state 0 on [m], positive where it pulls.
 
-    Attributes:
-        direction: +1 while loading, -1 while unloading.
-        stroke: from state 0 of all cells on [m].
-        force: [N], positive where the actuator pulls.
+    `direction` is +1 while loading, -1 while unloading.
     """
 
     direction: int
@@ -142,12 +132,11 @@ class Observed(base.ByValue):
     """What a build did when it was pulled out and let back once.
 
     Args:
-        sequence: the states it went through, such as "00>10>11>01>00"; None where nobody looked.
-        out, back: strokes at which it snapped while it was pulled out and let back [m]; None where
-            nobody looked, empty where it did not snap.
+        sequence: the states it went through, such as "00>10>11>01>00"; None if it is not known.
+        out, back: strokes at which it snapped while it was pulled out and let back [m]; None if
+            they are not known, empty where it did not snap.
         pulls: forces that were read on the way.
-        ruler: standard deviation of a stroke [m].
-        scale: standard deviation of a force [N].
+        ruler, scale: standard deviation of a stroke [m] and of a force [N].
 
     Raises:
         ValueError: nothing was seen, or a doubt that is not above zero.
@@ -165,10 +154,9 @@ class Observed(base.ByValue):
             raise base.InputError(
                 "nothing was seen: give the states, strokes of snaps, or forces on the way."
             )
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in ("ruler", "scale") and not 0 < value < math.inf:
-                raise base.InputError(f"{field.name} = {value}: must be > 0, as doubts are.")
+        for name in ("ruler", "scale"):
+            if not 0 < (value := getattr(self, name)) < math.inf:
+                raise base.InputError(f"{name} = {value}: must be > 0, as doubts are.")
 
     @property
     def numbers(self) -> int:
@@ -178,23 +166,21 @@ class Observed(base.ByValue):
     def misfit(self, cycle: sequences.Cycle) -> float:
         """Half the sum of squared errors in standard deviations; infinite where it did otherwise.
 
-        A snap too many or too few is another motion, and so is a tie, which may end either way.
+        Another number of snaps is another motion, and so is a tie, which may end either way.
         """
         if self.sequence is not None and str(cycle.sequence) != self.sequence:
             return math.inf
-        total = 0.0
+        gaps: list[base.Floats] = []
         for direction, wanted in ((1, self.out), (-1, self.back)):
-            if wanted is None:
-                continue
-            found = sorted(e.drive for e in cycle.snaps if e.direction == direction)
-            if len(found) != len(wanted):
-                return math.inf
-            gaps = np.subtract(found, sorted(wanted)) / self.ruler
-            total += 0.5 * float(gaps @ gaps)
+            if wanted is not None:
+                found = sorted(e.drive for e in cycle.snaps if e.direction == direction)
+                if len(found) != len(wanted):
+                    return math.inf
+                gaps.append(np.subtract(found, sorted(wanted)) / self.ruler)
         if self.pulls:
-            gaps = (_forces(cycle, self.pulls) - [pull.force for pull in self.pulls]) / self.scale
-            total += 0.5 * float(gaps @ gaps)
-        return total
+            off = _forces(cycle, self.pulls) - [pull.force for pull in self.pulls]
+            gaps.append(off / self.scale)
+        return sum((0.5 * float(gap @ gap) for gap in gaps), 0.0)
 
     def __repr__(self):
         return base.brief(self)
@@ -211,9 +197,7 @@ def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
 def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
     """Forces at even strokes of a recording, each the mean of what lies about it.
 
-    Args:
-        recording: pulled out, let back, or both.
-        full: stroke with every cell at state 1 [m].
+    `full` is the stroke with every cell at state 1 [m].
 
     Raises:
         LabError: it does not reach over half of that stroke, or over more than half as much again.
@@ -232,11 +216,10 @@ def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
     for half in recording.halves:
         direction = 1 if recording.direction_of(half) == "loading" else -1
         place = np.digitize(stroke[half], edges) - 1
-        for k in range(_PLACES):
+        for k in np.intersect1d(place, np.arange(_PLACES)):
             here = place == k
-            if np.any(here):
-                u, force = stroke[half][here], recording.force[half][here]
-                found.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
+            u, force = stroke[half][here], recording.force[half][here]
+            found.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
     return tuple(found)
 
 
@@ -256,7 +239,6 @@ class Population:
     """Builds, each as likely as the others.
 
     Attributes:
-        built: n of them.
         misfits: (n,) how badly each agrees, as `Observed.misfit`.
         shifts: (n, cells, 2) by how much q of each cell is in another hole [m].
         before, weights: those before anything was seen, and how likely each is.
@@ -276,18 +258,12 @@ class Population:
 def population(
     draws: Draws, holes: Holes, observed: Observed, n: int, tell: Callable[[], None]
 ) -> Population | None:
-    """Builds given what was seen of one; None where of n none moves so.
+    """n builds given what was seen of one; None where of n none moves so.
 
     What was seen counts little at first and more in every generation: the better ones are taken
     more often, and all then go some steps at random, among those that are as likely. So it is with
-    how unlikely wrong holes are, of which more are drawn at first than there are.
-
-    Args:
-        draws: what builds may be before anything was seen.
-        holes: where their anchors may be by mistake.
-        observed: what was seen.
-        n: how many.
-        tell: called for every one that is tried.
+    how unlikely wrong holes are, of which more are drawn at first than there are. `tell` is called
+    for every build that is tried.
 
     Source: Del Moral, Doucet and Jasra 2006.
     """
@@ -393,10 +369,10 @@ class _Crowd:
         spread[self.draws.columns :] = 0.0
         for _ in range(steps):
             there = self.neighbours(spread)
-            luck, taken = self.random.random(n), 0
-            for k in range(n):
+            taken = 0
+            for k, luck in enumerate(self.random.random(n)):
                 one = self.tried(there[k])
-                if luck[k] < math.exp(min(0.0, counts * (self.made[k].worse - one.worse))):
+                if luck < math.exp(min(0.0, counts * (self.made[k].worse - one.worse))):
                     self.made[k], self.even[k] = one, there[k]
                     taken += 1
             self.far = min(max(self.far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
@@ -405,7 +381,9 @@ class _Crowd:
         """A place near each build; some anchors hook into another hole."""
         n, columns = len(self.even), self.holes.columns
         step = self.far * spread * self.random.standard_normal(self.even.shape)
-        there = _within(self.even + step)
+        # What goes beyond 0 or 1 comes back as by mirrors there.
+        there = np.mod(self.even + step, 2.0)
+        there = np.minimum(there, 2.0 - there)
         if columns:
             luck, other = self.random.random(n), self.random.random((n, columns))
             one = np.arange(columns) == self.random.integers(columns, size=(n, 1))
@@ -433,12 +411,5 @@ def _more(misfits: base.Floats, most: float) -> float:
 def _chosen(weights: base.Floats, random: np.random.Generator) -> base.Ints:
     """As many of each as its weight says, by even steps from a random start."""
     n = len(weights)
-    steps = (np.arange(n) + random.random()) / n
-    places = np.searchsorted(np.cumsum(weights) / np.sum(weights), steps)
-    return np.minimum(places, n - 1)
-
-
-def _within(even: base.Floats) -> base.Floats:
-    """Numbers brought back between 0 and 1 as by mirrors there."""
-    folded = np.mod(even, 2.0)
-    return np.where(folded > 1.0, 2.0 - folded, folded)
+    places = np.cumsum(weights) / np.sum(weights)
+    return np.minimum(np.searchsorted(places, (np.arange(n) + random.random()) / n), n - 1)
