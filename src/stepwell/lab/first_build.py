@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any
@@ -24,12 +25,11 @@ _ENOUGH, _PAIRED = 0.95, 8
 
 @dataclass(frozen=True, eq=False)
 class AnchorMove(ByValue):
-    """One anchor moved along x or y.
+    """One anchor moved along x or y, by a number of holes.
 
     Attributes:
         anchor: q of a cell; p as far the other way does the same.
         was, to: where its first band has it on the drawing, and where it would be there [m].
-        holes: how many holes that is.
     """
 
     anchor: Parameter
@@ -52,11 +52,9 @@ class AnchorMove(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Move(ByValue):
-    """One anchor moved to another hole, or two.
+    """One anchor moved to another hole, or two: a step for each anchor and direction.
 
-    Attributes:
-        steps: one for each anchor and direction.
-        share: of the builds that agree with what was seen, how many then do what is wanted.
+    `share` says of the builds that agree with what was seen how many then do what is wanted.
     """
 
     steps: tuple[AnchorMove, ...]
@@ -98,21 +96,11 @@ def best_moves(
     share: float,
     tried: Callable[[], None],
 ) -> tuple[Move, ...]:
-    """The best moves, if they are better than leaving the anchors, beyond what chance does.
+    """The best moves first, if they are better than leaving the anchors, beyond what chance does.
 
     One anchor is moved along x or y, by as few holes as help; two by one hole each where one does
-    not mend nearly all. Two are told where they are better than one beyond chance.
-
-    Args:
-        drawing: whose anchors are named.
-        built: as they may be, each as likely as the others.
-        target: the sequence of states.
-        hole: how far apart holes are [m].
-        share: how many of the builds do it as they are.
-        tried: called after each move that was tried.
-
-    Returns:
-        Moves, the best one first.
+    not mend nearly all. Two are told where they are better than one beyond chance. `share` is how
+    many of the builds do it as they are; `tried` is called after each move that was tried.
     """
 
     def better(moves: list[Move], than: float) -> list[Move]:
@@ -152,13 +140,13 @@ def moves_of(chain: Chain) -> int:
 
 
 def _steps(drawing: Chain, hole: float, holes: int) -> list[AnchorMove]:
-    found: list[AnchorMove] = []
-    for anchor in builds.outer_anchors(drawing):
-        was = builds.place_of(anchor, drawing)
-        for x, y in builds.WAYS:
-            to = was[0] + holes * hole * x, was[1] + holes * hole * y
-            found.append(AnchorMove(anchor, was, to, holes))
-    return found
+    far = holes * hole
+    placed = [(one, builds.place_of(one, drawing)) for one in builds.outer_anchors(drawing)]
+    return [
+        AnchorMove(anchor, was, (was[0] + far * x, was[1] + far * y), holes)
+        for anchor, was in placed
+        for x, y in builds.WAYS
+    ]
 
 
 def _back(a: Move, b: Move) -> bool:
@@ -176,10 +164,8 @@ def _chance(one: float, other: float, n: int) -> float:
 def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
-        try:
+        with suppress(StepwellError):  # Hooked there it cannot be built.
             count += does(move.of(one), target)
-        except StepwellError:
-            continue  # Hooked there it cannot be built.
     return Move(steps, count / len(built))
 
 
@@ -214,7 +200,6 @@ class Known(ByValue):
     """One number of a build.
 
     Attributes:
-        parameter: which.
         drawn: on the drawing.
         value, doubt: mean and standard deviation, given what was seen.
         before: standard deviation before it was tried.
@@ -244,8 +229,7 @@ class AsBuilt(ByValue):
 
     Attributes:
         drawing: what was meant to be built.
-        seen: what it did.
-        target: what it should do.
+        seen, target: what it did, and what it should do.
         tolerances: how far parts were taken to be off at most.
         wider: how many times as far as first thought; 1 where that sufficed.
         samples, seed: how many were drawn, and which.
@@ -323,12 +307,8 @@ def as_built(
         target: what it should do; what the drawing does by default.
         hole: how far apart holes are [m].
         wrong_hole: how likely an anchor is in the hole beside its own, along x or y [1].
-        samples: how many builds.
-        seed: which.
+        samples, seed: how many builds, and which.
         progress: called with (done, total) builds and moves.
-
-    Returns:
-        The build, and what to do next.
 
     Raises:
         LabError: nothing that is drawn within eight times the tolerances does what was seen.
@@ -365,9 +345,8 @@ def as_built(
         raise LabError(
             "what was seen",
             f"none of {samples} builds with parts up to {wider:g} times as far off as "
-            f"{tolerances!r} "
-            f"does this: check that this design was built, which cell is innermost, and from "
-            f"where strokes were counted.",
+            f"{tolerances!r} does this: check that this design was built, which cell is innermost, "
+            f"and from where strokes were counted.",
         )
     known = _known(drawing, found)
     likely = _at_means(drawing, known)
@@ -409,7 +388,7 @@ def _misfit(chain: Chain, seen: builds.Observed) -> float:
 
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
-    """The tolerances so many times as wide; an anchor is in another hole before a band is another.
+    """The tolerances so many times as wide: anchors are off before bands are others.
 
     Of a chain of elements, which has no anchors, the scales are.
     """
@@ -437,9 +416,7 @@ def _wrong(
 
 def _known(drawing: Chain, builds: builds.Population) -> tuple[Known, ...]:
     found: list[Known] = []
-    for one in parameters(drawing):
-        if one.part not in _PARTS:
-            continue
+    for one in (parameter for parameter in parameters(drawing) if parameter.part in _PARTS):
         before, after = (
             np.array([_value(one, chain, drawing) for chain in chains])
             for chains in (builds.before, builds.built)
