@@ -2,10 +2,10 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import NamedTuple
+from itertools import accumulate, chain, pairwise
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from stepwell.lab.recordings.recording import (
 )
 
 CONFIDENCE = 0.95
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,6 @@ class Estimate(ByValue):
     """A mean over samples.
 
     Attributes:
-        value: the mean.
         low, high: 95 % interval of the mean of all such samples; NaN for one sample, which
             shows no scatter.
         next_low, next_high: 95 % interval for one more sample.
@@ -54,13 +54,7 @@ class Estimate(ByValue):
 
 
 def of_samples(each: Mapping[int, float]) -> Estimate:
-    """The mean of samples and its Student interval.
-
-    Args:
-        each: value by sample.
-
-    Returns:
-        The estimate.
+    """The mean of samples and its Student interval, from a value by sample.
 
     Source: Student 1908; the interval for one more sample is the usual prediction interval.
     """
@@ -85,10 +79,9 @@ _ROWS = 4
 
 @dataclass(frozen=True, eq=False)
 class Hysteresis(ByValue):
-    """One cycle of one sample.
+    """One cycle of one sample, both counted from 1.
 
     Attributes:
-        sample, cycle: counted from 1.
         source: the file it comes from.
         stroke, force: (n,) of the loading half [m], [N].
         back_stroke, back_force: (m,) of the unloading half; empty where there is none.
@@ -127,11 +120,8 @@ def loops_of(
 
     Samples are told apart by names such as Samp2_45mm_7; where names only count through, by
     `per_sample`; else all files of one stem are one sample. Cycles are numbered as the names do
-    where those of a sample agree with the cycles in the files; else they are counted.
-
-    Returns:
-        The cycles; the mean length at stroke 0 [m], where every file holds the length of its band;
-        and what is to be told.
+    where those of a sample agree with the cycles in the files; else they are counted. Beside them
+    come the mean length at stroke 0 [m], where every file holds that of its band, and notes.
     """
     told: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
@@ -145,8 +135,11 @@ def loops_of(
         else:
             by_sample[sample].append(recording)
             numbers[recording.source] = number
-    gauge, lines = _gauge([recording for files in by_sample.values() for recording in files])
-    told += lines
+    gauges = [recording.gauge for files in by_sample.values() for recording in files]
+    known = [gauge for gauge in gauges if gauge is not None]
+    gauge = sum(known) / len(known) if known and len(known) == len(gauges) else None
+    if known and gauge is None:
+        told.append("some files hold the length of the band and some do not: it is not used")
     loops: list[Hysteresis] = []
     for sample, files in sorted(by_sample.items()):
         loops_here = _loops_of_sample(sample, files, [numbers[r.source] for r in files])
@@ -159,34 +152,20 @@ def loops_of(
     return tuple(loops), gauge, tuple(told)
 
 
-def _gauge(recordings: list[Recording]) -> tuple[float | None, list[str]]:
-    """The mean length at stroke 0, where every file has one, and what is to be told of it."""
-    gauges = [recording.gauge for recording in recordings if recording.gauge is not None]
-    if not gauges:
-        return None, []
-    if len(gauges) < len(recordings):
-        return None, ["some files hold the length of the band and some do not: it is not used"]
-    return sum(gauges) / len(gauges), []
-
-
 def _loops_of_sample(
     sample: int, files: list[Recording], numbers: list[int | None]
 ) -> list[list[Hysteresis]]:
     """The numbered cycles in each file of a sample; `numbers` are those of the files' names."""
     cycles = [list(_cycles(recording)) for recording in files]
     named = _named(numbers, [len(found) for found in cycles])
-    loops: list[list[Hysteresis]] = []
-    cycle = 0
-    for recording, found, number in zip(files, cycles, named, strict=True):
-        first = cycle if number is None else number - 1
-        cycle = first + len(found)
-        loops.append(
-            [
-                Hysteresis(sample, first + k, recording.source, *parts, recording.steps)
-                for k, parts in enumerate(found, 1)
-            ]
-        )
-    return loops
+    counted = accumulate(map(len, cycles), initial=1)
+    return [
+        [
+            Hysteresis(sample, cycle, recording.source, *parts, recording.steps)
+            for cycle, parts in enumerate(found, first if number is None else number)
+        ]
+        for recording, found, number, first in zip(files, cycles, named, counted, strict=False)
+    ]
 
 
 def _sorted(
@@ -253,7 +232,7 @@ _SLACK = 0.02  # of the largest force, below which a band is not said to be taut
 def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
     """First and last cycle that is fitted, and what is told where it is not the paper's.
 
-    That is every cycle but the first, where every sample has others: rubber softens most in it.
+    That is every cycle but the first, in which rubber softens most, where every sample has others.
     """
     samples = {loop.sample for loop in loops}
     first, last = CYCLES
@@ -269,7 +248,7 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
 def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
     """The strokes between which bands are fitted [m], and what is told where they are not usual.
 
-    That is from where the band is taut to the end of what was measured, where a loading half does
+    They go from where the band is taut to the end of what was measured, where a loading half does
     not reach over the paper's window or has few readings in it.
     """
     low, high = WINDOW
@@ -330,24 +309,23 @@ def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
     The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
     Bands are of one kind while no gap wider than a factor separates them.
     """
-    by_sample: dict[int, list[LoadingRun]] = {}
+    by_sample: dict[int, list[LoadingRun]] = defaultdict(list)
     for run in runs:
-        by_sample.setdefault(run.sample, []).append(run)
+        by_sample[run.sample].append(run)
     bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
-    stiff = sorted(((_typical(band), band) for band in bands), key=lambda one: one[0])
-    groups: list[list[tuple[float, list[LoadingRun]]]] = []
-    for one in stiff:
-        if groups and _ratio(groups[-1][-1][0], one[0]) <= _APART:
-            groups[-1].append(one)
-        else:
-            groups.append([one])
+    bands.sort(key=_typical)
+    groups = _parted(bands, lambda one, next_: _ratio(_typical(one), _typical(next_)) > _APART)
     found = [
-        AlikeRuns(
-            tuple(r for _, band in g for r in band), float(np.median([k for k, _ in g])), len(g)
-        )
+        AlikeRuns(tuple(chain.from_iterable(g)), float(np.median(list(map(_typical, g)))), len(g))
         for g in groups
     ]
     return tuple(sorted(found, key=lambda kind: -kind.bands))
+
+
+def _parted(items: list[T], apart: Callable[[T, T], bool]) -> list[list[T]]:
+    """A list cut where an item is apart from the one before it."""
+    cuts = [k for k, pair in enumerate(pairwise(items), 1) if apart(*pair)]
+    return [items[begin:end] for begin, end in pairwise([0, *cuts, len(items)])]
 
 
 def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
@@ -361,9 +339,8 @@ def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
     whole = round(factor)
     hint = ""
     if 2 <= whole <= 4 and abs(factor / whole - 1) < _ABOUT:
-        hint = (
-            f" ({whole} bands in place of 1?)" if ratio > 1 else f" (1 band in place of {whole}?)"
-        )
+        swapped = f"{whole} bands in place of 1" if ratio > 1 else f"1 band in place of {whole}"
+        hint = f" ({swapped}?)"
     return f"{files}: {other.stiffness:.4g} N/m, {times}{hint}"
 
 
@@ -375,17 +352,13 @@ def listed(names: Sequence[str]) -> str:
 
 def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:
     """The runs of a sample, parted where the next cycle cannot be of the same band."""
-    ordered = sorted(runs, key=lambda run: run.cycle)
-    parts = [[ordered[0]]]
-    for before, run in pairwise(ordered):
+
+    def other(before: LoadingRun, run: LoadingRun) -> bool:
         softer = _SOFTER_AT_FIRST if before.cycle < _EARLY else _SOFTER
-        rises = run.stiffness > before.stiffness
-        allowed = _STIFFER if rises else softer
-        if _ratio(*sorted((before.stiffness, run.stiffness))) <= allowed:
-            parts[-1].append(run)
-        else:
-            parts.append([run])
-    return parts
+        allowed = _STIFFER if run.stiffness > before.stiffness else softer
+        return _ratio(*sorted((before.stiffness, run.stiffness))) > allowed
+
+    return _parted(sorted(runs, key=lambda run: run.cycle), other)
 
 
 def _typical(runs: list[LoadingRun]) -> float:
