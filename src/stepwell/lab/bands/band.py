@@ -57,14 +57,9 @@ class BandTest(ByValue, Drawn):
         )
 
     def curve(self, sample: int, points: int = 61) -> tuple[Floats, Floats]:
-        """Mean loading curve of a sample inside the window.
+        """Mean loading curve of a sample inside the window, at so many points.
 
-        Args:
-            sample: its number.
-            points: how many places.
-
-        Returns:
-            Strokes (points,) [m] and forces (points,) [N], each the mean over a strip around it.
+        Strokes (points,) [m] and forces (points,) [N], each the mean over a strip around it.
         """
         low, high = self.window
         stroke, force = self.samples_of(sample, self.window)
@@ -82,7 +77,7 @@ class BandTest(ByValue, Drawn):
     def steps_of(self, sample: int) -> tuple[float, float]:
         """In which stroke [m] and force [N] the points of `curve` are told; 0 for no step.
 
-        A point that is the mean of many readings is told better than one of them.
+        A mean of many readings is told better than one of them.
         """
         loops = [loop for loop in self.used if loop.sample == sample]
         means = len(self.samples_of(sample, self.window)[0]) / len(self.curve(sample)[0])
@@ -120,9 +115,6 @@ def band_test(
         drop: numbers of samples to leave out.
         cycles_per_sample: how many files in a row are of one sample.
 
-    Returns:
-        The test.
-
     Raises:
         LabError: nothing is left, a sample does not reach over the window, or no kind of band is
             in the majority.
@@ -132,14 +124,12 @@ def band_test(
     if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
     loops, gauge, told = halves.loops_of(recordings, set(drop), cycles_per_sample)
-    adapted: list[str] = []
+    other_cycles = other_window = ""
     if cycles is None:
-        cycles, line = halves.usual_cycles(loops)
-        adapted.append(line)
+        cycles, other_cycles = halves.usual_cycles(loops)
     if window is None:
         used = [loop for loop in loops if cycles[0] <= loop.cycle <= cycles[1]]
-        window, line = halves.usual_window(used)
-        adapted.append(line)
+        window, other_window = halves.usual_window(used)
     test = BandTest(loops, window, cycles, told, gauge)
     _check_reach(test)
     apart, warnings = _apart(test)
@@ -151,15 +141,12 @@ def band_test(
                 f"holds fewer than 2 readings of a taut band between {_mm(test.window)} mm of "
                 f"stroke: pass another window, or drop it.",
             )
-    return replace(test, told=(*filter(None, adapted), *_used_lines(test), *told))
+    adapted = filter(None, (other_cycles, other_window))
+    return replace(test, told=(*adapted, *_used_lines(test), *told))
 
 
 def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]:
-    """Sample and cycle of runs of another kind than most, and the warning of them.
-
-    Raises:
-        LabError: no kind is in the majority, or the bands do not pull.
-    """
+    """Sample and cycle of runs of another kind than most, and the warning of them."""
     usual, *others = halves.kinds(_runs(test))
     if usual.stiffness <= 0:
         raise LabError(
@@ -211,8 +198,7 @@ def _runs(test: BandTest) -> list[halves.LoadingRun]:
 
 def _todo(kept: set[int], odd: list[int]) -> str:
     """What to do about samples of another kind."""
-    whole = sorted(set(odd) - kept)
-    if whole and kept:
+    if kept and (whole := sorted(set(odd) - kept)):
         drop = " ".join(f"--drop {sample}" for sample in whole)
         return f"leave out {drop}, or keep each kind in a folder of its own."
     return (
@@ -225,13 +211,8 @@ def stiffness(test: BandTest) -> halves.Estimate:
     """Stiffness k of the line through the window, loading, for the mean of the samples [N/m].
 
     The interval holds the mean of all bands of this kind in 95 % of such tests, if bands scatter
-    normally; it comes from the scatter between samples, which contains that of the cycles.
-
-    Args:
-        test: one or more samples.
-
-    Returns:
-        The estimate; without an interval where there is one sample only.
+    normally; it comes from the scatter between samples, which contains that of the cycles, and is
+    not known for one sample.
     """
     return halves.of_samples(
         {
@@ -242,14 +223,9 @@ def stiffness(test: BandTest) -> halves.Estimate:
 
 
 def stiffness_by_window(test: BandTest, step: float | None = None) -> "xr.DataArray":
-    """The same stiffness for other windows.
+    """The same stiffness [N/m] over "start" and "end" of the window [m]; NaN below 2 steps.
 
-    Args:
-        test: one or more samples.
-        step: distance of the edges [m]; about a ninth of the stroke by default.
-
-    Returns:
-        k [N/m] over "start" and "end" of the window [m]; NaN where end - start < 2 steps.
+    `step` is the distance of the edges [m]; about a ninth of the stroke by default.
     """
     need("tables")
     import xarray as xr
@@ -271,22 +247,16 @@ def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, F
         step = float(f"{max(reach, halves.REACH) / 9:.0e}")
     edges = np.arange(0, max(math.floor(reach / step + 1e-9), 0) + 1) * step
     grid = np.full((len(edges), len(edges)), np.nan)
-    for i, low in enumerate(edges):
-        for j, high in enumerate(edges):
-            if j >= i + 2:
-                inside = (test.samples_of(s, (low, high)) for s in test.samples)
-                grid[i, j] = np.mean([_slope(*samples) for samples in inside])
+    for i, j in zip(*np.triu_indices(len(edges), 2), strict=True):
+        inside = (test.samples_of(s, (edges[i], edges[j])) for s in test.samples)
+        grid[i, j] = np.mean([_slope(*samples) for samples in inside])
     return np.asarray(edges, float), grid
 
 
 def hysteresis(test: BandTest) -> "xr.DataArray":
-    """Share of the loading work that is lost in each cycle of each sample, used or not.
+    """Share of the loading work that is lost [1], used or not, over "sample" and "cycle".
 
-    Args:
-        test: one or more samples.
-
-    Returns:
-        Loss [1] over "sample" and "cycle"; NaN where there is no such cycle.
+    NaN where there is no such cycle.
     """
     need("tables")
     import xarray as xr
@@ -312,11 +282,7 @@ def loss_grid(test: BandTest) -> tuple[list[int], list[int], Floats]:
 
 
 def _check_reach(test: BandTest) -> None:
-    """Look whether there is something to fit.
-
-    Raises:
-        LabError: no cycle is used, or one does not reach over the window.
-    """
+    """Refuse a test of which no cycle is used, or one does not reach over the window."""
     if not test.used:
         have = sorted({loop.cycle for loop in test.loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
@@ -368,8 +334,7 @@ def _pulling(
     loops: Sequence[halves.Hysteresis], window: tuple[float, float]
 ) -> tuple[Floats, Floats]:
     """The same where the band is taut."""
-    pulls = [halves.taut(loop.force, loop.steps[1]) for loop in loops]
-    pairs = zip(loops, pulls, strict=True)
+    pairs = [(loop, halves.taut(loop.force, loop.steps[1])) for loop in loops]
     return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
 
 
