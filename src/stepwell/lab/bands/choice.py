@@ -48,16 +48,11 @@ def independent(left: Floats) -> float:
 
 
 def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
-    """How badly a law with so many numbers explains a curve; less is better.
+    """How badly a law with so many fitted numbers explains a curve, by what it leaves (n,) [N].
 
-    Args:
-        left: (n,) what it leaves [N].
-        numbers: how many of its numbers are fitted.
-        worth: independent readings in the curve.
-        doubt: what a reading may be off whatever the law [N].
-
-    Few readings make a number dearer, as in the criterion of Hurvich & Tsai 1989: by chance it
-    explains more of them.
+    `worth` is how many independent readings the curve holds, `doubt` what a reading may be off
+    whatever the law [N]; less is better. Few readings make a number dearer, as in the criterion of
+    Hurvich & Tsai 1989: by chance it explains more of them.
 
     Source: Schwarz 1978.
     """
@@ -70,10 +65,7 @@ def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
 def reading_doubt(fitted: Fitted, stroke: Floats, steps: tuple[float, float]) -> Floats:
     """Standard deviation of readings by the digits they are told in, (n,) [N].
 
-    Args:
-        fitted: the law, for what a step of stroke is in force.
-        stroke: (n,) [m].
-        steps: of stroke [m] and force [N].
+    The steps are those of stroke [m] and force [N]; the law says what a step of stroke is in force.
     """
     slope = (fitted.tension(stroke + _STEP) - fitted.tension(stroke - _STEP)) / (2 * _STEP)
     return np.hypot(steps[1], slope * steps[0]) / math.sqrt(12.0)
@@ -84,14 +76,9 @@ def intervals(
 ) -> tuple[Interval, Interval]:
     """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
 
-    They hold what this band has, by the scatter of its readings around the law and the digits they
-    are told in (Student); not what other bands have.
-
-    Args:
-        fitted: the law through the curve.
-        gauge: length of the band at stroke 0 [m], where it is known.
-        stroke, force: (n,) [m], [N].
-        steps: in which stroke [m] and force [N] are told.
+    They hold what this band has, by the scatter of its readings around the law and the digits, in
+    steps of stroke [m] and force [N], that they are told in (Student); not what other bands have.
+    `gauge` is the length of the band at stroke 0 [m], where it is known.
     """
     pulls = taut(force, steps[1])
     x = stroke[pulls] - np.mean(stroke[pulls])
@@ -99,7 +86,7 @@ def intervals(
     beyond = stroke > fitted.onset
     u, f = stroke[beyond], force[beyond]
     if len(u) <= fitted.law.count(gauge):
-        return Interval(k, math.nan, math.nan), Interval(fitted.onset, math.nan, math.nan)
+        return _around(k, math.nan), _around(fitted.onset, math.nan)
     slopes = fitted.slopes(u, gauge)
     left = f - fitted.tension(u)
     worth = independent(left)
@@ -118,12 +105,15 @@ def intervals(
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
     to_slope = x / float(x @ x)
     at_pulls = reading_doubt(fitted, stroke[pulls], steps) if told else np.ones(len(x))
-    k_error = wide * float(np.linalg.norm(to_slope * at_pulls))
     onset_error = wide * float(np.linalg.norm(to_onset * doubt))
     return (
-        Interval(k, k - k_error, k + k_error),
-        Interval(fitted.onset, fitted.onset - onset_error, fitted.onset + onset_error),
+        _around(k, wide * float(np.linalg.norm(to_slope * at_pulls))),
+        _around(fitted.onset, onset_error),
     )
+
+
+def _around(value: float, error: float) -> Interval:
+    return Interval(value, value - error, value + error)
 
 
 _SPARE = 2  # readings beyond its numbers, below which only the line is tried
@@ -133,10 +123,9 @@ NOTHING = "nothing"
 
 @dataclass(frozen=True, eq=False)
 class Candidate(ByValue):
-    """A force law on trial.
+    """A force law on trial, through the mean curve of all samples.
 
     Attributes:
-        fitted: the law through the mean curve of all samples.
         parameters: how many numbers it has.
         predicted: RMSE of each fold that was left out [N].
         estimates: each of its numbers with the interval that the scatter of the samples allows.
@@ -208,9 +197,10 @@ class Choice(ByValue):
                 f"Rest length {to_unit(self.gauge + onset, 'mm'):.4g} mm: the length at stroke 0, "
                 f"{to_unit(self.gauge, 'mm'):.4g} mm, and the onset of the force law."
             )
-        lengths = [c for c in self.candidates if c.law.needs_length]
         implied = ", ".join(
-            f"{to_unit(c.fitted.length, 'mm'):.3g} mm by the {c.law.name} law" for c in lengths
+            f"{to_unit(c.fitted.length, 'mm'):.3g} mm by the {c.law.name} law"
+            for c in self.candidates
+            if c.law.needs_length
         )
         return (
             f"The rest length cannot be identified from these recordings: they hold the "
@@ -257,11 +247,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     left out: Schwarz's criterion decides, for as many readings as are independent.
 
     Args:
-        test: samples and cycles.
         gauge: length of the bands at stroke 0 [m], where it is known and not in the files.
-
-    Returns:
-        The laws with their errors.
 
     Raises:
         ValueError: a gauge length that is not above zero, or not that of the files.
@@ -303,8 +289,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
 def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | None:
     """Slope [N/m] and onset [m] of the band itself, where one alone was tested.
 
-    With 95 % intervals by its readings and the chosen law; None for several samples, of which
-    `stiffness` tells what bands of their kind have.
+    With 95 % intervals by its readings and the chosen law; `stiffness` tells of several samples.
     """
     sample, *others = test.samples
     if others:
@@ -325,16 +310,16 @@ def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) 
         one = fit(law, stroke, force, gauge)
         alone = {name: of_samples({sample: value}) for name, value in one.values.items()}
         candidates.append(Candidate(one, law.count(gauge), (one.rmse,), alone))
-    left = [force - one.fitted.tension(stroke) for one in candidates]
     # By what the line leaves: what it cannot follow counts as few readings, so that drift of a
     # load cell, which is as smooth, is no reason for a richer law. Not fewer than a dozen, or no
     # bend would be reason enough.
-    worth = max(independent(left[0]), min(len(stroke), _DOZEN))
-    told = rms(reading_doubt(candidates[0].fitted, stroke, test.steps_of(sample)))
+    line = candidates[0].fitted
+    worth = max(independent(force - line.tension(stroke)), min(len(stroke), _DOZEN))
+    told = rms(reading_doubt(line, stroke, test.steps_of(sample)))
     doubt = math.hypot(TRUE_TO * float(np.max(force)), told)
     scores = [
-        criterion(one, candidate.parameters, worth, doubt)
-        for one, candidate in zip(left, candidates, strict=True)
+        criterion(force - one.fitted.tension(stroke), one.parameters, worth, doubt)
+        for one in candidates
     ]
     judged = [
         replace(candidate, above_best=score - min(scores))
