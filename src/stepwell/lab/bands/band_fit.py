@@ -20,12 +20,10 @@ class WindowStiffness(NamedTuple):
 
 
 class OneBand(NamedTuple):
-    """What the readings of one band tell of this band alone.
+    """What the readings of one band tell of this band alone, the stiffness through the window
+    [N/m].
 
-    Attributes:
-        readings: how many.
-        stiffness: of the line through the window [N/m].
-        rest_length: [m]; None where the recordings do not hold the length of the band.
+    `rest_length` [m] is None where the recordings do not hold the length of the band.
     """
 
     readings: int
@@ -38,7 +36,6 @@ class BandFit(ByValue, Drawn):
     """Tension tests with all that follows from them.
 
     Attributes:
-        test: samples and cycles.
         choice: the force laws that were tried.
         written: the law that a design file gets.
         stiffness: of the line through the window [N/m].
@@ -57,15 +54,8 @@ class BandFit(ByValue, Drawn):
 
 
 def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit:
-    """Stiffness, losses and force law of bands.
-
-    Args:
-        test: the tension tests.
-        choice: their force laws.
-        law: the law that a design file gets; by default the chosen one.
-
-    Returns:
-        The fit.
+    """Stiffness, losses and force law of bands; a design file gets `law`, by default the chosen
+    one.
 
     Raises:
         ValueError: a law that is not known.
@@ -104,8 +94,7 @@ def _alone(test: BandTest, choice: Choice) -> OneBand | None:
     if found is None:
         return None
     slope, onset = found
-    length = None
-    if choice.gauge is not None:
-        length = Interval(*(choice.gauge + edge for edge in onset))
+    gauge = choice.gauge
+    length = None if gauge is None else Interval(*(gauge + edge for edge in onset))
     readings = sum(len(test.samples_of(sample, test.window)[0]) for sample in test.samples)
     return OneBand(readings, slope, length)

@@ -24,7 +24,6 @@ class ForceLaw(ByValue):
     """A family of tension curves, T = Σ c_j φ_j, its coefficients entering linearly.
 
     Attributes:
-        name: linear, cubic, neo-Hookean, Yeoh or Ogden.
         coefficients: what the c_j are, with units.
         basis: φ (n, m) of extension e [m], rest length L [m] and exponent [1].
         needs_length: whether L shapes the curve.
@@ -50,14 +49,12 @@ class Fitted(ByValue):
     """A law with its numbers.
 
     Attributes:
-        law: the family.
         onset: stroke at which its tension is zero [m].
         length: rest length L that shapes the curve [m]; NaN for laws that have none.
         exponent: Ogden's α; NaN for the others.
         coefficients: (m,) in the units of the law.
         rmse: root mean square of what it leaves [N].
-        at_bound: numbers that ran into the limit of what is searched, so that the data do not
-            tell them.
+        at_bound: numbers at the limit of what is searched, which the data do not tell.
     """
 
     law: ForceLaw
@@ -74,23 +71,19 @@ class Fitted(ByValue):
         return self.law.basis(e, self.length, self.exponent) @ self.coefficients
 
     def slopes(self, stroke: Floats, gauge: float | None) -> Floats:
-        """How its tension changes with each of its fitted numbers, the onset first.
+        """(n, m) how its tension changes with its fitted numbers, the onset first, at strokes (n,)
+        [m].
 
-        Args:
-            stroke: (n,) beyond the onset [m].
-            gauge: length of the band at stroke 0 [m], where it is known.
-
-        Returns:
-            (n, m), numbers at their bounds left out.
+        The strokes lie beyond the onset, `gauge` is the length of the band at stroke 0 [m], where
+        it is known, and numbers at their bounds are left out.
         """
-        base, c = self.law.basis(stroke - self.onset, self.length, self.exponent), self.coefficients
-        step = 1e-6 * float(np.ptp(stroke))
-        length = self.length if gauge is None else self.length + step
-        moved = [self.law.basis(stroke - self.onset - step, length, self.exponent)]
+        e, length, exponent, basis = stroke - self.onset, self.length, self.exponent, self.law.basis
+        base, c, step = basis(e, length, exponent), self.coefficients, 1e-6 * float(np.ptp(stroke))
+        moved = [basis(e - step, length if gauge is None else length + step, exponent)]
         if self.law.needs_length and gauge is None and "rest length [m]" not in self.at_bound:
-            moved.append(self.law.basis(stroke - self.onset, self.length + step, self.exponent))
+            moved.append(basis(e, length + step, exponent))
         if self.law.exponents is not None and "exponent [1]" not in self.at_bound:
-            moved.append(self.law.basis(stroke - self.onset, self.length, self.exponent + step))
+            moved.append(basis(e, length, exponent + step))
         return np.stack([*((m @ c - base @ c) / step for m in moved), *base.T], axis=1)
 
     @property
@@ -117,12 +110,8 @@ def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None
 
     Args:
         law: one of LAWS.
-        stroke: (n,) [m].
-        force: (n,) [N].
+        stroke, force: (n,) [m], [N].
         gauge: length of the band at stroke 0 [m], where it is known.
-
-    Returns:
-        The fitted law.
 
     Raises:
         ValueError: fewer samples than the law has numbers.
