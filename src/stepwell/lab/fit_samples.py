@@ -1,6 +1,7 @@
 """What recordings of cells and pairs give to a fit: for each cell that moves its net force."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -32,9 +33,9 @@ class Sample(ByValue):
         unloading: whether the cell goes from state 1 to state 0.
         fold: the geometry with which it is left out: that of the outermost cell [m].
         before: travel of the cell that moved before it [m].
+        drive: (n,) force at the machine [N], by which the rig gives way; None where it is stiff.
         begins: way of the machine and its force where it began to move after another cell
             [m], [N]; None where that is not seen.
-        drive: (n,) force at the machine [N], by which the rig gives way; None where it is stiff.
         series, place: the name of a pair's series, and which of its cells it is, 0 the inner one.
     """
 
@@ -75,8 +76,7 @@ class Weighing(ByValue):
         friction: of the machine and of empty joints, against the motion [N]; NaN where one
             direction alone was tested.
         doubt: standard deviation of the weight between runs [N].
-        both: whether loading and unloading were tested; else the friction is taken to be the
-            same for both cells.
+        both: whether loading and unloading were tested; else friction is taken to be the same.
     """
 
     weight: float
@@ -119,15 +119,8 @@ def prepare(
     """Net forces of cells on even ways, in the order of motion; of pairs for each of both cells.
 
     In pairs the baseline of the cell that moves is subtracted, in the order that the forces show,
-    and nothing from the first snap on is used, so that no snap has a part in a fit.
-
-    Args:
-        series: of one cell or of two.
-        tables: laws of bands to try, by name.
-        notes: on recordings that are in no series, as `Sorted.told`.
-
-    Returns:
-        A sample for each series of one cell, two for each of a pair.
+    and nothing from the first snap on is used, so that no snap has a part in a fit. `tables` are
+    laws of bands to try, `notes` on recordings that are in no series, as `Sorted.told`.
     """
     cells = [_of_cell(one) for one in series if len(one.chain) == 1]
     pairs = pair_tests([one for one in series if len(one.chain) > 1])
@@ -137,33 +130,24 @@ def prepare(
 
 
 def weigh(tests: Iterable[PairTest]) -> Weighing | None:
-    """Weight between two cells and friction, from their runs without a band.
+    """Weight between two cells and friction, from their runs without a band; None without such.
 
     Rising, a baseline shows weight and friction, falling it shows weight less friction: the weight
     is the half-sum and the friction the half-difference of the two, at mid-travel of each cell.
-
-    Args:
-        tests: pairs with their baselines.
-
-    Returns:
-        The weighing; None where there is no baseline.
     """
-    levels: dict[int, list[tuple[float, float]]] = {}
-    seen: set[tuple[str, ...]] = set()
+    apart: dict[tuple[str, ...], PairTest] = {}
     for test in tests:
-        runs = tuple(run.source for run in test.series.baseline)
-        if not runs or runs in seen:
-            continue
-        seen.add(runs)
-        way = -1 if test.series.unloading else 1
-        levels.setdefault(way, []).extend(test.baseline_levels())
+        apart.setdefault(tuple(run.source for run in test.series.baseline), test)
+    levels: dict[int, list[tuple[float, float]]] = defaultdict(list)
+    for test in (one for runs, one in apart.items() if runs):
+        levels[-1 if test.series.unloading else 1] += test.baseline_levels()
     if not levels:
         return None
     # Weight and friction of inner and outer cell add up going up, and are subtracted going down.
     mean = {way: np.mean(np.array(each), axis=0) for way, each in levels.items()}
-    gaps = {way: np.array(each)[:, 0] - np.array(each)[:, 1] for way, each in levels.items()}
-    weight = float(np.mean([np.mean(gap) for gap in gaps.values()]))
-    spread = [float(np.var(gap, ddof=1)) / len(gap) for gap in gaps.values() if len(gap) > 1]
+    gaps = [-np.diff(np.array(each), axis=1) for each in levels.values()]
+    weight = float(np.mean([np.mean(gap) for gap in gaps]))
+    spread = [float(np.var(gap, ddof=1)) / len(gap) for gap in gaps if len(gap) > 1]
     both = len(mean) == 2
     friction = float(np.mean(mean[1] - mean[-1])) / 2.0 if both else math.nan
     doubt = math.sqrt(sum(spread)) / len(gaps) if spread else math.nan
@@ -171,11 +155,9 @@ def weigh(tests: Iterable[PairTest]) -> Weighing | None:
 
 
 class Handover(NamedTuple):
-    """Where the force of a run jumps from one cell to the next.
+    """Where the force of a run jumps from one cell to the next: the middle of the jump [m], [N].
 
-    Attributes:
-        stroke, force: of the middle of the jump [m], [N].
-        given: by how much the rig gives way there [m/N].
+    There the rig gives way by `given` [m/N].
     """
 
     stroke: float
@@ -215,8 +197,7 @@ def compliance(tests: Iterable[PairTest]) -> float:
 def _of_cell(series: Series) -> Sample:
     cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     force = series.net(curve.stroke, curve.force)[use]
-    stroke = curve.stroke[use]
-    way = cell.full_travel - stroke if series.unloading else stroke
+    way = cell.full_travel - curve.stroke[use] if series.unloading else curve.stroke[use]
     ways, forces = _strips(series.unloading, way, force)
     d = series.geometry
     return Sample(series.name, d, series.bands, cell, ways, forces, series.unloading, d)
@@ -226,6 +207,7 @@ def _of_pair(test: PairTest) -> list[Sample]:
     series, use = test.series, test.fitted
     full = series.chain.full_stroke
     fold = geometry_of(series.chain.levers[-1])
+    ways = full - test.stroke if series.unloading else test.stroke
     found: list[Sample] = []
     before, seen = 0.0, handovers(test)
     begins = None
@@ -235,27 +217,24 @@ def _of_pair(test: PairTest) -> list[Sample]:
     for i, moving in test.moving():
         mine, cell = use & moving, series.chain.levers[i]
         if np.count_nonzero(mine) > 1:
-            stroke = test.stroke[mine]
-            way = full - stroke if series.unloading else stroke
-            parts = _strips(series.unloading, way, test.force[mine], series.curve.force[mine])
-            name = f"{series.name}, {series.chain.names[i]}"
-            found.append(
-                Sample(
-                    name,
-                    geometry_of(cell),
-                    series.bands,
-                    cell,
-                    parts[0],
-                    parts[1],
-                    series.unloading,
-                    fold,
-                    before,
-                    parts[2],
-                    begins if before else None,
-                    series.name,
-                    i,
-                )
+            columns = ways[mine], test.force[mine], series.curve.force[mine]
+            way, force, drive = _strips(series.unloading, *columns)
+            sample = Sample(
+                f"{series.name}, {series.chain.names[i]}",
+                geometry_of(cell),
+                series.bands,
+                cell,
+                way,
+                force,
+                series.unloading,
+                fold,
+                before,
+                drive,
+                begins if before else None,
+                series.name,
+                i,
             )
+            found.append(sample)
         before += cell.full_travel
     return found
 
