@@ -14,7 +14,7 @@ from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.rig import PAPER_RIG, Rig, predicted_force
 from stepwell.lab.series import over_geometries, sort_series
-from stepwell.mechanism import Chain, Linear
+from stepwell.mechanism import Cell, Chain, Linear
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,8 +25,7 @@ class Comparison(base.ByValue, base.Drawn):
     """What a batch of recordings shows.
 
     Attributes:
-        cells: unit cells.
-        pairs: two-cell mechanisms.
+        cells, pairs: unit cells, and two-cell mechanisms.
         told: what became of recordings that are in no series.
         rig: on which was measured.
     """
@@ -95,7 +94,7 @@ def compare(
     as_designed: bool = False,
     rig: Rig = PAPER_RIG,
 ) -> Comparison:
-    """Compare recordings with the mechanisms that they show.
+    """Compare recordings with the mechanisms that they show: a verdict for every series.
 
     Args:
         recordings: tests of unit cells and pairs, baselines among them.
@@ -105,9 +104,6 @@ def compare(
         rig: its stretch, starts, compliance and friction move what is predicted of pairs to the
             strokes that the machine shows; its bar is for the correction that is reported beside
             the plain result.
-
-    Returns:
-        A verdict for every series.
 
     Raises:
         LabError: nothing to compare, or a chain of more than two cells.
@@ -141,8 +137,7 @@ class Refit(base.ByValue):
 
     Attributes:
         chain: the design with them.
-        stiffness: k of every band [N/m].
-        rest_length: ℓ0 of every band [m].
+        stiffness, rest_length: k [N/m] and ℓ0 [m] of every band.
         before, after: root mean square of measured less model, with the numbers of the design and
             with these [N].
         correlation: of the two numbers; near ±1 the recordings cannot tell them apart.
@@ -178,15 +173,6 @@ _REFIT: base.Schema = (
 )
 
 
-@dataclass(frozen=True)
-class _Points:
-    """What is fitted of one series."""
-
-    unloading: bool
-    stroke: base.Floats
-    force: base.Floats
-
-
 def refit(comparison: Comparison) -> Refit:
     """Fit one stiffness and one rest length to everything that recordings of one design show.
 
@@ -194,14 +180,8 @@ def refit(comparison: Comparison) -> Refit:
     which would fit where the mechanism snaps and not how stiff it is. Friction beyond the baseline
     is not fitted: with loading and unloading it cancels, with one of them it does not.
 
-    Args:
-        comparison: of recordings with one design; its bands are alike and follow the linear law.
-
-    Returns:
-        The two numbers, and how near they come.
-
     Raises:
-        LabError: several designs, or bands that are not alike.
+        LabError: several designs, or bands that are not alike or do not follow the linear law.
     """
     from scipy.optimize import least_squares
 
@@ -220,9 +200,7 @@ def refit(comparison: Comparison) -> Refit:
 
     def gap(x: base.Floats) -> base.Floats:
         model = _with_bands(chain, float(x[0]), float(x[1]))
-        return np.concatenate(
-            [predicted_force(model, p.unloading, p.stroke) - p.force for p in points]
-        )
+        return np.concatenate([predicted_force(model, way, u) - force for way, u, force in points])
 
     start = np.array(next(iter(kinds)))
     found = least_squares(
@@ -239,32 +217,23 @@ def refit(comparison: Comparison) -> Refit:
     )
 
 
-def _points(test: CellTest | PairTest) -> _Points:
+def _points(test: CellTest | PairTest) -> tuple[bool, base.Floats, base.Floats]:
+    """What is fitted of one series: whether it unloads, and its strokes and forces."""
     series = test.series
-    if isinstance(test, CellTest):
-        use = series.judged()
-        stroke, force = series.curve.stroke, series.net(series.curve.stroke, series.curve.force)
-    else:
-        stroke, force = test.stroke, test.force
-        use = test.fitted
-    return _Points(series.unloading, stroke[use], force[use])
+    if isinstance(test, PairTest):
+        return series.unloading, test.stroke[test.fitted], test.force[test.fitted]
+    use, stroke = series.judged(), series.curve.stroke
+    return series.unloading, stroke[use], series.net(stroke, series.curve.force)[use]
 
 
 def _with_bands(chain: Chain, stiffness: float, rest_length: float) -> Chain:
     """The chain, all its bands with these numbers [N/m], [m]."""
-    return replace(
-        chain,
-        cells=tuple(
-            replace(
-                cell,
-                band=tuple(
-                    replace(band, stiffness=stiffness, rest_length=rest_length)
-                    for band in cell.bands
-                ),
-            )
-            for cell in chain.levers
-        ),
-    )
+
+    def changed(cell: Cell) -> Cell:
+        sizes = {"stiffness": stiffness, "rest_length": rest_length}
+        return replace(cell, band=tuple(replace(band, **sizes) for band in cell.bands))
+
+    return replace(chain, cells=tuple(map(changed, chain.levers)))
 
 
 def correlations(jacobian: base.Floats) -> base.Floats:
