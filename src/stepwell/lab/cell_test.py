@@ -74,7 +74,6 @@ class CellTest(ByValue, Drawn):
     """What a series of a unit cell shows.
 
     Attributes:
-        series: the recordings and their model.
         plain, corrected: the measured force, without and with the correction for the rig's bar.
         model: (n,) force of the model at `plain.theta` [N].
         spread: mean standard deviation between repeats [N].
@@ -149,18 +148,11 @@ class CellTest(ByValue, Drawn):
 
 
 def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
-    """Compare a series of a unit cell with its model.
+    """Compare a series of a unit cell with its model; the rig is for the correction beside it.
 
     The baseline is subtracted and repeats are averaged. The first 0.5 mm of stroke, where a rig
     takes up its slack, and the last 0.25 mm, where blocks may touch, are not judged; forces at
     the stops are extrapolated from the 2 mm beside them.
-
-    Args:
-        series: of one cell.
-        rig: for the correction that is reported beside the plain result.
-
-    Returns:
-        The comparison.
     """
     cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     stroke, force = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
@@ -185,24 +177,18 @@ def _reading(cell: Cell, stroke: Floats, force: Floats, rig: Rig) -> CellReading
         near = np.abs(travel - edge) <= _ENDS
         course = np.polyfit(travel[near] - edge, block[near], 2)
         full[beyond] = np.polyval(course, s[beyond] - edge)
-    steps = 0.5 * (full[1:] + full[:-1]) * np.diff(s)
-    energy = np.concatenate([[0.0], np.cumsum(steps)])
+    energy = np.append(0.0, np.cumsum(0.5 * (full[1:] + full[:-1]) * np.diff(s)))
     return CellReading(cell.angle(s), full, energy, inside)
 
 
 def _rises(stroke: Floats, force: Floats, least: float) -> tuple[Rise, ...]:
     """Where the force climbs by more than `least` above its lowest value so far."""
-    edge = _SMOOTH // 2
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
-    stroke = stroke[edge:-edge]
+    stroke = stroke[_SMOOTH // 2 : -(_SMOOTH // 2)]
     found: list[Rise] = []
     low = np.minimum.accumulate(force)
-    over = force - low
-    start = 0
-    while start < len(force):
-        climbing = np.flatnonzero(over[start:] > least)
-        if not len(climbing):
-            break
+    over, start = force - low, 0
+    while len(climbing := np.flatnonzero(over[start:] > least)):
         at = start + int(climbing[0])
         foot = int(np.flatnonzero(force[: at + 1] == low[at])[-1])
         back = np.flatnonzero(force[at:] <= force[foot])

@@ -30,30 +30,21 @@ def predicted_force(chain: Chain, unloading: bool, stroke: Floats) -> Floats:
 
 
 def on_path(path: Path, stroke: Floats, shown: Floats | None = None) -> Floats:
-    """Actuator force [N] along a one-way path at strokes [m].
+    """Actuator force [N] along a one-way path at strokes (n,) [m].
 
-    Args:
-        path: one way.
-        stroke: (n,) where.
-        shown: of every point of the path the stroke that counts; by default its own.
+    `shown` are the strokes that count for the points of the path; by default its own.
     """
-    u, force = _rising(path, shown), _forward(path, path.force)
-    return np.interp(stroke, u, force)
+    return np.interp(stroke, _rising(path, shown), _forward(path, path.force))
 
 
 def mover(path: Path, stroke: Floats, shown: Floats | None = None) -> tuple[Ints, Floats]:
-    """Which cell moves at these strokes [m], and the travels (n, cells) of all [m].
+    """Which cell moves at strokes (n,) [m] of a one-way path, and all travels (n, cells) [m].
 
-    Args:
-        path: one way.
-        stroke: (n,) where.
-        shown: of every point of the path the stroke that counts; by default its own.
+    `shown` are the strokes that count for the points of the path; by default its own.
     """
     u = _rising(path, shown)
-    travel = _forward(path, path.travel)
-    at = np.stack([np.interp(stroke, u, travel[:, i]) for i in range(travel.shape[1])], axis=1)
-    step = np.abs(np.gradient(at, axis=0))
-    return np.argmax(step, axis=1), at
+    at = np.stack([np.interp(stroke, u, one) for one in _forward(path, path.travel).T], axis=1)
+    return np.argmax(np.abs(np.gradient(at, axis=0)), axis=1), at
 
 
 def _rising(path: Path, shown: Floats | None) -> Floats:
@@ -109,13 +100,11 @@ class Rig(ByValue):
     def at_machine(
         self, stroke: ArrayLike, force: ArrayLike, full: float, unloading: bool
     ) -> Floats:
-        """Stroke that the machine shows [m] of any shape while the mechanism is at another one.
+        """Stroke that the machine shows [m] at a stroke of the mechanism [m] and its force there
+        [N].
 
-        Args:
-            stroke: of the mechanism, from state 0 on [m].
-            force: of the mechanism there [N], of the shape of `stroke`.
-            full: stroke of the mechanism with every cell at state 1 [m].
-            unloading: whether the stroke falls from there.
+        Strokes and forces of one shape; `full` is the stroke with every cell at state 1 [m], from
+        which it falls in `unloading`.
         """
         stroke, way = np.asarray(stroke, float), -1.0 if unloading else 1.0
         ahead = (full - stroke if unloading else stroke) * (self.stretch - 1.0)
@@ -172,10 +161,8 @@ def quiet_zones(
 ) -> list[tuple[float, float]]:
     """Strokes between which a recording shows the rig, and is not judged [m].
 
-    Args:
-        full: stroke with every cell at state 1 [m].
-        unloading: whether the stroke falls.
-        first: full travel of the cell that moves first, in a pair [m].
+    `full` is the stroke with every cell at state 1, and `first` the full travel of the cell of a
+    pair that moves first [m].
     """
     zones = [(-math.inf, SETTLE), (full - END, math.inf)]
     if first is not None:

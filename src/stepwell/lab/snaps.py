@@ -28,12 +28,7 @@ _FAR = 5e-3
 
 @dataclass(frozen=True, eq=False)
 class MeasuredSnap(ByValue):
-    """A jump of the force.
-
-    Attributes:
-        stroke: where [m].
-        jump: force after less force before [N], in the order of the recording.
-    """
+    """A jump of the force: where [m], and force after less force before [N], in recorded order."""
 
     stroke: float
     jump: float
@@ -48,20 +43,15 @@ def find_snaps(
     quiet: Sequence[tuple[float, float]] = (),
     time: Floats | None = None,
 ) -> tuple[MeasuredSnap, ...]:
-    """Jumps of the force along a recording.
+    """Jumps of the force (n,) [N] along a recording of strokes (n,) [m], in its order.
 
     A jump counts if it is over 8 robust standard deviations of such differences and over 3 % of
     the range of the force. Across a hole in time nothing can be told, so there is no jump.
 
     Args:
-        stroke: (n,) [m].
-        force: (n,) [N].
         quiet: strokes between which a jump is no snap [m]: where the rig takes up its slack or one
             cell hands over to the next.
         time: (n,) of the samples [s]; by default they are 20 ms apart, as test machines write.
-
-    Returns:
-        The jumps in the order of the recording.
     """
     from scipy.ndimage import median_filter
 
@@ -87,7 +77,7 @@ def find_snaps(
     noise = 1.4826 * float(np.median(np.abs(jump)))
     least = max(SIGMAS * noise, SHARE * float(np.ptp(force)))
     u = stroke[at]
-    holes = np.concatenate([[0], np.cumsum(hole)])
+    holes = np.append(0, np.cumsum(hole))
     whole = holes[at + reach] == holes[at - reach]
     over = judged(u, quiet) & (np.abs(jump) > least) & whole
     edges = np.flatnonzero(np.diff(over, prepend=False, append=False))
@@ -101,14 +91,9 @@ def find_snaps(
 def matched(
     jumps: Sequence[MeasuredSnap], predicted: Sequence[Event]
 ) -> tuple[MeasuredSnap | None, ...]:
-    """For every predicted snap the jump that is it: of its sign and about its size, and near it.
+    """For every predicted snap the jump of a run that is it: of its sign and size, and near it.
 
-    Args:
-        jumps: of one run.
-        predicted: snaps of the model, in their order.
-
-    Returns:
-        A jump for each, no jump twice; None where none fits.
+    No jump twice; None where none fits.
     """
     left = list(jumps)
     found: list[MeasuredSnap | None] = []
@@ -119,10 +104,8 @@ def matched(
             return abs(np.log(jump.jump / size)) + abs(jump.stroke - event.stroke) / _FAR
 
         fitting = [one for one in left if _SIZES[0] <= one.jump / size <= _SIZES[1]]
-        best = min(fitting, key=off, default=None)
-        found.append(best)
-        if best is not None:
-            left.remove(best)
+        found.append(min(fitting, key=off, default=None))
+        left = [one for one in left if one is not found[-1]]
     return tuple(found)
 
 
