@@ -61,14 +61,8 @@ class FoundColumn(NamedTuple):
 def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, FoundColumn]:
     """Time, stroke and force among `count` columns, by the names and units above them.
 
-    Args:
-        header: the lines above the numbers.
-        delimiter: what separates fields; None for blanks.
-        count: how many fields a row of numbers has.
-
-    Returns:
-        The column of each quantity that is there; "length", that of a band itself, only where
-        there is no "stroke".
+    Fields are parted by `delimiter`, None for blanks. "length", that of a band itself, is only
+    there where there is no "stroke".
 
     Raises:
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
@@ -104,11 +98,8 @@ def pair(
 ) -> tuple[Measure, tuple[int, float], tuple[int, float]]:
     """The columns of travel and of force of one measure, by their units, and their names.
 
-    Args:
-        header, delimiter, count: as for `columns`.
-
-    Returns:
-        What they are; and of travel and force the place in a row and the factor that makes it SI.
+    Of travel and force the place in a row and the factor that makes it SI; arguments as for
+    `columns`.
 
     Raises:
         ValueError: a column is missing or twice there, has no unit or one that is not known, or

@@ -47,16 +47,11 @@ class Curve(ByValue):
 
 
 def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
-    """The mean of some runs over the strokes that all of them reach.
+    """The mean of some runs over the strokes that all of them reach, counted from state 0.
 
-    Args:
-        recordings: one or more, all loading (stroke from 0 up) or all unloading (stroke from 0
-            down, the machine having been set to zero with every cell at state 1).
-        full: stroke with every cell at state 1 [m].
-
-    Returns:
-        Forces at strokes counted from state 0, `STEP` apart, each the mean over a strip without
-        its spikes.
+    All load (stroke from 0 up), or all unload (stroke from 0 down, the machine having been set to
+    zero with every cell at state 1, at stroke `full` [m]). Forces are `STEP` apart, each the mean
+    over a strip without its spikes.
     """
     placed = [(from_zero(r, full), without_spikes(r.force)) for r in recordings]
     low = max(float(np.min(u)) for u, _ in placed)
@@ -103,8 +98,7 @@ class MeasuredCurve(ByValue):
     Attributes:
         source: the file, as the user called it.
         measure: what travel and force are.
-        travel: (n,) [m], in the order of the file.
-        force: (n,) [N].
+        travel, force: (n,) [m], [N], in the order of the file.
     """
 
     source: str
@@ -115,9 +109,8 @@ class MeasuredCurve(ByValue):
     def rising(self, half: str | None = None) -> tuple[Floats, Floats]:
         """Travels that rise and their forces; those of rows at one travel are averaged.
 
-        Args:
-            half: "loading" or "unloading", the first of them in the file; None for a file that
-                holds one alone.
+        `half` is "loading" or "unloading", the first of them in the file; None for a file that
+        holds one alone.
 
         Raises:
             LabError: both are there and none is asked for, or the one that is asked for is not.
@@ -138,10 +131,8 @@ class MeasuredCurve(ByValue):
             )
         x, y = self.travel, self.force
         if half is not None:
-            ends = [0, *turns, len(x) - 1]
-            parts = [slice(a, b + 1) for a, b in pairwise(ends)]
-            falls = half == "unloading"
-            found = [p for p in parts if (x[p][-1] < x[p][0]) == falls]
+            parts = [slice(a, b + 1) for a, b in pairwise([0, *turns, len(x) - 1])]
+            found = [p for p in parts if (x[p][-1] < x[p][0]) == (half == "unloading")]
             if not found:
                 raise LabError(self.source, f"half = {half!r}: there is no such half in the file.")
             x, y = x[found[0]], y[found[0]]

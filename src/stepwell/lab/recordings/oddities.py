@@ -20,11 +20,7 @@ LEAP = 0.15  # of the stroke, in one step
 
 
 def oddities(recording: Recording) -> tuple[str, ...]:
-    """What is odd in one recording, a line for each thing; empty where nothing is.
-
-    Args:
-        recording: any.
-    """
+    """What is odd in one recording, a line for each thing; empty where nothing is."""
     found = (_start, _clock, _spikes, _ends)
     return (*recording.remarks, *chain.from_iterable(look(recording) for look in found))
 
@@ -52,14 +48,10 @@ def unusable(recording: Recording) -> str:
 
 
 def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:
-    """What is odd in recordings beside others of the same folder and name.
+    """What is odd in recordings beside others of the same folder and name, a line for each thing.
 
-    Args:
-        recordings: any; run numbers are the digits at the end of a name.
-
-    Returns:
-        For each source that stands out a line for each thing; missing numbers are told of the
-        recording that follows the gap.
+    Run numbers are the digits at the end of a name; those that are missing are told of the
+    recording that follows the gap. By source, without sources of which nothing is odd.
     """
     told: dict[str, list[str]] = defaultdict(list)
     beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
@@ -96,17 +88,11 @@ def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
     for recording, span, speed, force in zip(repeats, spans, speeds, off, strict=True):
         source, others = recording.source, "where the others have"
         if span < SHORT * usual_span:
-            yield (
-                source,
-                f"stroke of {to_unit(span, 'mm'):.4g} mm {others} {to_unit(usual_span, 'mm'):.4g} "
-                "mm",
-            )
+            own, usual = (f"{to_unit(one, 'mm'):.4g} mm" for one in (span, usual_span))
+            yield source, f"stroke of {own} {others} {usual}"
         if abs(speed - usual_speed) > 0.05 * usual_speed:
-            yield (
-                source,
-                f"{to_unit(speed, 'mm/s'):.3g} mm/s {others} {to_unit(usual_speed, 'mm/s'):.3g} "
-                "mm/s",
-            )
+            own, usual = (f"{to_unit(one, 'mm/s'):.3g} mm/s" for one in (speed, usual_speed))
+            yield source, f"{own} {others} {usual}"
         if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
             yield source, f"mean force {force:+.2g} N beside the median run"
 
@@ -146,9 +132,8 @@ def _spikes(recording: Recording) -> Iterator[str]:
     at = np.flatnonzero(spikes(recording.force))
     if len(at):
         first = f"{to_unit(recording.stroke[at[0]], 'mm'):.4g} mm"
-        told = (
-            f"1 sample, at {first}, is" if len(at) == 1 else f"{len(at)} samples, from {first}, are"
-        )
+        many = f"{len(at)} samples, from {first}, are"
+        told = f"1 sample, at {first}, is" if len(at) == 1 else many
         yield f"{told} far off those beside: spikes, which do not count"
 
 

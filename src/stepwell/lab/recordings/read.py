@@ -32,26 +32,20 @@ SAMPLE: Schema = (
 def table(recordings: Sequence[Recording]) -> "xr.Dataset":
     """Every sample of every recording as one row.
 
-    Args:
-        recordings: any number.
-
-    Returns:
-        Dataset over "row": recording (its number), half (counted from 0 in each recording),
-        direction (+1 loading, -1 unloading), time [s], stroke [m], force [N]; and over
-        "recording" the coordinate source.
+    Dataset over "row": of (the number of its recording), half (counted from 0 in each recording),
+    direction (+1 loading, -1 unloading), time [s], stroke [m], force [N]; and over "recording" the
+    source.
     """
     need("tables")
     import xarray as xr
 
     of, columns = _rows(recordings)
     data = {q.name: ("row", column, {"units": q.si}) for q, column in columns.items()}
-    numbered = {"units": "1", "long_name": "number of the recording"}
-    data["of"] = "row", of, numbered
-    return xr.Dataset(
-        data,
-        {"recording": [recording.source for recording in recordings]},
-        {"title": "recordings", "source": f"stepwell {__version__}, lab.table"},
-    )
+
+    data["of"] = "row", of, {"units": "1", "long_name": "number of the recording"}
+    sources = [recording.source for recording in recordings]
+    origin = {"title": "recordings", "source": f"stepwell {__version__}, lab.table"}
+    return xr.Dataset(data, {"recording": sources}, origin)
 
 
 def _rows(recordings: Sequence[Recording]) -> tuple[Ints, dict[Quantity, Any]]:
@@ -112,13 +106,7 @@ class Batch(ByValue):
 
 
 def read(file: str | os.PathLike[str]) -> Recording:
-    """One recording.
-
-    Args:
-        file: a Bluehill "Raw Data" export, or CSV whose header names columns and units.
-
-    Returns:
-        The recording, in SI.
+    """One recording, in SI, from a Bluehill "Raw Data" export or CSV with columns and units named.
 
     Raises:
         LabError: the file is missing, broken, binary, empty, or in a unit that is not known.
@@ -134,14 +122,7 @@ def read(file: str | os.PathLike[str]) -> Recording:
 
 
 def read_bytes(content: bytes, name: str) -> Recording:
-    """One recording from the content of its file.
-
-    Args:
-        content: as for `read`.
-        name: what the file is called; it is not opened.
-
-    Returns:
-        The recording, in SI.
+    """One recording, in SI, from the content of a file as for `read`; `name` is not opened.
 
     Raises:
         LabError: the content is broken, binary, empty, or in a unit that is not known.
@@ -150,22 +131,18 @@ def read_bytes(content: bytes, name: str) -> Recording:
         export = parse(content)
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    sha256 = hashlib.sha256(content).hexdigest()
-    return Recording(name, sha256=sha256, **export._asdict())
+    return Recording(name, sha256=hashlib.sha256(content).hexdigest(), **export._asdict())
 
 
 def read_all(
     files: Iterable[str | os.PathLike[str]], progress: Callable[[int, int], None] | None = None
 ) -> Batch:
-    """Recordings from files and folders, whatever some of them hold.
+    """Recordings from files and folders, and a line for every file that is none.
 
     Args:
         files: files, and folders in which .txt, .csv, .tsv and .raw files are looked for at any
             depth. A file that is named is always tried.
         progress: called with (done, total) files.
-
-    Returns:
-        The recordings, and a line for every file that is none.
     """
     found: list[Recording] = []
     refused: list[LabError] = []
@@ -193,8 +170,7 @@ def _files(name: str, ignored: list[str]) -> list[str]:
     if not os.path.isdir(name):
         return [name]
     wanted: list[str] = []
-    for file in sorted((str(p) for p in Path(name).rglob("*") if p.is_file()), key=natural):
-        path = Path(file)
+    for path in sorted(filter(Path.is_file, Path(name).rglob("*")), key=lambda p: natural(str(p))):
         is_data = path.suffix.lower() in SUFFIXES and not _NOT_DATA.search(path.stem)
-        (wanted if is_data else ignored).append(file)
+        (wanted if is_data else ignored).append(str(path))
     return wanted

@@ -65,8 +65,7 @@ class Recording(ByValue, Drawn):
     Attributes:
         source: the file, as the user called it.
         time: (n,) [s]; NaN where it was not recorded.
-        stroke: (n,) displacement of the machine [m].
-        force: (n,) [N], positive where the machine pulls.
+        stroke, force: (n,) displacement of the machine [m], and [N], positive where it pulls.
         remarks: what the reader had to leave out.
         sha256: of the file; "" where there is none.
         gauge: length of the band at stroke 0 [m], where the file holds its length; else None.
@@ -194,12 +193,9 @@ PLACES: tuple[Vec2, ...] = tuple((x, y) for x in _QX.values() for y in _QY.value
 
 @dataclass(frozen=True)
 class Setup:
-    """A configuration that a name encodes.
+    """A configuration that a name encodes: its letters with the marks behind them as `code`.
 
-    Attributes:
-        code: the letters, with the marks behind them.
-        anchors: for each cell, inner first, its p and q [m].
-        marked: what the name adds, such as "bad"; empty for nothing.
+    `anchors` are p and q of each cell, inner first [m], `marked` what the name adds, such as "bad".
     """
 
     code: str

@@ -35,11 +35,9 @@ class Export(NamedTuple):
 
 
 def parse(data: bytes) -> Export:
-    """The recording in the bytes of an export.
+    """The recording in a Bluehill "Raw Data" text or CSV.
 
-    Args:
-        data: Bluehill "Raw Data" text or CSV: lines of words, the last of which name columns and
-            units, then rows of numbers.
+    Lines of words, the last of which name columns and units, come before rows of numbers.
 
     Raises:
         ValueError: no text, no header, no numbers, or a unit that is none; says what to do.
@@ -70,10 +68,8 @@ def parse(data: bytes) -> Export:
 
 
 def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
-    """The curve in the bytes of a table: what it is, and its travels and forces in SI.
-
-    Args:
-        data: text as for `parse`, its columns those of `columns.pair` among others.
+    """The curve in a table as for `parse`, with columns as for `pair`: its travels and forces in
+    SI.
 
     Raises:
         ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
@@ -117,10 +113,6 @@ class _Parts(NamedTuple):
     body: list[tuple[int, str]]
 
 
-def _lines(data: bytes) -> list[str]:
-    return re.split(r"\r\n|\r|\n", _decoded(data))
-
-
 def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
     """The lines without columns of notes, where no row holds numbers alone; and what is told."""
     if _row_of_numbers(lines) is not None:
@@ -134,59 +126,56 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
             continue
         above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
         notes = ", ".join(repr(above[k][:_SHOWN]) for k in range(width) if k not in kept)
-        rows = zip(fields, lines, strict=True)
-        cut = [_cut(row, kept, delimiter) if len(row) == width else line for row, line in rows]
+        cut = [
+            delimiter.join(row[k] for k in kept) if len(row) == width else line
+            for row, line in zip(fields, lines, strict=True)
+        ]
         return cut, (f"column {notes} holds words: not read",)
     return lines, ()
 
 
 def _begin(rows: list[list[str]]) -> int:
-    """The first row some fields of which are numbers; 0 where there is none."""
-    return next((n for n, row in enumerate(rows[:_HEADER_AT_MOST]) if _some(row)), 0)
-
-
-def _cut(row: list[str], kept: list[int], delimiter: str) -> str:
-    return delimiter.join(row[k] for k in kept)
+    """The first row of which two fields or more are numbers; 0 where there is none."""
+    ahead = enumerate(rows[:_HEADER_AT_MOST])
+    return next((n for n, row in ahead if sum(map(_is_number, row)) >= 2), 0)
 
 
 def _numeric(rows: list[list[str]], width: int) -> list[int]:
     """The columns of which more than half of the fields are numbers or missing numbers."""
-    return [
-        k
-        for k in range(width)
-        if 2 * sum(_is_number(row[k]) or bool(_MISSING.fullmatch(row[k])) for row in rows)
-        > len(rows)
-    ]
+
+    def numbers(k: int) -> int:
+        return sum(_is_number(row[k]) or bool(_MISSING.fullmatch(row[k])) for row in rows)
+
+    return [k for k in range(width) if 2 * numbers(k) > len(rows)]
 
 
 def _is_number(field: str) -> bool:
     return _NUMBER.fullmatch(field) is not None
 
 
-def _some(row: list[str]) -> bool:
-    """Whether some fields of a row are numbers, two or more."""
-    return sum(map(_is_number, row)) >= 2
-
-
 def _parts(lines: list[str], example: str) -> _Parts:
     """The lines above the numbers, how they are split, and those from the first numbers on."""
-    start, delimiter = _first_row(lines, example)
+    found = _row_of_numbers(lines)
+    if found is None:
+        raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
+    start, delimiter = found
     body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
     header = [line for line in lines[:start] if line.strip()]
     return _Parts(header, delimiter, len(split(lines[start], delimiter)), body)
 
 
-def _decoded(data: bytes) -> str:
+def _lines(data: bytes) -> list[str]:
     if not data.strip():
         raise InputError("is empty: export it again.")
     utf_16 = data[:2] in (b"\xff\xfe", b"\xfe\xff")
     if b"\0" in data and not utf_16:
         raise InputError("is binary, not text: export the raw data as text or CSV.")
     try:
-        return data.decode("utf-16" if utf_16 else "utf-8-sig")
+        text = data.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
         # A degree sign or a micro sign in the encoding of an old Windows program.
-        return data.decode("latin-1")
+        text = data.decode("latin-1")
+    return re.split(r"\r\n|\r|\n", text)
 
 
 def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
@@ -197,12 +186,6 @@ def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
             if len(fields) >= 2 and all(map(_is_number, fields)):
                 return at, delimiter
     return None
-
-
-def _first_row(lines: list[str], example: str) -> tuple[int, str | None]:
-    if (found := _row_of_numbers(lines)) is not None:
-        return found
-    raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
 
 
 def _rows(
@@ -250,7 +233,7 @@ def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | No
     return rows if rows.shape[1] == count and np.all(np.isfinite(rows)) else None
 
 
-def _remarks(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
+def _remarks(bad: list[tuple[int, str]], last: int) -> list[str]:
     remarks: list[str] = []
     if bad and bad[-1][0] == last:
         remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_SHOWN]!r})")
@@ -259,4 +242,4 @@ def _remarks(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
         number, line = bad[0]
         rows = "row is" if len(bad) == 1 else "rows are"
         remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_SHOWN]!r})")
-    return tuple(remarks)
+    return remarks
