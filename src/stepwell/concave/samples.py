@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
 from stepwell.concave.certificate import certify, end_forces
-from stepwell.concave.sorting import TIED, same_travel
+from stepwell.concave.sorting import TIED, rank, same_travel
 from stepwell.kernels import entry, in_blocks, kernel, leaf, record
 from stepwell.mechanism import Chain
 
@@ -72,29 +72,15 @@ def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
 
 
 def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
-    """(m, N, 6) cells as draws make them.
+    """(m, N, 6) cells as draws make them, from those of the drawing (N, 6), the fields of `Simple`.
 
-    Args:
-        draws: (m, 8 N) one mechanism a row, as `Draws` lays them out.
-        numbers: (N, 6) cells of the drawing as the fields of `Simple`.
-        spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
+    Draws (m, 8 N) are one mechanism a row, as `Draws` lays them out; `spread` (5,) is anchor,
+    stiffness, rest length, lever, friction of the tolerances.
     """
     out = np.empty((len(draws), *numbers.shape))
     cells = np.column_stack([numbers, np.zeros(len(numbers))])
     _as_made(np.ascontiguousarray(draws), cells, spread, out)
     return out
-
-
-@leaf
-def _sort(key: Floats, target: Ints, order: Ints) -> None:
-    """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
-    for place in range(len(target)):
-        cell = target[place]
-        j = place
-        while j > 0 and key[order[j - 1]] > key[cell]:
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = cell
 
 
 @kernel
@@ -150,15 +136,6 @@ def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, 
     return smallest, where, tie
 
 
-@leaf
-def _count_wrong(key: Floats, target: Ints, wrong: Ints) -> None:
-    """Count the wanted neighbours that are in the other order."""
-    for side in range(2):
-        for place in range(wrong.shape[1]):
-            first, second = target[side, place], target[side, place + 1]
-            wrong[side, place] += key[side, second] < key[side, first]
-
-
 @record
 class Judged(NamedTuple):
     """What `judged` finds out about m draws of N cells.
@@ -191,13 +168,8 @@ def judged(
     That needs equal travels, or `_keeps` under a rigid actuator; a prescribed force needs
     neither, because no cell feels another.
 
-    Args:
-        draws: (m, 8 N) one sample a row, as `Draws` lays them out.
-        cells: (N, 7) d_x, d_y, k, ℓ0, r, sin θc, friction of the drawing, SI.
-        spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
-        target: (2, N) cells in order of loading and of unloading.
-        drive: RIGID, COMPLIANT or FORCE.
-        out: of these draws; `wrong` and `narrowest` are added to.
+    Draws and spread are as for `as_made`, cells (N, 7) end with their friction, and `target` has
+    (2, N) cells in order; `wrong` and `narrowest` of `out` are added to.
     """
     # Its arrays serve all draws, and are made once.
     n = len(cells)
@@ -216,7 +188,7 @@ def judged(
             scale = max(scale, abs(force_0), abs(force_1), friction[i])
             longest, least = max(longest, full[i]), min(least, full[i])
         for side in range(2):
-            _sort(key[side], target[side], order[side])
+            rank(key[side], target[side], order[side])
         out.does[sample], right = _code(order, target)
         out.gap[sample], where, tie = _gaps(key, target, order, TIED * scale)
         if proved and drive != FORCE and not same_travel(longest, least):
@@ -229,7 +201,10 @@ def judged(
             continue
         out.narrowest[where // (n - 1), where % (n - 1)] += 1
         if out.verdict[sample] == OTHER:
-            _count_wrong(key, target, out.wrong)
+            for side in range(2):
+                for place in range(n - 1):
+                    first, second = target[side, place], target[side, place + 1]
+                    out.wrong[side, place] += key[side, second] < key[side, first]
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,9 +225,7 @@ class DrawJudge:
             if numbers is None:
                 return None
             cells.append([*numbers, cell.friction])
-        drive = COMPLIANT
-        if math.isinf(chain.actuator_stiffness) or chain.actuator_stiffness == 0.0:
-            drive = FORCE if chain.actuator_stiffness == 0.0 else RIGID
+        drive = {0.0: FORCE, math.inf: RIGID}.get(chain.actuator_stiffness, COMPLIANT)
         return cls(np.array(cells), spread, target, drive)
 
     def __call__(self, draws: Floats) -> Judged:

@@ -42,7 +42,7 @@ def proved_cells(chain: Chain) -> tuple[tuple[Simple, ...], Floats] | None:
 
 
 def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
-    """The cells in order of loading and of unloading, (..., N) each, by end forces (..., N, 2).
+    """Cells in order of loading and of unloading, (..., N) each, by end forces (..., N, 2).
 
     Of equal forces the inner cell goes first, as in the engine.
     """
@@ -50,10 +50,16 @@ def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
     return loading, np.argsort(-ends[..., 1], axis=-1, kind="stable")
 
 
-def smallest_gap(ends: Floats) -> Floats:
-    """Smallest difference of two F0 or of two F1 [N], by (..., N, 2); infinite for one cell."""
-    gaps = np.diff(np.sort(ends, axis=-2), axis=-2)
-    return np.min(gaps, axis=(-2, -1), initial=math.inf)
+@leaf
+def rank(key: Floats, start: Ints, order: Ints) -> None:
+    """Cells by rising key, into `order`; quick where that is nearly the order `start`."""
+    for place in range(len(start)):
+        cell = start[place]
+        j = place
+        while j > 0 and key[order[j - 1]] > key[cell]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = cell
 
 
 class Neighbour(NamedTuple):
@@ -73,7 +79,6 @@ class SortedChain:
     forces: tuple[Floats, Floats]  # F0 and F1 [N], (N,) each
     loading: tuple[int, ...]  # cells in order of arrival
     unloading: tuple[int, ...]
-    places: tuple[Ints, Ints]  # of every cell in those two orders
 
     @classmethod
     def of(cls, chain: Chain) -> "SortedChain | None":
@@ -84,17 +89,12 @@ class SortedChain:
         """
         if math.isfinite(chain.actuator_stiffness) or not one_travel(chain):
             return None
-        found = proved_cells(chain)
-        if found is None:
+        if (found := proved_cells(chain)) is None:
             return None
         cells, ends = found
         loading, unloading = motion_orders(ends)
         return cls(
-            cells,
-            (ends[:, 0], ends[:, 1]),
-            tuple(loading.tolist()),
-            tuple(unloading.tolist()),
-            (np.argsort(loading), np.argsort(unloading)),
+            cells, (ends[:, 0], ends[:, 1]), tuple(loading.tolist()), tuple(unloading.tolist())
         )
 
     def neighbours(
@@ -107,10 +107,9 @@ class SortedChain:
         """
         found: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.
-        for k, (side, up) in enumerate(((-1, 1), (+1, -1))):
-            order, force = (orders or (self.loading, self.unloading))[k], self.forces[k]
-            place = order.index(cell) if orders else int(self.places[k][cell])
-            own = float(force[cell])
+        orders = orders or (self.loading, self.unloading)
+        for order, force, side in zip(orders, self.forces, (-1, +1), strict=True):
+            place, own, up = order.index(cell), float(force[cell]), -side
             if place > 0:
                 found.append(Neighbour(side, own, float(force[order[place - 1]]), -up))
             if place + 1 < len(order):
@@ -119,4 +118,4 @@ class SortedChain:
 
     def smallest_gap(self) -> float:
         """Smallest difference of two F0 or of two F1 [N]; infinite for a single cell."""
-        return float(smallest_gap(np.stack(self.forces, axis=-1)))
+        return float(np.min(np.diff(np.sort(self.forces, axis=1), axis=1), initial=math.inf))

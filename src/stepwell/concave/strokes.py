@@ -12,7 +12,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints
 from stepwell.concave.cell import force_at, full_travel, of_row, travel_at
 from stepwell.concave.certificate import certify, end_forces, proved_ends
-from stepwell.concave.sorting import TIED, same_travel
+from stepwell.concave.sorting import TIED, rank, same_travel
 from stepwell.kernels import entry, kernel
 
 # What drives the chain.
@@ -35,24 +35,16 @@ _PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
 
 
 @kernel
-def least_force(ends: Floats, state: int, skip: int) -> int:
-    """The cell at 0 that lets go first as the force rises, or -1; `skip` is not looked at."""
+def _first(ends: Floats, state: int, skip: int, side: int) -> int:
+    """The cell but `skip` that lets go first at 0, of the least force, or at 1, of the largest; or
+    -1.
+    """
     found = -1
     for cell in range(len(ends)):
-        empty = cell != skip and not state >> cell & 1
-        if empty and (found < 0 or ends[cell, 0] < ends[found, 0]):
-            found = cell
-    return found
-
-
-@kernel
-def largest_force(ends: Floats, state: int, skip: int) -> int:
-    """The cell at 1 that lets go first as the force falls, or -1; `skip` is not looked at."""
-    found = -1
-    for cell in range(len(ends)):
-        full = cell != skip and state >> cell & 1
-        if full and (found < 0 or ends[cell, 1] > ends[found, 1]):
-            found = cell
+        if cell != skip and state >> cell & 1 == side:
+            own = ends[cell, side]
+            if found < 0 or (own > ends[found, side] if side else own < ends[found, side]):
+                found = cell
     return found
 
 
@@ -76,8 +68,7 @@ def _undisturbed(
 ) -> bool:  # fmt: skip
     """Whether no third cell wakes while one cell gives travel to another, proved.
 
-    Meanwhile the force is the mean of the two. Along the way the one that gives pushes more and
-    more and the other less and less, so that on every piece their ends bound them.
+    One pushes more and more and one less and less, so their ends bound the force, their mean.
     """
     giver, taker = of_row(cells[give]), of_row(cells[take])
     pieces = 1
@@ -139,18 +130,9 @@ def _rates(cells: Floats, full: float, travel: Floats, force: Floats, rate: Floa
 
 @kernel
 def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
-    """Let travels of given sum flow until one cell is in transit and all others stay; which.
+    """Let travels (N,) of given sum flow until one cell alone is in transit; which, or -1.
 
-    By the midpoint rule, and a simple step where a cell arrives, which ends it.
-
-    Args:
-        cells: (N, 6).
-        full: the full travel of all [m].
-        travel: (N,) where they are [m]; where they come to rest, afterwards.
-        step: the farthest that a cell goes at once [m].
-
-    Returns:
-        The cell in transit, or -1 where there was no end.
+    By the midpoint rule in steps of at most `step` [m], and a simple one where a cell arrives.
     """
     # One function: a step works on three arrays that are made once.
     n = len(cells)
@@ -188,10 +170,7 @@ def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
 def _flowed(
     cells: Floats, full: float, state: int, moving: int, travel: float, other: int, step: float
 ) -> int:
-    """The node onto which a chain flows from where a cell lets go; -1 where there was no end.
-
-    Arguments are those of `_landing`, and the longest step [m].
-    """
+    """The node onto which a chain flows as for `_landing`, in steps [m]; -1 for no end."""
     n = len(cells)
     place = np.empty(n)
     for i in range(n):
@@ -219,18 +198,10 @@ def _flowed(
 def _landing(
     cells: Floats, ends: Floats, full: float, state: int, moving: int, travel: float, other: int
 ) -> tuple[int, float]:
-    """Where the chain lands as a cell lets go.
+    """The node onto which a chain lands, and how far its force is from waking another cell [N].
 
-    Args:
-        cells, ends: (N, 6) and (N, 2) of the chain.
-        full: the full travel of all [m].
-        state: bits of the cells at 1.
-        moving, travel: the cell in transit, and where it is [m].
-        other: the cell that lets go: one at 0 takes the travel of the first, one at 1 gives its.
-
-    Returns:
-        The node, or -1 where two computations differ; and how far the force there is from waking
-        another cell [N].
+    The cell that lets go, `other`, takes the travel of `moving` [m] if it was at 0, or gives its
+    own. The node is -1 where two computations differ.
     """
     n = len(ends)
     if state >> other & 1:
@@ -277,7 +248,7 @@ def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -
         count -= 1
         node = waiting[count]
         moving, state = node >> n, node & ((1 << n) - 1)
-        empty, held = least_force(ends, state, moving), largest_force(ends, state, moving)
+        empty, held = _first(ends, state, moving, 0), _first(ends, state, moving, 1)
         for rises in (True, False):
             other, own = (held, ends[moving, 1]) if rises else (empty, ends[moving, 0])
             force = own
@@ -310,23 +281,13 @@ def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, dow
     """Where every node of a chain leads to as the drive rises, and as it falls.
 
     A node is the number of the cell in transit, N if none is, times 2^N, and the bits of the cells
-    at 1.
-
-    Args:
-        cells, ends: (N, 6) and (N, 2): proved concave cells of one full travel, of which no two
-            end forces tie.
-        drive: STROKE or FORCE.
-        slip: forces no further apart than this tie [N].
-        up, down: ((N + 1) 2^N,) out.
-
-    Returns:
-        By how much a force in a snap could differ before it lands elsewhere [N]; -1 where the
-        landing is not proved.
+    at 1. Cells are proved concave, of one full travel, and no two end forces tie. Returned is by
+    how much a force in a snap could differ before it lands elsewhere [N]; -1 if it is not proved.
     """
     n = len(ends)
     up[:], down[:] = NONE, NONE
     for state in range(1 << n):
-        empty, held = least_force(ends, state, -1), largest_force(ends, state, -1)
+        empty, held = _first(ends, state, -1, 0), _first(ends, state, -1, 1)
         if empty >= 0 and held >= 0 and ends[held, 1] > ends[empty, 0]:
             continue
         vertex = n << n | state
@@ -343,36 +304,14 @@ def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, dow
 
 
 @kernel
-def _nearest(ends: Floats) -> float:
-    """How far apart the two nearest end forces of different cells are [N]."""
-    gap = np.inf
+def _nearest(ends: Floats) -> tuple[float, float]:
+    """How far apart the nearest end forces of two cells are, and those at one end [N]."""
+    nearest, apart = np.inf, np.inf
     for i in range(len(ends)):
         for j in range(i):
-            for a in range(2):
-                for b in range(2):
-                    gap = min(gap, abs(ends[i, a] - ends[j, b]))
-    return gap
-
-
-@kernel
-def _apart(ends: Floats) -> float:
-    """How far apart the two nearest F0 or the two nearest F1 are [N]."""
-    gap = np.inf
-    for i in range(len(ends)):
-        for j in range(i):
-            gap = min(gap, abs(ends[i, 0] - ends[j, 0]), abs(ends[i, 1] - ends[j, 1]))
-    return gap
-
-
-@kernel
-def _ranked(key: Floats, order: Ints) -> None:
-    """Cells by rising key, into `order`."""
-    for place in range(len(key)):
-        j = place
-        while j > 0 and key[order[j - 1]] > key[place]:
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = place
+            apart = min(apart, abs(ends[i, 0] - ends[j, 0]), abs(ends[i, 1] - ends[j, 1]))
+            nearest = min(nearest, abs(ends[i, 0] - ends[j, 1]), abs(ends[i, 1] - ends[j, 0]))
+    return min(nearest, apart), apart
 
 
 @entry(_EACH, "numbers")
@@ -381,7 +320,7 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
     size = (n + 1) << n
     up, down = np.empty(size, np.int64), np.empty(size, np.int64)
     cells, ends = np.empty((n, 6)), np.empty((n, 2))
-    loading, unloading = np.empty(n, np.int64), np.empty(n, np.int64)
+    loading, unloading, own = np.empty(n, np.int64), np.empty(n, np.int64), np.arange(n)
     for k in range(len(numbers)):
         key[k], cycle[k], gap[k, 0], gap[k, 1] = -1, -1, 0.0, 0.0
         told[k] = NOT_PROVED
@@ -397,9 +336,9 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
             longest, least = max(longest, travel), min(least, travel)
         if not proved or not same_travel(longest, least):
             continue
-        _ranked(ends[:, 0], loading)
-        _ranked(-ends[:, 1], unloading)
-        nearest, apart = _nearest(ends), _apart(ends)
+        rank(ends[:, 0], own, loading)
+        rank(-ends[:, 1], own, unloading)
+        nearest, apart = _nearest(ends)
         slip = TIED * scale
         told[k] = TIES
         if nearest <= slip:
@@ -500,25 +439,17 @@ Way = tuple[str, str, int, bool]
 
 
 def closed_graph(numbers: Floats, drive: int) -> tuple[Way, ...]:
-    """The ways of a chain that `classed` has told.
+    """The ways of a chain that `classed` has told, its cells (N, 6) as the fields of `Simple`.
 
-    Args:
-        numbers: (N, 6) cells as the fields of `Simple`, inner first.
-        drive: STROKE or FORCE.
-
-    Returns:
-        One for each, nodes by the phases of their cells, inner first, "-" for one in transit.
+    Nodes are named by the phases of their cells, inner first, "-" for one in transit.
     """
     cells = np.ascontiguousarray(numbers, float)
     return _ways(cells, proved_ends(cells)[0], drive)
 
 
 def graph_by_ends(ends: Floats, drive: int) -> tuple[Way, ...]:
-    """The same of concave cells of which nothing but the end forces is known.
-
-    Args:
-        ends: (N, 2) F0 and F1, no two of them equal [N].
-        drive: STROKE or FORCE.
+    """The same of concave cells of which nothing but F0 and F1, (N, 2), are known [N], all
+    different.
 
     Raises:
         ValueError: three cells or more under a stroke, where a snap may land by more than these.
@@ -530,8 +461,7 @@ def graph_by_ends(ends: Floats, drive: int) -> tuple[Way, ...]:
 
 def _ways(cells: Floats, ends: Floats, drive: int) -> tuple[Way, ...]:
     n = len(ends)
-    size = (n + 1) << n
-    up, down = np.empty(size, np.int64), np.empty(size, np.int64)
+    up, down = np.empty((2, (n + 1) << n), np.int64)
     _graph(cells, ends, drive, up, down)
     found: list[Way] = []
     for direction, targets in ((+1, up), (-1, down)):
@@ -569,8 +499,7 @@ def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
     m, n = numbers.shape[:2]
     if n > MOST_CELLS:
         raise InputError(f"{n} cells: must be at most {MOST_CELLS}.")
-    key, cycle = np.empty(m, np.int64), np.empty(m, np.int64)
-    gap, told = np.empty((m, 2)), np.empty(m, np.int64)
-    numbers = np.ascontiguousarray(numbers)
-    _classed(numbers, drive, key, cycle, gap, told)
+    key, cycle, told = np.empty((3, m), np.int64)
+    gap = np.empty((m, 2))
+    _classed(np.ascontiguousarray(numbers), drive, key, cycle, gap, told)
     return key, cycle, gap, told
