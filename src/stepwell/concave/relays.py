@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import groupby, pairwise, product
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
-from stepwell.concave.cell import Simple, simple
+from stepwell.concave.cell import simple
 from stepwell.concave.certificate import proved_ends
 from stepwell.concave.sorting import TIED, one_travel
 from stepwell.mechanism import Chain, Element
@@ -20,14 +20,10 @@ Levels = list[list[tuple[int, int]]]
 
 
 def levels(windows: Windows, slip: float) -> Levels:
-    """The ends of windows as numbers in the order of all fields.
+    """The ends of windows of every phase of every cell [N] as numbers in the order of all fields.
 
-    Upper ends that tie have one number, and so have lower ends. Whether a state stands hangs on an
-    upper and a lower end, and those are compared as they are.
-
-    Args:
-        windows: of every phase of every cell [N].
-        slip: ends no further apart than this tie [N].
+    Upper ends no further apart than `slip` [N] have one number, and so have lower ends. Whether a
+    state stands hangs on an upper and a lower end, and those are compared as they are.
     """
     low, high = (
         _firsts({window[end] for cell in windows for window in cell}, slip) for end in (0, 1)
@@ -40,20 +36,16 @@ def levels(windows: Windows, slip: float) -> Levels:
 def _firsts(ends: set[float], slip: float) -> dict[float, float]:
     """By end the first of those that it ties with."""
     found: dict[float, float] = {}
-    first = -math.inf
     for before, end in pairwise([-math.inf, *sorted(ends)]):
-        if not end - before <= slip:
-            first = end
-        found[end] = first
+        found[end] = found[before] if end - before <= slip else end
     return found
 
 
 def standing_states(known: Levels) -> int:
     """How many states stand: those in which one force keeps every cell in its phase.
 
-    Every state that stands does so from the largest lower end of its phases on, and is counted
-    there: of all states that stand at a field, those that stood before are none of them. What
-    stands at one field is a product over the cells.
+    A state is counted at the largest lower end of its phases: what stands at one field is a product
+    over the cells, and of these the states that stood before are not counted again.
 
     Source: ours (theory page, "Transition graphs").
     """
@@ -112,12 +104,8 @@ def _by_level(known: Levels) -> tuple[_Phases, _Phases]:
 def landings(cell: Sequence[tuple[int, int]], direction: int) -> dict[int, int]:
     """Where a cell alone goes from each of its phases when the force passes the end of it.
 
-    Args:
-        cell: its windows, as levels.
-        direction: +1 where the force rises, -1 where it falls.
-
-    Returns:
-        By phase the next one that holds at this force; without those that never end.
+    By phase the next one that holds at this force, as it rises (direction +1) or falls (-1);
+    without phases that never end.
     """
     found: dict[int, int] = {}
     for phase, (low, high) in enumerate(cell):
@@ -190,10 +178,7 @@ def garden_states(known: Levels) -> int:
 
 
 def switches(known: Levels) -> list[tuple[int, int]] | None:
-    """The levels (A, B) of relays that are as independent as the cells; None where some are not.
-
-    They are not where a cell can pass a phase of its own by.
-    """
+    """The levels (A, B) of independent relays; None where a cell can pass a phase of its own by."""
     found: set[tuple[int, int]] = set()
     for cell in known:
         own = [(a[1], b[0]) for a, b in pairwise(cell)]
@@ -226,10 +211,8 @@ def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
 
 
 def ideals(relays: Iterable[tuple[int, int]]) -> int:
-    """How many sets of relays hold with each all that precede it: what is reached from all-0.
-
-    Args:
-        relays: (A, B) of each, in any numbers of their order.
+    """How many sets of relays (A, B) hold with each all that precede it: what is reached from
+    all-0.
 
     Source: the falling subsequences of B listed by rising A, the empty one included (theory page,
     "Relays"; Terzi and Mungan 2020).
@@ -244,9 +227,6 @@ def sub_loops(relays: Iterable[tuple[int, int]]) -> int:
     rise sets comes back before anything of I does: where each relay outside I with A ≤ a has its
     B above b, the largest of I. So I holds all relays with A ≤ a and B ≤ b, and what else it may
     hold is an ideal of those with larger A and smaller B: falling subsequences again.
-
-    Args:
-        relays: (A, B) of each, in any numbers of their order.
 
     Source: pairs as in Mungan and Terzi 2019; the count is ours (theory page, "Relays").
     """
@@ -343,23 +323,18 @@ def relays(chain: Chain, *, ties: bool = False) -> Relays | None:
     None where a lever cell is not proved concave, where an element has friction or a curve that
     folds back, or where two fields tie, unless `ties` says that they may.
     """
-    fields: list[Floats | None] = []
-    levers: list[Simple] = []
-    for cell in chain.cells:
-        if isinstance(cell, Element):
-            if len(cell.laws) > 1 or cell.friction > 0:
-                return None
-            fields.append(np.array(cell.fields).reshape(-1, 2))
-        elif (numbers := simple(cell)) is not None:
-            levers.append(numbers)
-            fields.append(None)
-        else:
-            return None
+    levers = [simple(cell) for cell in chain.cells if not isinstance(cell, Element)]
+    rubbing = any(len(one.laws) > 1 or one.friction > 0 for one in chain.elements)
+    if rubbing or None in levers:
+        return None
     ends, proved = proved_ends(np.array(levers).reshape(-1, 6))
     if not np.all(proved):
         return None
     rows = iter(ends)
-    parts = [next(rows)[None] if one is None else one for one in fields]
+    parts = [
+        np.array(cell.fields).reshape(-1, 2) if isinstance(cell, Element) else next(rows)[None]
+        for cell in chain.cells
+    ]
     first = np.append(0, np.cumsum([len(part) for part in parts]))
     pairs = np.concatenate(parts)
     size = np.max(np.abs(pairs), initial=0.0)
@@ -371,12 +346,7 @@ def relays(chain: Chain, *, ties: bool = False) -> Relays | None:
 
 @dataclass(frozen=True)
 class RelayPlan:
-    """Strokes of relays: the states at which to turn and where the last one ends.
-
-    Attributes:
-        states: one a stroke, the last one the state wanted.
-        blocked: (i, j) where there is no way: relay j is wanted up without i, and i ≺ j.
-    """
+    """States at which to turn; or (i, j) in the way: relay j is wanted up without i, and i ≺ j."""
 
     states: tuple[str, ...]
     blocked: tuple[int, int] | None = None
@@ -396,17 +366,11 @@ def fewest_strokes(fields: Relays, start: str, target: str) -> RelayPlan:
     if start == target:
         return RelayPlan(())
     before, wanted = fields.raised(start), fields.raised(target)
-    plans = [
-        plan for last in (+1, -1) if (plan := _backward(fields, before, wanted, last)) is not None
-    ]
-    if plans:
-        return RelayPlan(min(plans, key=len))
-    blocked = [
-        (i, j)
-        for i in np.flatnonzero(~wanted).tolist()
-        for j in np.flatnonzero(wanted).tolist()
-        if fields.precedes(i, j)
-    ]
+    plans = [_backward(fields, before, wanted, last) for last in (+1, -1)]
+    if ways := [plan for plan in plans if plan is not None]:
+        return RelayPlan(min(ways, key=len))
+    pairs = product(np.flatnonzero(~wanted).tolist(), np.flatnonzero(wanted).tolist())
+    blocked = [pair for pair in pairs if fields.precedes(*pair)]
     # A relay that differs from the start shows the reader most.
     blocked.sort(key=lambda pair: all(before[k] == wanted[k] for k in pair))
     return RelayPlan((), blocked[0])
