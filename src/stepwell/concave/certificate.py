@@ -90,20 +90,14 @@ def certify(cell: Simple, reach: float) -> bool:
 
 
 def closed(cell: Cell | Element, *, reach: float = 0.0) -> Simple | None:
-    """The cell as plain numbers where the closed forms are proved to hold, else None.
-
-    `reach` [m] asks for the proof at every anchor within that distance as well.
-    """
+    """The cell as plain numbers where its closed forms are proved within reach [m], or None."""
     numbers = simple(cell)
     return numbers if numbers is not None and certify(numbers, reach) else None
 
 
 @entry(1.5e-5, "d")
 def certified_within(d: Floats, cell: Simple, reach: float, out: Bools) -> None:
-    """Which differences d, (m, 2) [m], are proved concave and taut for all anchors within reach.
-
-    `out` is (m,) bool; the anchors of `cell` are not looked at.
-    """
+    """Which differences d, (m, 2) [m], are proved concave and taut within reach, into (m,)."""
     for i in range(len(d)):
         out[i] = certify(with_d(cell, d[i, 0], d[i, 1]), reach)
 
@@ -123,9 +117,8 @@ def concave_disc(cell: Simple, radius: float) -> bool:
     """
     if certify(cell, radius):
         return True
-    x = np.empty(4 * _DEPTH + 4)
-    y = np.empty(4 * _DEPTH + 4)
-    half = np.empty(4 * _DEPTH + 4)
+    most = 4 * _DEPTH + 4
+    x, y, half = np.empty(most), np.empty(most), np.empty(most)
     x[0], y[0], half[0] = 0.0, 0.0, radius
     waiting = 1
     while waiting > 0:
@@ -171,11 +164,9 @@ def concave_box(cell: Simple, low: Floats, high: Floats) -> bool:
         if depth == 2 * _DEPTH:
             return False
         # The longer side is halved.
-        if wide >= tall:
-            parts = [(x, y, wide / 2, tall), (x + wide / 2, y, wide / 2, tall)]
-        else:
-            parts = [(x, y, wide, tall / 2), (x, y + tall / 2, wide, tall / 2)]
-        waiting += [(*part, depth + 1) for part in parts]
+        across, up = (wide / 2, 0.0) if wide >= tall else (0.0, tall / 2)
+        half = wide - across, tall - up, depth + 1
+        waiting += [(x, y, *half), (x + across, y + up, *half)]
     return True
 
 
@@ -239,13 +230,9 @@ def _proved_ends(numbers: Floats, ends: Floats, proved: Bools) -> None:
 
 
 def proved_ends(numbers: Floats) -> tuple[Floats, Bools]:
-    """F0 and F1 [N] of m cells, with the proof that they are all there is to know.
+    """(m, 2) F0 and F1 [N] of cells (m, 6), rows as `Simple`, and (m,) whether they are certified.
 
-    Args:
-        numbers: (m, 6) a cell a row, as the fields of `Simple`.
-
-    Returns:
-        (m, 2) forces, zero where nothing is proved, and (m,) whether the cell is certified.
+    The forces are zero where nothing is proved.
     """
     ends, proved = np.zeros((len(numbers), 2)), np.empty(len(numbers), np.bool_)
     _proved_ends(numbers, ends, proved)
