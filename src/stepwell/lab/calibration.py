@@ -16,7 +16,7 @@ from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
 from stepwell.lab.rig import Rig
-from stepwell.lab.series import Geometry, over_geometries
+from stepwell.lab.series import Geometry, geometry_of, over_geometries
 from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:
@@ -403,7 +403,7 @@ class _Fit:
     def predict(self, test: PairTest) -> fit_model.SnapPrediction:
         """Snaps and order of a pair, from all curves and from those of the other geometries."""
         series = test.series
-        fold = fit_samples.geometry_of(series.chain.levers[-1])
+        fold = geometry_of(series.chain.levers[-1])
         fitted, _ = self._snap(test, self.whole, self._missed(test, self.whole, True))
         others = self.left[fold]
         left_out, steep = self._snap(test, others, self._missed(test, others, False))
@@ -436,12 +436,12 @@ class _Fit:
     def _missed(self, test: PairTest, numbers: Floats, own: bool) -> list[float]:
         """By how much the forces of each cell are larger than the model's, late in its travel [N].
 
-        Read on the pair itself, or taken from the same cell of the pairs of other geometries, with
-        as many bands in the same direction.
+        Read on the pair itself, or on pairs of other geometries of as many bands that go the same
+        way.
         """
         series, found = test.series, [[] for _ in test.series.chain.cells]
         gaps = self._by_sample(self.rows.force - self._model_force(numbers))
-        fold = fit_samples.geometry_of(series.chain.levers[-1])
+        fold = geometry_of(series.chain.levers[-1])
         kind = True, series.bands, series.unloading
         for sample, gap in zip(self.data.samples, gaps, strict=True):
             alike = (sample.in_pair, sample.bands, sample.unloading) == kind

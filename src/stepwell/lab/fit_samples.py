@@ -10,7 +10,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, ReadOnly, brief
 from stepwell.lab.pair_test import PairTest, pair_tests
-from stepwell.lab.series import Geometry, Series
+from stepwell.lab.series import Geometry, Series, geometry_of
 from stepwell.mechanism import Cell, Table
 
 _POINTS = 60
@@ -63,8 +63,7 @@ class Sample(ByValue):
         """Name of its stiffness: pieces that were tested together are one kind of rubber."""
         return rubber_name(self.bands, self.in_pair)
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +103,7 @@ class Prepared(ByValue):
     def __post_init__(self):
         object.__setattr__(self, "tables", ReadOnly(self.tables))
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 def rubber_name(bands: int, in_pair: bool) -> str:
@@ -132,8 +130,7 @@ def prepare(
 def weigh(tests: Iterable[PairTest]) -> Weighing | None:
     """Weight between two cells and friction, from their runs without a band; None without such.
 
-    Rising, a baseline shows weight and friction, falling it shows weight less friction: the weight
-    is the half-sum and the friction the half-difference of the two, at mid-travel of each cell.
+    At mid-travel of each cell, the half-sum and the half-difference of rising and falling runs.
     """
     apart: dict[tuple[str, ...], PairTest] = {}
     for test in tests:
@@ -155,10 +152,7 @@ def weigh(tests: Iterable[PairTest]) -> Weighing | None:
 
 
 class Handover(NamedTuple):
-    """Where the force of a run jumps from one cell to the next: the middle of the jump [m], [N].
-
-    There the rig gives way by `given` [m/N].
-    """
+    """Where the force of a run jumps to the next cell [m], [N], and how the rig gives way [m/N]."""
 
     stroke: float
     force: float
@@ -166,10 +160,7 @@ class Handover(NamedTuple):
 
 
 def handovers(test: PairTest) -> list[Handover]:
-    """The handover of each run of a pair that shows one.
-
-    While no cell moves, the rig alone gives way: the force jumps over a short stroke.
-    """
+    """The handover of each run that shows one: a short stroke, for the rig alone gives way."""
     low, high = test.handover
     found: list[Handover] = []
     for run in test.series.recordings:
@@ -246,9 +237,3 @@ def _strips(backwards: bool, *columns: Floats) -> list[Floats]:
         for values in columns
     ]
     return [part[::-1] for part in parts] if backwards else parts
-
-
-def geometry_of(cell: Cell) -> Geometry:
-    """d = q - p of a cell [m], equal where it is the same."""
-    dx, dy = cell.bands[0].d
-    return round(dx, 9), round(dy, 9)

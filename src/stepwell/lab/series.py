@@ -99,8 +99,7 @@ class Series(ByValue):
     @property
     def geometry(self) -> Geometry:
         """d = q - p of the innermost cell [m], the same for all series of one geometry."""
-        dx, dy = self.chain.levers[0].bands[0].d
-        return round(dx, 9), round(dy, 9)
+        return geometry_of(self.chain.levers[0])
 
     @cached_property
     def path(self) -> Path:
@@ -141,6 +140,12 @@ class Sorted(ByValue):
 
     series: tuple[Series, ...]
     told: tuple[str, ...]
+
+
+def geometry_of(cell: Cell) -> Geometry:
+    """d = q - p of a cell [m], equal where it is the same."""
+    dx, dy = cell.bands[0].d
+    return round(dx, 9), round(dy, 9)
 
 
 def carried(cell: Cell, travel: Floats) -> Floats:
@@ -371,10 +376,7 @@ def _band_lines(bands: int, ratio: float) -> list[str]:
 
 
 def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
-    """Where the forces say that q of a cell is, and how much better that fits than the next.
-
-    Of the places that names can say, with stiffness and friction left free.
-    """
+    """Where the forces say that q of a cell is, among the places that names can say."""
     chain = Chain(cells)
     usable = [run for run in _over_stroke(runs, chain)[0] if not unusable(run)]
     if not usable:
@@ -458,10 +460,7 @@ def _ratio(series: Series, run: Recording) -> float:
 
 
 def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
-    """Runs sorted by how many bands they show: the count, the runs, the median of their ratios.
-
-    Each run has so many bands as make each at most 1.4 times as strong as the model's.
-    """
+    """How many bands make runs at most 1.4 times the model's, the runs, their median ratio."""
     groups: dict[int, list[tuple[float, Recording]]] = defaultdict(list)
     for ratio, run in sorted(runs, key=lambda one: natural(one[1].source)):
         groups[max(1, math.ceil(ratio / _STRONG))].append((ratio, run))
