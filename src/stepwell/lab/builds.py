@@ -182,8 +182,7 @@ class Observed(base.ByValue):
             gaps.append(off / self.scale)
         return sum((0.5 * float(gap @ gap) for gap in gaps), 0.0)
 
-    def __repr__(self):
-        return base.brief(self)
+    __repr__ = base.brief
 
 
 def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
@@ -239,8 +238,7 @@ class Population:
     """Builds, each as likely as the others.
 
     Attributes:
-        misfits: (n,) how badly each agrees, as `Observed.misfit`.
-        shifts: (n, cells, 2) by how much q of each cell is in another hole [m].
+        misfits, shifts: (n,) as `Observed.misfit`, and (n, cells, 2) of q to another hole [m].
         before, weights: those before anything was seen, and how likely each is.
         share: of those before, how many moved as was seen, whatever its strokes and forces.
         few: whether fewer moved so than are needed to draw from.
@@ -260,10 +258,9 @@ def population(
 ) -> Population | None:
     """n builds given what was seen of one; None where of n none moves so.
 
-    What was seen counts little at first and more in every generation: the better ones are taken
-    more often, and all then go some steps at random, among those that are as likely. So it is with
-    how unlikely wrong holes are, of which more are drawn at first than there are. `tell` is called
-    for every build that is tried.
+    What was seen, and how unlikely wrong holes are, counts little at first and more in every
+    generation: the better builds are taken more often, and all then go some steps at random,
+    among builds that are as likely.
 
     Source: Del Moral, Doucet and Jasra 2006.
     """

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import combinations
 from typing import Any
 
@@ -99,8 +100,7 @@ def best_moves(
     """The best moves first, if they are better than leaving the anchors, beyond what chance does.
 
     One anchor is moved along x or y, by as few holes as help; two by one hole each where one does
-    not mend nearly all. Two are told where they are better than one beyond chance. `share` is how
-    many of the builds do it as they are; `tried` is called after each move that was tried.
+    not mend nearly all. Two are told where they are better than one beyond chance.
     """
 
     def better(moves: list[Move], than: float) -> list[Move]:
@@ -337,7 +337,8 @@ def as_built(
     while True:
         given = _wide(tolerances, wider, drawing)
         found = builds.population(Draws(drawing, given, seed), holes, seen, samples, tell)
-        if (found is not None and _agrees(found, seen)) or wider >= _MOST_WIDE:
+        enough = found is not None and not found.few
+        if (enough and np.mean(found.misfits) <= _AGREE * seen.numbers) or wider >= _MOST_WIDE:
             break
         wider *= 2.0
         total += samples * (1 + 4 * builds.STEPS)
@@ -349,9 +350,10 @@ def as_built(
             f"and from where strokes were counted.",
         )
     known = _known(drawing, found)
-    likely = _at_means(drawing, known)
-    if likely is None or math.isinf(_misfit(likely, seen)):
-        likely = found.built[int(np.argmin(found.misfits))]
+    likely = found.built[int(np.argmin(found.misfits))]
+    with suppress(StepwellError):  # The means together may be no chain, or do otherwise.
+        means = reduce(lambda chain, one: one.parameter.changed(chain, one.value), known, drawing)
+        likely = means if math.isfinite(seen.misfit(means.cycle())) else likely
     share = sum(does(one, sequence) for one in found.built) / samples
     moves = best_moves(drawing, found.built, sequence, hole, share, tell)
     return AsBuilt(
@@ -373,25 +375,8 @@ def as_built(
     )
 
 
-def _agrees(found: builds.Population, seen: builds.Observed) -> bool:
-    """Whether enough builds move as was seen, with strokes and forces within their doubts."""
-    if found.few:
-        return False
-    return float(np.mean(found.misfits)) <= _AGREE * seen.numbers
-
-
-def _misfit(chain: Chain, seen: builds.Observed) -> float:
-    try:
-        return seen.misfit(chain.cycle())
-    except StepwellError:
-        return math.inf
-
-
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
-    """The tolerances so many times as wide: anchors are off before bands are others.
-
-    Of a chain of elements, which has no anchors, the scales are.
-    """
+    """The tolerances so many times as wide, without those of bands; of elements the scales."""
     found = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
     if len(drawing.elements) < len(drawing):
         return found
@@ -437,14 +422,3 @@ def _value(one: Parameter, chain: Chain, drawing: Chain) -> float:
         there: Any = inner.value(drawing)
         return float(value - inner.value(chain) + there)
     return float(value)
-
-
-def _at_means(drawing: Chain, known: tuple[Known, ...]) -> Chain | None:
-    """The drawing with every number at its mean; None where that cannot be made."""
-    chain = drawing
-    try:
-        for one in known:
-            chain = one.parameter.changed(chain, one.value)
-    except StepwellError:
-        return None
-    return chain
