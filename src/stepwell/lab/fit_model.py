@@ -43,19 +43,11 @@ LAWS: dict[str, tuple[str, ...]] = {"linear": (), "cubic": ("quadratic", "cubic"
 
 def number(name: str) -> Number:
     """Bounds and unit of a number by its name, such as "stiffness_2_in_pairs"."""
-    return next(found for stem, found in _NUMBERS.items() if _is(name, stem))
-
-
-def _is(name: str, stem: str) -> bool:
-    return name == stem or (stem in ("stiffness", "start") and name.startswith(f"{stem}_"))
+    return _NUMBERS.get(name) or _NUMBERS[name.partition("_")[0]]
 
 
 def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
-    """Names of what is fitted to these samples with a law; not what no sample shows.
-
-    The rig's terms are those of pairs, and loading and unloading tell friction in the joints, which
-    grows with the load, from the loss of the rubber.
-    """
+    """Names of what these samples can tell: of the rig by pairs, of joints by pairs both ways."""
     rubbers = sorted({sample.rubber for sample in samples})
     pairs = {sample.unloading for sample in samples if sample.in_pair}
     joints = ["joints"] if len(pairs) == 2 else []
@@ -216,11 +208,7 @@ class Model:
     def applied(
         self, chain: mechanism.Chain, stiffness: Callable[[mechanism.Cell], float]
     ) -> mechanism.Chain:
-        """A chain of cells whose bands have this `stiffness` together [N/m], shared as they are
-        now.
-
-        Weight and friction come with them where they are known.
-        """
+        """A chain with bands of this stiffness a cell [N/m], and weight and friction if known."""
         cells = chain.levers
         return replace(
             chain,
@@ -301,10 +289,9 @@ class SnapPrediction(ByValue):
 def snap_of(
     model: Model, test: PairTest, stiffness: float, missed: Sequence[float] = ()
 ) -> tuple[float, float]:
-    """Stroke of the machine [m] where a pair snaps first, and the fall of the force there [N/m].
+    """Stroke of the machine [m] where a pair snaps first, or NaN, and the fall of the force [N/m].
 
-    `stiffness` is that of all bands of a cell together [N/m], `missed` by how much the forces of
-    the cells are larger than the model's [N]; the stroke is NaN for no snap.
+    `missed` is by how much the forces of the cells are larger than the model's [N].
     """
     chain = model.applied(test.series.chain, lambda _: stiffness)
     if missed:
