@@ -261,7 +261,11 @@ def hysteresis(test: BandTest) -> "xr.DataArray":
     need("tables")
     import xarray as xr
 
-    samples, cycles, grid = loss_grid(test)
+    samples = sorted({loop.sample for loop in test.loops})
+    cycles = sorted({loop.cycle for loop in test.loops})
+    grid = np.full((len(samples), len(cycles)), np.nan)
+    for loop in test.loops:
+        grid[samples.index(loop.sample), cycles.index(loop.cycle)] = loop.loss
     return xr.DataArray(
         grid,
         {"sample": samples, "cycle": cycles},
@@ -269,16 +273,6 @@ def hysteresis(test: BandTest) -> "xr.DataArray":
         "loss",
         {"units": "1", "long_name": "share of the loading work that is lost"},
     )
-
-
-def loss_grid(test: BandTest) -> tuple[list[int], list[int], Floats]:
-    """The samples, their cycles, and the share lost in each, as `hysteresis`."""
-    samples = sorted({loop.sample for loop in test.loops})
-    cycles = sorted({loop.cycle for loop in test.loops})
-    grid = np.full((len(samples), len(cycles)), np.nan)
-    for loop in test.loops:
-        grid[samples.index(loop.sample), cycles.index(loop.cycle)] = loop.loss
-    return samples, cycles, grid
 
 
 def _check_reach(test: BandTest) -> None:

@@ -20,11 +20,7 @@ class WindowStiffness(NamedTuple):
 
 
 class OneBand(NamedTuple):
-    """What the readings of one band tell of this band alone, the stiffness through the window
-    [N/m].
-
-    `rest_length` [m] is None where the recordings do not hold the length of the band.
-    """
+    """Readings of one band, its stiffness [N/m], and its rest length [m] if that is known."""
 
     readings: int
     stiffness: Interval
@@ -63,13 +59,17 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
     known = {candidate.law.name: candidate for candidate in choice.candidates}
     if law is not None and law not in known:
         raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
+    losses: dict[int, list[float]] = defaultdict(list)
+    for loop in test.used:
+        if not math.isnan(loop.loss):
+            losses[loop.sample].append(loop.loss)
     edges, grid = stiffness_grid(test)
     return BandFit(
         test,
         choice,
         choice.chosen if law is None else known[law],
         stiffness(test),
-        _loss(test),
+        of_samples({s: sum(v) / len(v) for s, v in losses.items()}) if losses else None,
         _alone(test, choice),
         tuple(
             WindowStiffness(float(low), float(high), float(k))
@@ -78,15 +78,6 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
             if not math.isnan(k)
         ),
     )
-
-
-def _loss(test: BandTest) -> Estimate | None:
-    """Loss of the cycles that are used, a mean for each sample first."""
-    each: dict[int, list[float]] = defaultdict(list)
-    for loop in test.used:
-        if not math.isnan(loop.loss):
-            each[loop.sample].append(loop.loss)
-    return of_samples({s: sum(v) / len(v) for s, v in each.items()}) if each else None
 
 
 def _alone(test: BandTest, choice: Choice) -> OneBand | None:

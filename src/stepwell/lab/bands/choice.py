@@ -33,9 +33,7 @@ class Interval(NamedTuple):
 def independent(left: Floats) -> float:
     """How many independent readings a curve is worth, by what a law leaves of it, (n,) [N].
 
-    Neighbours along a stroke err alike, by drift and by what the law cannot follow.
-
-    Source: Bayley and Hammersley 1946, for a first-order autoregression.
+    Source: Bayley and Hammersley 1946, for a first-order autoregression of neighbours.
     """
     n = len(left)
     off = left - np.mean(left)
@@ -48,11 +46,10 @@ def independent(left: Floats) -> float:
 
 
 def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
-    """How badly a law with so many fitted numbers explains a curve, by what it leaves (n,) [N].
+    """How badly a law explains a curve, by what it leaves (n,) [N]; less is better.
 
-    `worth` is how many independent readings the curve holds, `doubt` what a reading may be off
-    whatever the law [N]; less is better. Few readings make a number dearer, as in the criterion of
-    Hurvich & Tsai 1989: by chance it explains more of them.
+    `doubt` is what a reading may be off whatever the law [N]. Few readings make a number dearer,
+    as in the criterion of Hurvich & Tsai 1989: by chance it explains more of them.
 
     Source: Schwarz 1978.
     """
@@ -63,10 +60,7 @@ def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
 
 
 def reading_doubt(fitted: Fitted, stroke: Floats, steps: tuple[float, float]) -> Floats:
-    """Standard deviation of readings by the digits they are told in, (n,) [N].
-
-    The steps are those of stroke [m] and force [N]; the law says what a step of stroke is in force.
-    """
+    """Standard deviation (n,) [N] of readings told in steps of stroke [m] and force [N]."""
     slope = (fitted.tension(stroke + _STEP) - fitted.tension(stroke - _STEP)) / (2 * _STEP)
     return np.hypot(steps[1], slope * steps[0]) / math.sqrt(12.0)
 
@@ -76,9 +70,8 @@ def intervals(
 ) -> tuple[Interval, Interval]:
     """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
 
-    They hold what this band has, by the scatter of its readings around the law and the digits, in
-    steps of stroke [m] and force [N], that they are told in (Student); not what other bands have.
-    `gauge` is the length of the band at stroke 0 [m], where it is known.
+    They hold what this band has and others do not, by the scatter of its readings around the law
+    and the steps of stroke [m] and force [N] in which they are told (Student).
     """
     pulls = taut(force, steps[1])
     x = stroke[pulls] - np.mean(stroke[pulls])
@@ -155,8 +148,7 @@ class Candidate(ByValue):
         n = len(self.predicted)
         return float(np.std(self.predicted, ddof=1)) / math.sqrt(n) if n > 1 else 0.0
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,10 +279,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
 
 
 def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | None:
-    """Slope [N/m] and onset [m] of the band itself, where one alone was tested.
-
-    With 95 % intervals by its readings and the chosen law; `stiffness` tells of several samples.
-    """
+    """Slope [N/m] and onset [m], with 95 % intervals by its readings, of a band tested alone."""
     sample, *others = test.samples
     if others:
         return None

@@ -109,19 +109,17 @@ class Hysteresis(ByValue):
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 def loops_of(
     recordings: Sequence[Recording], left_out: set[int], per_sample: int | None
 ) -> tuple[tuple[Hysteresis, ...], float | None, tuple[str, ...]]:
-    """Every cycle of every sample that is not left out.
+    """Every cycle of every sample that is not left out; the mean length at stroke 0 [m]; notes.
 
     Samples are told apart by names such as Samp2_45mm_7; where names only count through, by
     `per_sample`; else all files of one stem are one sample. Cycles are numbered as the names do
-    where those of a sample agree with the cycles in the files; else they are counted. Beside them
-    come the mean length at stroke 0 [m], where every file holds that of its band, and notes.
+    where those of a sample agree with the cycles in the files; else they are counted.
     """
     told: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
@@ -142,30 +140,19 @@ def loops_of(
         told.append("some files hold the length of the band and some do not: it is not used")
     loops: list[Hysteresis] = []
     for sample, files in sorted(by_sample.items()):
-        loops_here = _loops_of_sample(sample, files, [numbers[r.source] for r in files])
-        for recording, found in zip(files, loops_here, strict=True):
+        cycles = [list(_cycles(recording)) for recording in files]
+        named = _named([numbers[r.source] for r in files], [len(found) for found in cycles])
+        counted = accumulate(map(len, cycles), initial=1)
+        for recording, found, number, first in zip(files, cycles, named, counted, strict=False):
             if not found:
                 told.append(f"{recording.source}: left out, it has no loading half")
-            loops += found
+            loops += [
+                Hysteresis(sample, cycle, recording.source, *parts, recording.steps)
+                for cycle, parts in enumerate(found, first if number is None else number)
+            ]
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
             told += [f"{recording.source}: {line}" for line in lines]
     return tuple(loops), gauge, tuple(told)
-
-
-def _loops_of_sample(
-    sample: int, files: list[Recording], numbers: list[int | None]
-) -> list[list[Hysteresis]]:
-    """The numbered cycles in each file of a sample; `numbers` are those of the files' names."""
-    cycles = [list(_cycles(recording)) for recording in files]
-    named = _named(numbers, [len(found) for found in cycles])
-    counted = accumulate(map(len, cycles), initial=1)
-    return [
-        [
-            Hysteresis(sample, cycle, recording.source, *parts, recording.steps)
-            for cycle, parts in enumerate(found, first if number is None else number)
-        ]
-        for recording, found, number, first in zip(files, cycles, named, counted, strict=False)
-    ]
 
 
 def _sorted(
@@ -230,9 +217,8 @@ _SLACK = 0.02  # of the largest force, below which a band is not said to be taut
 
 
 def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
-    """First and last cycle that is fitted, and what is told where it is not the paper's.
-
-    That is every cycle but the first, in which rubber softens most, where every sample has others.
+    """The paper's cycles, or all but the first, in which rubber softens most; and why not the
+    paper's.
     """
     samples = {loop.sample for loop in loops}
     first, last = CYCLES
@@ -246,11 +232,7 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
 
 
 def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
-    """The strokes between which bands are fitted [m], and what is told where they are not usual.
-
-    They go from where the band is taut to the end of what was measured, where a loading half does
-    not reach over the paper's window or has few readings in it.
-    """
+    """The paper's window [m], or all strokes of a taut band; and why not the paper's."""
     low, high = WINDOW
     inside = [np.sum((loop.stroke >= low) & (loop.stroke <= high)) for loop in used]
     over = all(np.min(o.stroke) <= low + REACH and np.max(o.stroke) >= high - REACH for o in used)
@@ -307,7 +289,6 @@ def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
     """Runs sorted into kinds of bands, the kind of most bands first.
 
     The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
-    Bands are of one kind while no gap wider than a factor separates them.
     """
     by_sample: dict[int, list[LoadingRun]] = defaultdict(list)
     for run in runs:
