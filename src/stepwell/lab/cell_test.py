@@ -65,8 +65,7 @@ class CellReading(ByValue):
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False)

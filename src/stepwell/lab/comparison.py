@@ -159,8 +159,7 @@ class Refit(base.ByValue):
         """As JSON can hold it."""
         return base.record(_REFIT, self)
 
-    def __repr__(self):
-        return base.brief(self)
+    __repr__ = base.brief
 
 
 _REFIT: base.Schema = (

@@ -268,10 +268,9 @@ class PairTest(ByValue, Drawn):
 def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]:
     """Compare series of two cells with their models.
 
-    A baseline of two cells without bands shows one cell moving and then the other, and which is
-    which is not recorded. It is decided once for all series that share the baseline: the cell is
-    taken to move first with which the measured forces come nearer to the model. The bar of the rig
-    is for the correction beside the plain result; all else moves the prediction to the machine.
+    Which cell moves first in a baseline without bands is not recorded: for all series that share
+    it, the one with which the measured forces come nearer to the model. The bar of the rig is for
+    the correction beside the plain result; all else moves the prediction to the machine.
     """
     errors = [_errors(one) for one in series]
     total: dict[tuple[str, ...], Floats] = {}
@@ -382,10 +381,7 @@ def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int,
 def _baseline_force(
     series: Series, first: int, cell: int, travel: Floats, curve: Curve | None = None
 ) -> Floats:
-    """Baseline force [N] while a cell moves, at its travels (n,) [m]; the mean, or of one run.
-
-    While the cell `first` moved in it, the other one was at the stop that it has not left yet.
-    """
+    """Baseline force [N] at travels (n,) [m] of a cell; while one moves the other one waits."""
     curve = series.baseline_curve if curve is None else curve
     if curve is None:
         return np.zeros(len(travel))
@@ -395,10 +391,7 @@ def _baseline_force(
 
 
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
-    """What the model leaves out: the baseline, each cell's share put where that cell moves.
-
-    A weight that the design states is in the model, and stays in what is measured.
-    """
+    """The baseline, each cell's share where that cell moves, less the weight in its model."""
     found = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
         found[mine] = _baseline_force(series, first, cell, travel)
@@ -458,8 +451,7 @@ def _snaps_of_runs(
     """For each run those of its jumps that are snaps.
 
     At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
-    towards where the drive came from, and in a slip within a cell the other way. Where none is
-    predicted, a snap is what most repeats show at one place.
+    towards where the drive came from, and in a slip within a cell the other way.
     """
     predicted = _snap_events(series.path)
     if predicted:
@@ -478,8 +470,7 @@ def _snaps_of_runs(
 def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m].
 
-    A force that is off moves the stroke by as much over its fall there. How well the model fits
-    does not count, or a bad one would agree with everything.
+    How well the model fits does not count, or a bad one would agree with everything.
     """
     firsts = [found[0].stroke for found in snaps if found]
     if not firsts or not _snap_events(series.path):

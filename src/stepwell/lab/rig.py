@@ -30,18 +30,12 @@ def predicted_force(chain: Chain, unloading: bool, stroke: Floats) -> Floats:
 
 
 def on_path(path: Path, stroke: Floats, shown: Floats | None = None) -> Floats:
-    """Actuator force [N] along a one-way path at strokes (n,) [m].
-
-    `shown` are the strokes that count for the points of the path; by default its own.
-    """
+    """Actuator force [N] of a one-way path at strokes (n,) [m], its own or those `shown`."""
     return np.interp(stroke, _rising(path, shown), _forward(path, path.force))
 
 
 def mover(path: Path, stroke: Floats, shown: Floats | None = None) -> tuple[Ints, Floats]:
-    """Which cell moves at strokes (n,) [m] of a one-way path, and all travels (n, cells) [m].
-
-    `shown` are the strokes that count for the points of the path; by default its own.
-    """
+    """Which cell moves at strokes (n,) [m] of a one-way path, and all travels (n, cells) [m]."""
     u = _rising(path, shown)
     at = np.stack([np.interp(stroke, u, one) for one in _forward(path, path.travel).T], axis=1)
     return np.argmax(np.abs(np.gradient(at, axis=0)), axis=1), at
@@ -161,8 +155,7 @@ def quiet_zones(
 ) -> list[tuple[float, float]]:
     """Strokes between which a recording shows the rig, and is not judged [m].
 
-    `full` is the stroke with every cell at state 1, and `first` the full travel of the cell of a
-    pair that moves first [m].
+    `first` is the full travel of the cell of a pair that moves first [m].
     """
     zones = [(-math.inf, SETTLE), (full - END, math.inf)]
     if first is not None:

@@ -58,9 +58,11 @@ def find_snaps(
     force = without_spikes(force)
     rate, hole = _clock(time, len(force))
     averaged = max(1, int(rate / _RATE))
-    if averaged > 1:
-        stroke, force = (_blocks(values, averaged) for values in (stroke, force))
-        hole = np.any(hole[: len(force) * averaged].reshape(-1, averaged), axis=1)
+    if averaged > 1:  # What is left at the end is left out.
+        blocks = len(force) // averaged * averaged
+        parts = [one[:blocks].reshape(-1, averaged) for one in (stroke, force, hole)]
+        stroke, force = (np.mean(part, axis=1) for part in parts[:2])
+        hole = np.any(parts[2], axis=1)
         rate /= averaged
     mean, gap = max(1, round(_MEAN * rate)), max(1, round(_GAP * rate))
     course = max(_LEAST_COURSE, 2 * round(_COURSE * rate / 2) + 1)
@@ -91,10 +93,7 @@ def find_snaps(
 def matched(
     jumps: Sequence[MeasuredSnap], predicted: Sequence[Event]
 ) -> tuple[MeasuredSnap | None, ...]:
-    """For every predicted snap the jump of a run that is it: of its sign and size, and near it.
-
-    No jump twice; None where none fits.
-    """
+    """For every predicted snap the jump of its sign and size near it, no jump twice; or None."""
     left = list(jumps)
     found: list[MeasuredSnap | None] = []
     for event in predicted:
@@ -134,9 +133,3 @@ def _clock(time: Floats | None, n: int) -> tuple[float, Bools]:
     if not usual > 0:
         return _TIMELESS, none
     return 1.0 / usual, np.concatenate([[False], steps > _HOLE * usual])
-
-
-def _blocks(values: Floats, size: int) -> Floats:
-    """Means of so many samples in a row; what is left at the end is left out."""
-    count = len(values) // size
-    return np.mean(values[: count * size].reshape(count, size), axis=1)

@@ -59,10 +59,7 @@ class FoundColumn(NamedTuple):
 
 
 def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, FoundColumn]:
-    """Time, stroke and force among `count` columns, by the names and units above them.
-
-    Fields are parted by `delimiter`, None for blanks. "length", that of a band itself, is only
-    there where there is no "stroke".
+    """Time, stroke or the length of a band, and force among the columns, by names and units.
 
     Raises:
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
@@ -96,10 +93,7 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, F
 def pair(
     header: list[str], delimiter: str | None, count: int
 ) -> tuple[Measure, tuple[int, float], tuple[int, float]]:
-    """The columns of travel and of force of one measure, by their units, and their names.
-
-    Of travel and force the place in a row and the factor that makes it SI; arguments as for
-    `columns`.
+    """The columns of travel and of force of one measure: places and factors that make them SI.
 
     Raises:
         ValueError: a column is missing or twice there, has no unit or one that is not known, or
@@ -164,7 +158,10 @@ def _named(
         units = [_unit(field) if _UNIT.search(field) else field for field in below]
         names = [_UNIT.sub("", field).strip() for field in rows[-2]]
     else:
-        names, units = bare, [_unit(field) or _suffix(field) for field in below]
+        # Or the unit is in a name such as stroke_mm.
+        ends = [field.rpartition("_") for field in below]
+        suffixes = [end if blank and _is_unit(end) else "" for _, blank, end in ends]
+        names, units = bare, [_unit(f) or end for f, end in zip(below, suffixes, strict=True)]
     return names, [_spelled(unit) for unit in units]
 
 
@@ -177,12 +174,6 @@ def _fields(line: str, delimiter: str | None) -> list[str]:
 def _unit(field: str) -> str:
     found = _UNIT.search(field)
     return found[1] if found else ""
-
-
-def _suffix(field: str) -> str:
-    """The unit in a name such as stroke_mm."""
-    end = field.rpartition("_")[2]
-    return end if _is_unit(end) and "_" in field else ""
 
 
 def _is_unit(text: str) -> bool:

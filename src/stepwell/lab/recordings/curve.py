@@ -65,13 +65,8 @@ def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
 def from_zero(recording: Recording, full: float) -> Floats:
     """Strokes counted from state 0 [m]: an unloading test starts at `full`, set to zero there."""
     stroke = recording.stroke
-    return stroke + full if is_unloading(recording) else stroke
-
-
-def is_unloading(recording: Recording) -> bool:
-    """Whether a run goes from state 1 down, its stroke from 0 to negative."""
-    below = float(np.min(recording.stroke)) < -0.5 * float(np.ptp(recording.stroke))
-    return recording.direction == "unloading" and below
+    below = float(np.min(stroke)) < -0.5 * float(np.ptp(stroke))
+    return stroke + full if recording.direction == "unloading" and below else stroke
 
 
 def rms(values: Floats) -> float:
@@ -140,8 +135,7 @@ class MeasuredCurve(ByValue):
         count = np.bincount(place)
         return rising, np.bincount(place, y) / count
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:

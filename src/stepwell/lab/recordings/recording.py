@@ -193,10 +193,7 @@ PLACES: tuple[Vec2, ...] = tuple((x, y) for x in _QX.values() for y in _QY.value
 
 @dataclass(frozen=True)
 class Setup:
-    """A configuration that a name encodes: its letters with the marks behind them as `code`.
-
-    `anchors` are p and q of each cell, inner first [m], `marked` what the name adds, such as "bad".
-    """
+    """Letters and marks of a name, p and q of each cell, inner first [m], and the marks alone."""
 
     code: str
     anchors: tuple[tuple[Vec2, Vec2], ...]

@@ -35,9 +35,7 @@ class Export(NamedTuple):
 
 
 def parse(data: bytes) -> Export:
-    """The recording in a Bluehill "Raw Data" text or CSV.
-
-    Lines of words, the last of which name columns and units, come before rows of numbers.
+    """The recording in a Bluehill "Raw Data" text or CSV, whose header names columns and units.
 
     Raises:
         ValueError: no text, no header, no numbers, or a unit that is none; says what to do.
@@ -68,8 +66,7 @@ def parse(data: bytes) -> Export:
 
 
 def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
-    """The curve in a table as for `parse`, with columns as for `pair`: its travels and forces in
-    SI.
+    """The curve in a table as for `parse`: its travels and forces in SI.
 
     Raises:
         ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
