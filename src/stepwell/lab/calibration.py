@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, need
+from stepwell.base import ByValue, Drawn, Floats, need
 from stepwell.lab import comparison, fit_model, fit_samples
 from stepwell.lab.bands.halves import student
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
 from stepwell.lab.rig import Rig
-from stepwell.lab.series import Geometry, geometry_of, over_geometries
+from stepwell.lab.series import Geometry, Series, geometry_of, over_geometries
 from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ class Calibration(ByValue, Drawn):
 
     def force(self, sample: fit_samples.Sample) -> Floats:
         """F of the model [N] along a sample."""
-        return fit_model.force(self.values, fit_model.rows([sample], self._model.given), self.shape)
+        return self._model.force(sample)
 
     def snap_error(self, name: str = "left_out") -> float:
         """Mean distance of the snaps that were seen and predicted [m]; NaN for none.
@@ -326,7 +326,8 @@ def calibrate(
     given = fit_samples.compliance(data.pairs)
     laws = known if law is None else [law]
     stiff = 0.0 if math.isnan(given) else given
-    found = [_Fit(data, name, folds, stiff, reference) for name in laws]
+    weighing = fit_samples.weigh(data.pairs)
+    found = [_Fit(data, name, stiff, weighing, reference) for name in laws]
     for done, (fit, fold) in enumerate(product(found, folds), 1):
         fit.leave_out(fold)
         if progress is not None:
@@ -339,8 +340,8 @@ def calibrate(
         *best.errors,
         comparison.correlations(best.jacobian),
         reference,
-        best.shape(best.whole),
-        best.weighing,
+        best.model(best.whole).law,
+        weighing,
         given,
         tuple(map(best.predict, data.pairs)),
         data.pairs,
@@ -355,40 +356,39 @@ class _Fit:
         self,
         data: fit_samples.Prepared,
         law: str,
-        folds: list[Geometry],
         given: float,
+        weighing: fit_samples.Weighing | None,
         reference: float,
     ):
-        self.data, self.law, self.given = data, law, given
+        self.data, self.law, self.given, self.weighing = data, law, given, weighing
+        self.reference = reference
         self.names = fit_model.numbers_of(data.samples, law)
-        self.rows = fit_model.rows(data.samples, given)
-        self.scales = np.array([s.bands * reference * s.cell.lever for s in data.samples])
-        self.fold = np.concatenate([np.full(len(s.way), folds.index(s.fold)) for s in data.samples])
-        self.folds, self.left = folds, {}
-        self.whole, self.jacobian = self._fitted(np.ones(len(self.fold), bool), None)
+        self.left: dict[Geometry, Floats] = {}
+        self.whole, self.jacobian = self._fitted(data.samples, None)
 
     def leave_out(self, fold: Geometry) -> None:
         """Fit everything but one geometry."""
-        self.left[fold], _ = self._fitted(self.fold != self.folds.index(fold), self.whole)
+        kept = [sample for sample in self.data.samples if sample.fold != fold]
+        self.left[fold], _ = self._fitted(kept, self.whole)
 
-    def shape(self, numbers: Floats) -> Law:
-        """The law of a band with some of the fitted numbers."""
-        return fit_model.law_of(self.law, self._named(numbers), self.data.tables)
-
-    @cached_property
-    def weighing(self) -> fit_samples.Weighing | None:
-        """What pairs without bands tell."""
-        return fit_samples.weigh(self.data.pairs)
+    def model(self, numbers: Floats) -> fit_model.Model:
+        """What some of the fitted numbers say."""
+        values = dict(zip(self.names, numbers.tolist(), strict=True))
+        law = fit_model.law_of(self.law, values, self.data.tables)
+        return fit_model.Model(values, law, self.weighing, self.given)
 
     @cached_property
     def errors(self) -> tuple[Floats, Floats]:
         """RMSE of each sample in k r, fitted and left out."""
-        left = np.array([self._model_force(self.left[fold]) for fold in self.folds])
-        fitted, out = (
-            np.array([rms(gap) for gap in self._by_sample(force - self.rows.force)]) / self.scales
-            for force in (self._model_force(self.whole), left[self.fold, np.arange(len(self.fold))])
-        )
-        return fitted, out
+
+        def rmse(sample: fit_samples.Sample, numbers: Floats) -> float:
+            return rms(self.model(numbers).force(sample) - sample.force) / self._scale(sample)
+
+        fitted = np.array([rmse(one, self.whole) for one in self.data.samples])
+        return fitted, np.array([rmse(one, self.left[one.fold]) for one in self.data.samples])
+
+    def _scale(self, sample: fit_samples.Sample) -> float:
+        return sample.bands * self.reference * sample.cell.lever
 
     def parameters(self) -> tuple[FittedParameter, ...]:
         n, each = len(self.left), np.array(list(self.left.values()))
@@ -404,15 +404,18 @@ class _Fit:
         """Snaps and order of a pair, from all curves and from those of the other geometries."""
         series = test.series
         fold = geometry_of(series.chain.levers[-1])
-        fitted, _ = self._snap(test, self.whole, self._missed(test, self.whole, True))
-        others = self.left[fold]
-        left_out, steep = self._snap(test, others, self._missed(test, others, False))
-        strokes = np.array([self._snap(test, numbers)[0] for numbers in self.left.values()])
+        whole, others = self.model(self.whole), self.model(self.left[fold])
+        fitted, _ = whole.snap_of(series, self._missed(series, whole, True))
+        left_out, steep = others.snap_of(series, self._missed(series, others, False))
+        strokes = np.array([self.model(one).snap_of(series)[0] for one in self.left.values()])
         strokes = strokes[~np.isnan(strokes)]
         n = max(len(strokes), 1)
         moved = (n - 1) / n * float(np.sum((strokes - np.mean(strokes)) ** 2)) if n > 1 else 0.0
-        alike = [s.in_pair and s.bands == series.bands for s in self.data.samples]
-        off = rms((self.errors[1] * self.scales)[alike])
+        off = [
+            error * self._scale(sample)
+            for sample, error in zip(self.data.samples, self.errors[1], strict=True)
+            if sample.in_pair and sample.bands == series.bands
+        ]
         measured, spread, count = test.snap_strokes
         scatter = 0.0 if math.isnan(spread) else spread**2 / count
         return fit_model.SnapPrediction(
@@ -426,62 +429,47 @@ class _Fit:
             left_out,
             # A snap is where two forces are equal, and each is off.
             math.sqrt(
-                moved + 2.0 * (off / steep) ** 2 + scatter + _STROKE**2 + test.seen_within**2
+                moved
+                + 2.0 * (rms(np.array(off)) / steep) ** 2
+                + scatter
+                + _STROKE**2
+                + test.seen_within**2
             ),
             tuple(test.names(test.shown)),
-            fit_model.order_of(*self._asked(test, others)),
+            others.order_of(series),
             test.ratio,
         )
 
-    def _missed(self, test: PairTest, numbers: Floats, own: bool) -> list[float]:
+    def _missed(self, series: Series, model: fit_model.Model, own: bool) -> list[float]:
         """By how much the forces of each cell are larger than the model's, late in its travel [N].
 
         Read on the pair itself, or on pairs of other geometries of as many bands that go the same
         way.
         """
-        series, found = test.series, [[] for _ in test.series.chain.cells]
-        gaps = self._by_sample(self.rows.force - self._model_force(numbers))
-        fold = geometry_of(series.chain.levers[-1])
-        kind = True, series.bands, series.unloading
-        for sample, gap in zip(self.data.samples, gaps, strict=True):
+        found: list[list[float]] = [[] for _ in series.chain.cells]
+        fold, kind = geometry_of(series.chain.levers[-1]), (True, series.bands, series.unloading)
+        for sample in self.data.samples:
             alike = (sample.in_pair, sample.bands, sample.unloading) == kind
             if sample.series == series.name if own else alike and sample.fold != fold:
+                gap = sample.force - model.force(sample)
                 found[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
         return [float(np.mean(one)) if one else 0.0 for one in found]
 
-    def _snap(
-        self, test: PairTest, numbers: Floats, missed: Sequence[float] = ()
-    ) -> tuple[float, float]:
-        return fit_model.snap_of(*self._asked(test, numbers), missed)
-
-    def _asked(self, test: PairTest, numbers: Floats) -> tuple[fit_model.Model, PairTest, float]:
-        values = self._named(numbers)
-        model = fit_model.Model(values, self.shape(numbers), self.weighing, self.given)
-        bands = test.series.bands
-        return model, test, bands * values[fit_samples.rubber_name(bands, in_pair=True)]
-
-    def _model_force(self, numbers: Floats) -> Floats:
-        return fit_model.force(self._named(numbers), self.rows, self.shape(numbers))
-
-    def _by_sample(self, values: Floats) -> list[Floats]:
-        return np.split(values, np.cumsum([len(s.way) for s in self.data.samples])[:-1])
-
-    def _named(self, numbers: Floats) -> dict[str, float]:
-        return dict(zip(self.names, numbers.tolist(), strict=True))
-
-    def _fitted(self, use: Bools, start: Floats | None) -> tuple[Floats, Floats]:
+    def _fitted(
+        self, samples: Sequence[fit_samples.Sample], start: Floats | None
+    ) -> tuple[Floats, Floats]:
         """Values of the numbers, and the Jacobian by their typical sizes."""
         from scipy.optimize import least_squares
 
         limits = np.array([fit_model.number(name)[1:] for name in self.names])
         first, low, high, size = limits.T
-        data = self.rows.where(use)
+        data = fit_model.rows(samples, self.given)
 
         def residual(x: Floats) -> Floats:
             # Per band, so that double bands do not count double.
-            values = self._named(x)
-            gaps = (fit_model.force(values, data, self.shape(x)) - data.force) / data.bands
-            return np.concatenate([gaps, _HANDOVER * fit_model.late(values, data)])
+            model = self.model(x)
+            gaps = (fit_model.force(model.values, data, model.law) - data.force) / data.bands
+            return np.concatenate([gaps, _HANDOVER * fit_model.late(model.values, data)])
 
         inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
         found = least_squares(

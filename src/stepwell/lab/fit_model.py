@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from stepwell import mechanism
-from stepwell.base import Bools, ByValue, Floats, to_unit
-from stepwell.lab.fit_samples import Sample, Weighing
-from stepwell.lab.pair_test import PairTest, fall_before, snaps_of
+from stepwell.base import ByValue, Floats, to_unit
+from stepwell.lab.fit_samples import Sample, Weighing, rubber_name
+from stepwell.lab.pair_test import fall_before, snaps_of
 from stepwell.lab.rig import PAPER_RIG, Rig, mover, path_of
-from stepwell.lab.series import Geometry
+from stepwell.lab.series import Geometry, Series
 
 
 class Number(NamedTuple):
@@ -85,14 +85,6 @@ class Rows:
     pairs: dict[str, Floats]  # 1 in pairs, by direction
     begins: Floats  # way at which the cell began to move after another one; NaN where not seen
 
-    def where(self, use: Bools) -> "Rows":
-        """Some of the rows."""
-
-        def cut(held: Any) -> Any:
-            return {k: v[use] for k, v in held.items()} if isinstance(held, dict) else held[use]
-
-        return Rows(*(cut(getattr(self, one.name)) for one in fields(self)))
-
 
 def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
     """Samples in a row, their rig giving way by so much [m/N]."""
@@ -105,6 +97,7 @@ def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
     direction = column(lambda s: -1.0 if s.unloading else 1.0)
     drive = column(lambda s: 0.0 if s.drive is None else s.drive)
     in_pair = column(lambda s: s.in_pair)
+    begins = column(lambda s: s.begins[0] if s.begins else np.nan)
     names = {sample.rubber for sample in samples}
     return Rows(
         column(lambda s: s.way) - given * direction * drive * in_pair,
@@ -122,15 +115,8 @@ def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
             "start_loading": in_pair * (direction > 0),
             "start_unloading": in_pair * (direction < 0),
         },
-        begins=column(lambda s: _begins(s, given)),
+        begins=begins - given * direction * column(lambda s: s.begins[1] if s.begins else 0.0),
     )
-
-
-def _begins(sample: Sample, given: float) -> float:
-    if sample.begins is None:
-        return math.nan
-    way, push = sample.begins
-    return way - given * (-push if sample.unloading else push)
 
 
 def way_of_cell(values: Mapping[str, float], data: Rows, way: Floats) -> Floats:
@@ -230,6 +216,38 @@ class Model:
             cell, band=bands[0] if len(bands) == 1 else bands, load=load, friction=friction
         )
 
+    def _pair(self, series: Series) -> mechanism.Chain:
+        stiffness = series.bands * self.values[rubber_name(series.bands, in_pair=True)]
+        return self.applied(series.chain, lambda _: stiffness)
+
+    def snap_of(self, series: Series, missed: Sequence[float] = ()) -> tuple[float, float]:
+        """Stroke of the machine [m] where a pair snaps first, or NaN, and the force's fall [N/m].
+
+        `missed` is by how much the forces of the cells are larger than the model's [N].
+        """
+        chain = self._pair(series)
+        if missed:
+            loads = [
+                (0.0 if cell.load is None else cell.load.force[0]) + more
+                for cell, more in zip(chain.levers, missed, strict=True)
+            ]
+            pairs = zip(chain.levers, map(mechanism.Load.constant, loads), strict=True)
+            chain = replace(chain, cells=[replace(cell, load=load) for cell, load in pairs])
+        path = path_of(chain, series.unloading)
+        found = snaps_of(path, self.rig)
+        return (found[0], fall_before(path)) if found else (math.nan, math.nan)
+
+    def order_of(self, series: Series) -> tuple[str, ...]:
+        """Names of the cells of a pair in the order in which the model moves them."""
+        chain, share = self._pair(series), 1.0 - _EARLY if series.unloading else _EARLY
+        at: Floats = np.array([share - 0.01, share, share + 0.01]) * chain.full_stroke
+        first = int(mover(path_of(chain, series.unloading), at)[0][1])
+        return tuple(chain.names[i] for i in (first, 1 - first))
+
+    def force(self, sample: Sample) -> Floats:
+        """F [N] along a sample."""
+        return force(self.values, rows([sample], self.given), self.law)
+
 
 @dataclass(frozen=True, eq=False)
 class SnapPrediction(ByValue):
@@ -284,33 +302,3 @@ class SnapPrediction(ByValue):
             f"SnapPrediction({self.series}: measured {to_unit(self.measured, 'mm'):.2f} mm, "
             f"predicted {to_unit(self.left_out, 'mm'):.2f} ± {to_unit(self.doubt, 'mm'):.2f} mm)"
         )
-
-
-def snap_of(
-    model: Model, test: PairTest, stiffness: float, missed: Sequence[float] = ()
-) -> tuple[float, float]:
-    """Stroke of the machine [m] where a pair snaps first, or NaN, and the fall of the force [N/m].
-
-    `missed` is by how much the forces of the cells are larger than the model's [N].
-    """
-    chain = model.applied(test.series.chain, lambda _: stiffness)
-    if missed:
-        loads = [
-            (0.0 if cell.load is None else cell.load.force[0]) + more
-            for cell, more in zip(chain.levers, missed, strict=True)
-        ]
-        pairs = zip(chain.levers, map(mechanism.Load.constant, loads), strict=True)
-        chain = replace(chain, cells=[replace(cell, load=load) for cell, load in pairs])
-    path = path_of(chain, test.series.unloading)
-    found = snaps_of(path, model.rig)
-    return (found[0], fall_before(path)) if found else (math.nan, math.nan)
-
-
-def order_of(model: Model, test: PairTest, stiffness: float) -> tuple[str, ...]:
-    """Names of the cells in the order in which the model moves them."""
-    chain = model.applied(test.series.chain, lambda _: stiffness)
-    share = 1.0 - _EARLY if test.series.unloading else _EARLY
-    path = path_of(chain, test.series.unloading)
-    at: Floats = np.array([share - 0.01, share, share + 0.01]) * chain.full_stroke
-    first = int(mover(path, at)[0][1])
-    return tuple(chain.names[i] for i in (first, 1 - first))
