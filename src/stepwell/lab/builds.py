@@ -22,17 +22,12 @@ class Holes:
     """What is believed of the holes of a build before it is tried, `apart` [m] from each other.
 
     Of anchors a motion knows d = q - p alone, so a cell has one shift, of its q; a wrong hole of p
-    is the opposite one. `chance` is that an anchor is one hole off, along x or y.
+    is the opposite one. `chance` is that one of the anchors is one hole off, along x or y.
     """
 
     anchors: tuple[Parameter, ...]
     apart: float
     chance: float
-
-    @property
-    def columns(self) -> int:
-        """How many random numbers tell the holes of one build."""
-        return len(self.anchors) if self.chance else 0
 
     @property
     def _drawn(self) -> float:
@@ -49,11 +44,12 @@ class Holes:
 
     def price(self, even: base.Floats) -> float:
         """By how much less likely these holes are than they are drawn: minus the logarithm."""
+        if not len(even):
+            return 0.0
         off = 2.0 * self.chance  # of two anchors either
         wrong = int(np.sum(even < self._drawn))
-        right = len(even) - wrong
-        dear = math.log(self._drawn / off) if wrong else 0.0
-        return wrong * dear + right * math.log((1.0 - self._drawn) / (1.0 - off))
+        dear = wrong * math.log(self._drawn / off) if wrong else 0.0
+        return dear + (len(even) - wrong) * math.log((1.0 - self._drawn) / (1.0 - off))
 
     def moved(self, chain: Chain, shifts: base.Floats) -> Chain:
         """A chain with its anchors in other holes."""
@@ -286,7 +282,7 @@ def population(
     return Population(
         [one.chain for one in crowd.made if one.chain is not None],
         np.array([one.misfit for one in crowd.made]),
-        crowd.shifts(),
+        np.array([holes.shifts(row[draws.columns :]) for row in crowd.even]),
         before,
         likely[whole] / np.sum(likely[whole]),
         share,
@@ -320,28 +316,21 @@ class _Crowd:
     ):
         self.draws, self.holes, self.observed = draws, holes, observed
         self.tell, self.random = tell, random
-        self.even = np.zeros((0, draws.columns + holes.columns))
+        self.even = np.zeros((0, draws.columns + len(holes.anchors)))
         self.made: list[_Tried] = []
         self.far = 1.0  # of a step, over the spread of the builds
 
     def tried(self, row: base.Floats) -> _Tried:
         """The build of one row, and how badly it fits what was seen."""
         self.tell()
-        parts, holes = self.draws.columns, self.holes
-        price = holes.price(row[parts:]) if holes.columns else 0.0
+        parts, holes = np.split(row, [self.draws.columns])
+        price = self.holes.price(holes)
         try:
-            chain = self.draws.built(self.draws.shaped(row[None, :parts].copy())[0])
-            if holes.columns:
-                chain = holes.moved(chain, holes.shifts(row[parts:]))
+            chain = self.draws.built(self.draws.shaped(parts[None].copy())[0])
+            chain = self.holes.moved(chain, self.holes.shifts(holes))
             return _Tried(chain, self.observed.misfit(chain.cycle()), price)
         except base.StepwellError:
             return _Tried(None, math.inf, price)
-
-    def shifts(self) -> base.Floats:
-        """Where wrong holes have moved the anchors of each build (n, anchors, 2) [m]."""
-        if not self.holes.columns:
-            return np.zeros((len(self.even), len(self.holes.anchors), 2))
-        return np.array([self.holes.shifts(row[self.draws.columns :]) for row in self.even])
 
     def begin(self, n: int) -> base.Bools:
         """Draw until enough fit; which of all fit."""
@@ -376,7 +365,7 @@ class _Crowd:
 
     def neighbours(self, spread: base.Floats) -> base.Floats:
         """A place near each build; some anchors hook into another hole."""
-        n, columns = len(self.even), self.holes.columns
+        n, columns = len(self.even), len(self.holes.anchors)
         step = self.far * spread * self.random.standard_normal(self.even.shape)
         # What goes beyond 0 or 1 comes back as by mirrors there.
         there = np.mod(self.even + step, 2.0)

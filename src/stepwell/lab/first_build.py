@@ -332,13 +332,13 @@ def as_built(
         if progress is not None:
             progress(done, max(done, total))
 
-    holes = builds.Holes(builds.outer_anchors(drawing), hole, wrong_hole)
+    holes = builds.Holes(builds.outer_anchors(drawing) if wrong_hole else (), hole, wrong_hole)
     wider = 1.0
     while True:
         given = _wide(tolerances, wider, drawing)
         found = builds.population(Draws(drawing, given, seed), holes, seen, samples, tell)
-        enough = found is not None and not found.few
-        if (enough and np.mean(found.misfits) <= _AGREE * seen.numbers) or wider >= _MOST_WIDE:
+        agrees = found and not found.few and np.mean(found.misfits) <= _AGREE * seen.numbers
+        if agrees or wider >= _MOST_WIDE:
             break
         wider *= 2.0
         total += samples * (1 + 4 * builds.STEPS)
