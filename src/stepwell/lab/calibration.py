@@ -394,11 +394,9 @@ class _Fit:
         n, each = len(self.left), np.array(list(self.left.values()))
         scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
         wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
-        rows = zip(self.names, self.whole, self.whole - wide, self.whole + wide, strict=True)
-        return tuple(
-            FittedParameter(name, fit_model.number(name).unit, *map(float, row))
-            for name, *row in rows
-        )
+        units = [fit_model.number(name).unit for name in self.names]
+        values = (one.tolist() for one in (self.whole, self.whole - wide, self.whole + wide))
+        return tuple(map(FittedParameter, self.names, units, *values))
 
     def predict(self, test: PairTest) -> fit_model.SnapPrediction:
         """Snaps and order of a pair, from all curves and from those of the other geometries."""
@@ -418,6 +416,8 @@ class _Fit:
         ]
         measured, spread, count = test.snap_strokes
         scatter = 0.0 if math.isnan(spread) else spread**2 / count
+        # A snap is where two forces are equal, and each is off.
+        forces = 2.0 * (rms(np.array(off)) / steep) ** 2
         return fit_model.SnapPrediction(
             series.name,
             fold,
@@ -427,14 +427,7 @@ class _Fit:
             test.snaps_predicted[0] if test.snaps_predicted else math.nan,
             fitted,
             left_out,
-            # A snap is where two forces are equal, and each is off.
-            math.sqrt(
-                moved
-                + 2.0 * (rms(np.array(off)) / steep) ** 2
-                + scatter
-                + _STROKE**2
-                + test.seen_within**2
-            ),
+            math.sqrt(moved + forces + scatter + _STROKE**2 + test.seen_within**2),
             tuple(test.names(test.shown)),
             others.order_of(series),
             test.ratio,

@@ -195,13 +195,11 @@ class Model:
         self, chain: mechanism.Chain, stiffness: Callable[[mechanism.Cell], float]
     ) -> mechanism.Chain:
         """A chain with bands of this stiffness a cell [N/m], and weight and friction if known."""
-        cells = chain.levers
-        return replace(
-            chain,
-            cells=[self._cell(cell, stiffness(cell), cell is not cells[-1]) for cell in cells],
-        )
+        *inner, last = chain.levers
+        cells = [self._cell(cell, stiffness(cell), self.weight) for cell in inner]
+        return replace(chain, cells=[*cells, self._cell(last, stiffness(last), 0.0)])
 
-    def _cell(self, cell: mechanism.Cell, stiffness: float, inner: bool) -> mechanism.Cell:
+    def _cell(self, cell: mechanism.Cell, stiffness: float, carries: float) -> mechanism.Cell:
         total, rest = sum(band.stiffness for band in cell.bands), self.values["rest_length"]
         bands = [
             mechanism.Band(band.p, band.q, stiffness * band.stiffness / total, rest, self.law)
@@ -211,7 +209,7 @@ class Model:
         tension = sum((band.tension(band.length(theta, cell.lever)) for band in bands), 0.0 * theta)
         joints = self.values.get("joints")
         friction = cell.friction if joints is None else joints * float(np.mean(tension))
-        load = mechanism.Load.constant(self.weight) if inner and self.weight else cell.load
+        load = mechanism.Load.constant(carries) if carries else cell.load
         return replace(
             cell, band=bands[0] if len(bands) == 1 else bands, load=load, friction=friction
         )

@@ -1,6 +1,7 @@
 """Two cells on the test machine beside their model: which moves first, and where they snap."""
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -273,10 +274,9 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
     the correction beside the plain result; all else moves the prediction to the machine.
     """
     errors = [_errors(one) for one in series]
-    total: dict[tuple[str, ...], Floats] = {}
+    total: dict[tuple[str, ...], Floats] = defaultdict(lambda: np.zeros(2))
     for one, each in zip(series, errors, strict=True):
-        key = _baseline_of(one)
-        total[key] = total.get(key, np.zeros(2)) + np.min(each, axis=1) ** 2
+        total[_baseline_of(one)] += np.min(each, axis=1) ** 2
     moved_first = [int(np.argmin(total[_baseline_of(one)])) for one in series]
     return [
         _pair_test(one, first, each[first], rig)

@@ -196,11 +196,8 @@ def sort_series(
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}
     gaps = missing(recordings)
-    groups, told = _grouped(
-        [r for r in recordings if not (r.source in used or is_baseline(r.name))],
-        designs,
-        as_designed,
-    )
+    tests = [r for r in recordings if not (r.source in used or is_baseline(r.name))]
+    groups, told = _grouped(tests, designs, as_designed)
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
         setup = None if as_designed else setup_of(stem + "_1")
@@ -208,8 +205,8 @@ def sort_series(
         series += found
         told += lines
     if not series:
-        lines = "; ".join(told[:3]) or "no recording in it"
-        raise LabError("data", f"no series to compare: {lines}.")
+        why = "; ".join(told[:3]) or "no recording in it"
+        raise LabError("data", f"no series to compare: {why}.")
     return Sorted(tuple(series), (*told, *_baseline_lines(series, own, gaps)))
 
 
@@ -228,9 +225,8 @@ def _grouped(
         elif nameless and _NAMED_CELLS.match(recording.name):
             told.append(f"{recording.source}: left out, the letters of its name are not known")
         elif nameless and not designs:
-            told.append(
-                f"{recording.source}: left out, its name tells no configuration: give a design"
-            )
+            why = "its name tells no configuration: give a design"
+            told.append(f"{recording.source}: left out, {why}")
         elif setup is not None and setup.marked:
             told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
         elif why := unusable(recording):

@@ -98,11 +98,9 @@ def intervals(
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
     to_slope = x / float(x @ x)
     at_pulls = reading_doubt(fitted, stroke[pulls], steps) if told else np.ones(len(x))
+    k_error = wide * float(np.linalg.norm(to_slope * at_pulls))
     onset_error = wide * float(np.linalg.norm(to_onset * doubt))
-    return (
-        _around(k, wide * float(np.linalg.norm(to_slope * at_pulls))),
-        _around(fitted.onset, onset_error),
-    )
+    return _around(k, k_error), _around(fitted.onset, onset_error)
 
 
 def _around(value: float, error: float) -> Interval:

@@ -217,9 +217,7 @@ _SLACK = 0.02  # of the largest force, below which a band is not said to be taut
 
 
 def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
-    """The paper's cycles, or all but the first, in which rubber softens most; and why not the
-    paper's.
-    """
+    """The paper's cycles, or all but the first, in which rubber softens most; and why."""
     samples = {loop.sample for loop in loops}
     first, last = CYCLES
     if not loops or {o.sample for o in loops if first <= o.cycle <= last} == samples:
@@ -232,7 +230,7 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
 
 
 def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
-    """The paper's window [m], or all strokes of a taut band; and why not the paper's."""
+    """The paper's window [m], or all strokes of a taut band; and why."""
     low, high = WINDOW
     inside = [np.sum((loop.stroke >= low) & (loop.stroke <= high)) for loop in used]
     over = all(np.min(o.stroke) <= low + REACH and np.max(o.stroke) >= high - REACH for o in used)

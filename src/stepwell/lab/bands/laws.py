@@ -181,29 +181,17 @@ def _ogden(e: Floats, length: float, exponent: float) -> Floats:
     return (x ** (exponent - 1) - x ** (-exponent / 2 - 1))[:, None]
 
 
+_AREA = (("modulus times area", "N"),)
 LAWS: tuple[ForceLaw, ...] = (
     ForceLaw("linear", (("stiffness", "N/m"),), lambda e, _l, _a: e[:, None], source="Hooke's law"),
-    ForceLaw(
-        "neo-Hookean",
-        (("modulus times area", "N"),),
-        _neo_hooke,
-        needs_length=True,
-        source="Treloar 1943",
-    ),
+    ForceLaw("neo-Hookean", _AREA, _neo_hooke, needs_length=True, source="Treloar 1943"),
     ForceLaw(
         "cubic",
         (("stiffness", "N/m"), ("quadratic", "N/m²"), ("cubic", "N/m³")),
         lambda e, _l, _a: np.stack([e, e**2, e**3], axis=1),
         source="a polynomial",
     ),
-    ForceLaw(
-        "Ogden",
-        (("modulus times area", "N"),),
-        _ogden,
-        needs_length=True,
-        exponents=(1.01, 12.0),
-        source="Ogden 1972, one term",
-    ),
+    ForceLaw("Ogden", _AREA, _ogden, True, exponents=(1.01, 12.0), source="Ogden 1972, one term"),
     ForceLaw(
         "Yeoh",
         (("first modulus", "N"), ("second modulus", "N"), ("third modulus", "N")),
