@@ -178,7 +178,8 @@ class Observed(base.ByValue):
             gaps.append(off / self.scale)
         return sum((0.5 * float(gap @ gap) for gap in gaps), 0.0)
 
-    __repr__ = base.brief
+    def __repr__(self):
+        return base.brief(self)
 
 
 def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:

@@ -65,7 +65,8 @@ class CellReading(ByValue):
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

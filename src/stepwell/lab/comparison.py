@@ -159,7 +159,8 @@ class Refit(base.ByValue):
         """As JSON can hold it."""
         return base.record(_REFIT, self)
 
-    __repr__ = base.brief
+    def __repr__(self):
+        return base.brief(self)
 
 
 _REFIT: base.Schema = (

@@ -63,7 +63,8 @@ class Sample(ByValue):
         """Name of its stiffness: pieces that were tested together are one kind of rubber."""
         return rubber_name(self.bands, self.in_pair)
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,8 @@ class Prepared(ByValue):
     def __post_init__(self):
         object.__setattr__(self, "tables", ReadOnly(self.tables))
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 def rubber_name(bands: int, in_pair: bool) -> str:

@@ -146,7 +146,8 @@ class Candidate(ByValue):
         n = len(self.predicted)
         return float(np.std(self.predicted, ddof=1)) / math.sqrt(n) if n > 1 else 0.0
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

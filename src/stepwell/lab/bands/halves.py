@@ -109,7 +109,8 @@ class Hysteresis(ByValue):
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 def loops_of(

@@ -135,7 +135,8 @@ class MeasuredCurve(ByValue):
         count = np.bincount(place)
         return rising, np.bincount(place, y) / count
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:
