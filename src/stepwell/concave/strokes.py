@@ -320,7 +320,8 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
     size = (n + 1) << n
     up, down = np.empty(size, np.int64), np.empty(size, np.int64)
     cells, ends = np.empty((n, 6)), np.empty((n, 2))
-    loading, unloading, own = np.empty(n, np.int64), np.empty(n, np.int64), np.arange(n)
+    loading, unloading = np.empty(n, np.int64), np.empty(n, np.int64)
+    own = np.arange(n, dtype=np.int64)
     for k in range(len(numbers)):
         key[k], cycle[k], gap[k, 0], gap[k, 1] = -1, -1, 0.0, 0.0
         told[k] = NOT_PROVED
