@@ -114,12 +114,10 @@ class Rig(ByValue):
 
     def factor(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Force at the machine over force at the block [1] at angles θ [rad] of any shape."""
-        theta = np.asarray(theta, float)
         return 1.0 / (1.0 + self.tilt(cell, theta) * np.tan(theta))
 
     def stroke(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Way of the machine [m] from state 0 on, at angles θ [rad] of any shape."""
-        theta = np.asarray(theta, float)
         if math.isinf(self.bar):
             return cell.travel(theta)
         # φ = 0 at the stops, so the bar is L (1 - cos φ) shorter in height in between.
@@ -127,11 +125,10 @@ class Rig(ByValue):
 
     def angle(self, cell: Cell, stroke: ArrayLike) -> Floats:
         """Lever angle θ [rad] at ways of the machine [m] of any shape, between the stops."""
-        stroke = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
-        travel = stroke
+        travel = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
         if math.isfinite(self.bar):
             theta = np.linspace(-cell.limit, cell.limit, 2001)
-            travel = np.interp(stroke, self.stroke(cell, theta), cell.travel(theta))
+            travel = np.interp(travel, self.stroke(cell, theta), cell.travel(theta))
         return cell.angle(np.clip(travel, 0.0, cell.full_travel))
 
 

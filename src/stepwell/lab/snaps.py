@@ -116,20 +116,14 @@ def samples_of_jump(time: Floats | None) -> float:
 
 def holes_of(recording: Recording) -> int:
     """How many samples are missing between two that follow each other, in all holes."""
-    steps = np.diff(recording.time)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    if not usual > 0:
-        return 0
-    return int(np.sum(np.round(steps[steps > _HOLE * usual] / usual) - 1))
+    rate, hole = _clock(recording.time, len(recording))
+    return int(np.sum(np.round(np.diff(recording.time)[hole[1:]] * rate) - 1))
 
 
 def _clock(time: Floats | None, n: int) -> tuple[float, Bools]:
     """Samples a second, and (n,) whether there is a hole before a sample."""
-    none = np.zeros(n, bool)
-    if time is None or n < 2:
-        return _TIMELESS, none
-    steps = np.diff(time)
-    usual = float(np.median(steps))
+    steps = np.diff([] if time is None else time)
+    usual = float(np.median(steps)) if len(steps) else 0.0
     if not usual > 0:
-        return _TIMELESS, none
-    return 1.0 / usual, np.concatenate([[False], steps > _HOLE * usual])
+        return _TIMELESS, np.zeros(n, bool)
+    return 1.0 / usual, np.append(False, steps > _HOLE * usual)

@@ -19,6 +19,9 @@ _DIGITS = 6  # behind the point, more than anyone reads
 _BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 
 
+_Lines = list[tuple[int, str]]  # with their numbers
+
+
 class Export(NamedTuple):
     """What the text holds, in SI; `time` is NaN where it is not recorded.
 
@@ -103,13 +106,6 @@ def _step(values: Floats) -> float:
     return 0.0
 
 
-class _Parts(NamedTuple):
-    header: list[str]
-    delimiter: str | None
-    width: int
-    body: list[tuple[int, str]]
-
-
 def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
     """The lines without columns of notes, where no row holds numbers alone; and what is told."""
     if _row_of_numbers(lines) is not None:
@@ -150,7 +146,7 @@ def _is_number(field: str) -> bool:
     return _NUMBER.fullmatch(field) is not None
 
 
-def _parts(lines: list[str], example: str) -> _Parts:
+def _parts(lines: list[str], example: str) -> tuple[list[str], str | None, int, _Lines]:
     """The lines above the numbers, how they are split, and those from the first numbers on."""
     found = _row_of_numbers(lines)
     if found is None:
@@ -158,7 +154,7 @@ def _parts(lines: list[str], example: str) -> _Parts:
     start, delimiter = found
     body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
     header = [line for line in lines[:start] if line.strip()]
-    return _Parts(header, delimiter, len(split(lines[start], delimiter)), body)
+    return header, delimiter, len(split(lines[start], delimiter)), body
 
 
 def _lines(data: bytes) -> list[str]:
@@ -185,12 +181,10 @@ def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
     return None
 
 
-def _rows(
-    body: list[tuple[int, str]], delimiter: str | None, count: int
-) -> tuple[Floats, list[tuple[int, str]]]:
+def _rows(body: _Lines, delimiter: str | None, count: int) -> tuple[Floats, _Lines]:
     """The rows that can be read, and the others with their numbers."""
     pieces: list[Floats] = []
-    bad: list[tuple[int, str]] = []
+    bad: _Lines = []
     for first in range(0, len(body), _BLOCK):
         block = body[first : first + _BLOCK]
         piece = _at_once([line for _, line in block], delimiter, count)
@@ -205,9 +199,7 @@ def _rows(
     return good, bad
 
 
-def _one_by_one(
-    block: list[tuple[int, str]], delimiter: str | None, count: int, bad: list[tuple[int, str]]
-) -> Floats:
+def _one_by_one(block: _Lines, delimiter: str | None, count: int, bad: _Lines) -> Floats:
     """The rows of a block that can be read; the others are added to `bad`."""
     good: list[list[float]] = []
     for number, line in block:
@@ -230,7 +222,7 @@ def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | No
     return rows if rows.shape[1] == count and np.all(np.isfinite(rows)) else None
 
 
-def _remarks(bad: list[tuple[int, str]], last: int) -> list[str]:
+def _remarks(bad: _Lines, last: int) -> list[str]:
     remarks: list[str] = []
     if bad and bad[-1][0] == last:
         remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_SHOWN]!r})")
