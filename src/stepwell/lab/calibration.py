@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, need
-from stepwell.lab import comparison, fit_model, fit_samples
+from stepwell.lab import comparison, fit_model
 from stepwell.lab.bands.halves import student
+from stepwell.lab.fit_samples import Prepared, Sample, Weighing, compliance, rubber_name, weigh
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
@@ -82,13 +83,13 @@ class Calibration(ByValue, Drawn):
 
     law: str
     parameters: tuple[FittedParameter, ...]
-    samples: tuple[fit_samples.Sample, ...] = field(repr=False)
+    samples: tuple[Sample, ...] = field(repr=False)
     fit_error: Floats = field(repr=False)
     left_out_error: Floats = field(repr=False)
     correlations: Floats = field(repr=False)
     reference: float
     shape: Law = field(repr=False)
-    weighing: fit_samples.Weighing | None = None
+    weighing: Weighing | None = None
     compliance: float = math.nan
     snaps: tuple[fit_model.SnapPrediction, ...] = field(repr=False, default=())
     pairs: tuple[PairTest, ...] = field(repr=False, default=())
@@ -136,7 +137,7 @@ class Calibration(ByValue, Drawn):
 
     def band(self, bands: int = 1, in_pair: bool = False) -> Band:
         """A band of a cell with so many, as it loads, without the loss on the way back."""
-        k = self[fit_samples.rubber_name(bands, in_pair)].value
+        k = self[rubber_name(bands, in_pair)].value
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
     def applied(self, chain: Chain, bands: int | None = None) -> Chain:
@@ -196,7 +197,7 @@ class Calibration(ByValue, Drawn):
         given = 0.0 if math.isnan(self.compliance) else self.compliance
         return fit_model.Model(self.values, self.shape, self.weighing, given)
 
-    def force(self, sample: fit_samples.Sample) -> Floats:
+    def force(self, sample: Sample) -> Floats:
         """F of the model [N] along a sample."""
         return self._model.force(sample)
 
@@ -282,7 +283,7 @@ class Calibration(ByValue, Drawn):
 
 
 def calibrate(
-    data: fit_samples.Prepared,
+    data: Prepared,
     law: str | None = None,
     *,
     reference: float = 28.5,
@@ -323,10 +324,10 @@ def calibrate(
             f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    given = fit_samples.compliance(data.pairs)
+    given = compliance(data.pairs)
     laws = known if law is None else [law]
     stiff = 0.0 if math.isnan(given) else given
-    weighing = fit_samples.weigh(data.pairs)
+    weighing = weigh(data.pairs)
     found = [_Fit(data, name, stiff, weighing, reference) for name in laws]
     for done, (fit, fold) in enumerate(product(found, folds), 1):
         fit.leave_out(fold)
@@ -353,12 +354,7 @@ class _Fit:
     """The fit of one law to everything, and to everything but one geometry."""
 
     def __init__(
-        self,
-        data: fit_samples.Prepared,
-        law: str,
-        given: float,
-        weighing: fit_samples.Weighing | None,
-        reference: float,
+        self, data: Prepared, law: str, given: float, weighing: Weighing | None, reference: float
     ):
         self.data, self.law, self.given, self.weighing = data, law, given, weighing
         self.reference = reference
@@ -367,12 +363,10 @@ class _Fit:
         self.whole, self.jacobian = self._fitted(data.samples, None)
 
     def leave_out(self, fold: Geometry) -> None:
-        """Fit everything but one geometry."""
         kept = [sample for sample in self.data.samples if sample.fold != fold]
         self.left[fold], _ = self._fitted(kept, self.whole)
 
     def model(self, numbers: Floats) -> fit_model.Model:
-        """What some of the fitted numbers say."""
         values = dict(zip(self.names, numbers.tolist(), strict=True))
         law = fit_model.law_of(self.law, values, self.data.tables)
         return fit_model.Model(values, law, self.weighing, self.given)
@@ -381,13 +375,13 @@ class _Fit:
     def errors(self) -> tuple[Floats, Floats]:
         """RMSE of each sample in k r, fitted and left out."""
 
-        def rmse(sample: fit_samples.Sample, numbers: Floats) -> float:
+        def rmse(sample: Sample, numbers: Floats) -> float:
             return rms(self.model(numbers).force(sample) - sample.force) / self._scale(sample)
 
         fitted = np.array([rmse(one, self.whole) for one in self.data.samples])
         return fitted, np.array([rmse(one, self.left[one.fold]) for one in self.data.samples])
 
-    def _scale(self, sample: fit_samples.Sample) -> float:
+    def _scale(self, sample: Sample) -> float:
         return sample.bands * self.reference * sample.cell.lever
 
     def parameters(self) -> tuple[FittedParameter, ...]:
@@ -448,9 +442,7 @@ class _Fit:
                 found[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
         return [float(np.mean(one)) if one else 0.0 for one in found]
 
-    def _fitted(
-        self, samples: Sequence[fit_samples.Sample], start: Floats | None
-    ) -> tuple[Floats, Floats]:
+    def _fitted(self, samples: Sequence[Sample], start: Floats | None) -> tuple[Floats, Floats]:
         """Values of the numbers, and the Jacobian by their typical sizes."""
         from scipy.optimize import least_squares
 
