@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -183,7 +183,6 @@ class Observed(base.ByValue):
 
 
 def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
-    """Forces of the model [N] where some were read."""
     stroke, force = cycle.path.stroke, cycle.path.force
     top = int(np.argmax(stroke))
     ways = {1: (stroke[: top + 1], force[: top + 1]), -1: (stroke[top:][::-1], force[top:][::-1])}
@@ -261,7 +260,8 @@ def population(
 
     Source: Del Moral, Doucet and Jasra 2006.
     """
-    crowd = _Crowd(draws, holes, observed, tell, np.random.default_rng(draws.seed))
+    none = np.zeros((0, draws.columns + len(holes.anchors)))
+    crowd = _Crowd(draws, holes, observed, tell, np.random.default_rng(draws.seed), none)
     fits = crowd.begin(n)
     if not np.any(fits):
         return None
@@ -304,22 +304,18 @@ class _Tried(NamedTuple):
         return self.misfit + self.price
 
 
+@dataclass
 class _Crowd:
     """Builds and the even numbers (n, columns) that they are made of, first draws, then holes."""
 
-    def __init__(
-        self,
-        draws: Draws,
-        holes: Holes,
-        observed: Observed,
-        tell: Callable[[], None],
-        random: np.random.Generator,
-    ):
-        self.draws, self.holes, self.observed = draws, holes, observed
-        self.tell, self.random = tell, random
-        self.even = np.zeros((0, draws.columns + len(holes.anchors)))
-        self.made: list[_Tried] = []
-        self.far = 1.0  # of a step, over the spread of the builds
+    draws: Draws
+    holes: Holes
+    observed: Observed
+    tell: Callable[[], None]
+    random: np.random.Generator
+    even: base.Floats
+    made: list[_Tried] = field(default_factory=list)
+    far: float = 1.0  # of a step, over the spread of the builds
 
     def tried(self, row: base.Floats) -> _Tried:
         """The build of one row, and how badly it fits what was seen."""
