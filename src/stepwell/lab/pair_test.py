@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, to_unit
-from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
+from stepwell.lab.recordings.curve import Curve, mean_curve, rms
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.rig import END, PAPER_RIG, Rig, judged, mover, on_path, path_of, quiet_zones
 from stepwell.lab.series import TELLING, Series, carried
@@ -17,6 +17,7 @@ from stepwell.mechanism import Chain
 from stepwell.statics import Event, EventKind, Path
 
 Order = tuple[int, int]
+_Snaps = Sequence[tuple[MeasuredSnap, ...]]  # for each run
 
 _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
 _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
@@ -289,13 +290,13 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     shown = _ORDERS[int(np.argmin(errors))]
     force = curve.force - _friction(series, first, shown, curve.stroke)
 
-    path, full = path_of(chain, series.unloading), chain.full_stroke
+    path, full = series.path, chain.full_stroke
     shown_at = rig.at_machine(path.stroke, path.force, full, series.unloading)
     model = on_path(path, curve.stroke, shown_at)
     inside = judged(curve.stroke, _zones(series, shown))
     gap = (force - model)[inside] / series.scale
     moving, travels = mover(path, curve.stroke, shown_at)
-    jumps = [_jumps(series, run, shown) for run in series.recordings]
+    jumps = _jumps(series, shown)
     snaps = _snaps_of_runs(series, jumps)
     factor = np.ones(len(curve))
     for i, cell in enumerate(chain.levers):
@@ -352,12 +353,9 @@ def _errors(series: Series) -> Floats:
 
 def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
-    found = [*snaps_of(path_of(series.chain, series.unloading), Rig())]
+    found = [*snaps_of(series.path, Rig())]
     # In neither order may a handover be taken for a snap.
-    ways = [
-        _snaps_of_runs(series, [_jumps(series, run, order) for run in series.recordings])
-        for order in _ORDERS
-    ]
+    ways = [_snaps_of_runs(series, _jumps(series, order)) for order in _ORDERS]
     for one, other in zip(*ways, strict=True):
         found += {snap.stroke for snap in one} & {snap.stroke for snap in other}
     if series.unloading:
@@ -368,14 +366,11 @@ def past_snaps(series: Series) -> tuple[float, float]:
 def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int, Bools, Floats]]:
     """For each cell in an order: which strokes it moves at, and its travels there."""
     full, first = series.chain.full_stroke, series.chain.cells[order[0]].full_travel
-    stroke = np.clip(stroke, 0.0, full)
-    edge = full - first if series.unloading else first
-    mine = stroke >= edge if series.unloading else stroke <= edge
-    found = []
-    for cell, moving in zip(order, (mine, ~mine), strict=True):
-        above = (cell == order[0]) == series.unloading
-        found.append((cell, moving, stroke[moving] - edge if above else stroke[moving]))
-    return found
+    stroke, falls = np.clip(stroke, 0.0, full), series.unloading
+    edge = full - first if falls else first
+    mine = stroke >= edge if falls else stroke <= edge
+    parts = zip(order, (mine, ~mine), (edge if falls else 0.0, 0.0 if falls else edge), strict=True)
+    return [(cell, moving, stroke[moving] - start) for cell, moving, start in parts]
 
 
 def _baseline_force(
@@ -411,9 +406,9 @@ def _predicted(series: Series) -> Order:
     return (0, 1) if order[:1] == (0,) else (1, 0)
 
 
-def _jumps(series: Series, run: Recording, order: Order) -> tuple[MeasuredSnap, ...]:
-    stroke = from_zero(run, series.chain.full_stroke)
-    return find_snaps(stroke, run.force, _zones(series, order), _time(run))
+def _jumps(series: Series, order: Order) -> _Snaps:
+    zones, runs = _zones(series, order), series.recordings
+    return [find_snaps(series.placed(run), run.force, zones, _time(run)) for run in runs]
 
 
 def _time(run: Recording) -> Floats | None:
@@ -445,9 +440,7 @@ def fall_before(path: Path) -> float:
     return max(abs(float(rise)), _FLATTEST)
 
 
-def _snaps_of_runs(
-    series: Series, jumps: Sequence[tuple[MeasuredSnap, ...]]
-) -> tuple[tuple[MeasuredSnap, ...], ...]:
+def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
     """For each run those of its jumps that are snaps.
 
     At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
@@ -455,7 +448,7 @@ def _snaps_of_runs(
     """
     predicted = _snap_events(series.path)
     if predicted:
-        return tuple(tuple(filter(None, matched(found, predicted))) for found in jumps)
+        return [tuple(filter(None, matched(found, predicted))) for found in jumps]
     sign = -1.0 if series.unloading else 1.0
     least = SNAP_SHARE * series.scale
     large = [tuple(one for one in found if sign * one.jump > least) for found in jumps]
@@ -464,10 +457,10 @@ def _snaps_of_runs(
         near = sum(any(abs(one.stroke - u.stroke) < _TOGETHER for u in found) for found in large)
         return 2 * near > len(jumps)
 
-    return tuple(tuple(filter(shared, found)) for found in large)
+    return [tuple(filter(shared, found)) for found in large]
 
 
-def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
+def _doubt(series: Series, snaps: _Snaps) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m].
 
     How well the model fits does not count, or a bad one would agree with everything.
