@@ -72,11 +72,9 @@ class _Product:
 
     @property
     def value(self) -> int:
-        """The product."""
         return 0 if self._zeros else self._nonzero
 
     def change(self, cell: int, by: int) -> None:
-        """Let the factor of a cell grow."""
         old, new = self.factors[cell], self.factors[cell] + by
         self._zeros += (new == 0) - (old == 0)
         self._nonzero = self._nonzero // (old or 1) * (new or 1)

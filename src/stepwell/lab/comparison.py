@@ -227,7 +227,6 @@ def _points(test: CellTest | PairTest) -> tuple[bool, base.Floats, base.Floats]:
 
 
 def _with_bands(chain: Chain, stiffness: float, rest_length: float) -> Chain:
-    """The chain, all its bands with these numbers [N/m], [m]."""
 
     def changed(cell: Cell) -> Cell:
         sizes = {"stiffness": stiffness, "rest_length": rest_length}

@@ -287,7 +287,6 @@ class _Group(NamedTuple):
         base: list[Recording],
         told: Sequence[str] = (),
     ) -> Series:
-        """A series of runs of the group."""
         names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
         lines = [
             f"runs: {', '.join(run.name for run in mine)}",

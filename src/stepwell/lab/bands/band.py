@@ -15,6 +15,7 @@ from stepwell.mechanism import sizes
 if TYPE_CHECKING:
     import xarray as xr
 
+_Loops = Sequence[halves.Hysteresis]
 # Of the largest force, a rise over the stroke that is none.
 _NO_RISE = 1e-9
 
@@ -197,7 +198,6 @@ def _runs(test: BandTest) -> list[halves.LoadingRun]:
 
 
 def _todo(kept: set[int], odd: list[int]) -> str:
-    """What to do about samples of another kind."""
     if kept and (whole := sorted(set(odd) - kept)):
         drop = " ".join(f"--drop {sample}" for sample in whole)
         return f"leave out {drop}, or keep each kind in a folder of its own."
@@ -314,9 +314,7 @@ def _used_lines(test: BandTest) -> list[str]:
     return lines
 
 
-def _inside(
-    loops: Sequence[halves.Hysteresis], window: tuple[float, float]
-) -> tuple[Floats, Floats]:
+def _inside(loops: _Loops, window: tuple[float, float]) -> tuple[Floats, Floats]:
     """Stroke [m] and force [N] of the loading halves inside a window [m]."""
     stroke = np.concatenate([loop.stroke for loop in loops])
     force = np.concatenate([loop.force for loop in loops])
@@ -324,9 +322,7 @@ def _inside(
     return stroke[inside], force[inside]
 
 
-def _pulling(
-    loops: Sequence[halves.Hysteresis], window: tuple[float, float]
-) -> tuple[Floats, Floats]:
+def _pulling(loops: _Loops, window: tuple[float, float]) -> tuple[Floats, Floats]:
     """The same where the band is taut."""
     pairs = [(loop, halves.taut(loop.force, loop.steps[1])) for loop in loops]
     return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
