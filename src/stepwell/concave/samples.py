@@ -92,21 +92,16 @@ def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, orde
     S_j - S_min the force that moves j is still above all those that hold them. Unloading is
     the same in a mirror.
     """
-    first: int = order[0, 0]
-    shortest, release = full[first], key[1, first]
-    for place in range(1, len(full)):
-        j: int = order[0, place]
-        spare = full[j] - shortest
-        if spare > 0.0 and not force_at(made[j], spare)[0] + friction[j] > -release:
-            return False
-        shortest, release = min(shortest, full[j]), min(release, key[1, j])
-    first = order[1, 0]
-    shortest, release = full[first], key[0, first]
-    for place in range(1, len(full)):
-        j: int = order[1, place]
-        if shortest < full[j] and not force_at(made[j], shortest)[0] - friction[j] < release:
-            return False
-        shortest, release = min(shortest, full[j]), min(release, key[0, j])
+    for side in range(2):
+        first: int = order[side, 0]
+        shortest, release = full[first], key[1 - side, first]
+        for place in range(1, len(full)):
+            j: int = order[side, place]
+            if full[j] > shortest:
+                force = force_at(made[j], shortest if side else full[j] - shortest)[0]
+                if not (-force if side else force) + friction[j] > -release:
+                    return False
+            shortest, release = min(shortest, full[j]), min(release, key[1 - side, j])
     return True
 
 

@@ -63,17 +63,17 @@ def _limits(ends: Floats, state: int, a: int, b: int) -> tuple[float, float]:
 
 @kernel
 def _undisturbed(
-    cells: Floats, give: int, take: int, gives: float, takes: float, amount: float,
-    low: float, high: float,
-) -> bool:  # fmt: skip
+    cells: Floats, ends: Floats, state: int, give: int, take: int, gives: float, takes: float
+) -> bool:
     """Whether no third cell wakes while one cell gives travel to another, proved.
 
     One pushes more and more and one less and less, so their ends bound the force, their mean.
     """
     giver, taker = of_row(cells[give]), of_row(cells[take])
+    low, high = _limits(ends, state, give, take)
     pieces = 1
     while pieces <= _PIECES:
-        piece, holds = amount / pieces, True
+        piece, holds = (gives - takes) / pieces, True
         f, g = force_at(giver, gives)[0], force_at(taker, takes)[0]
         for k in range(1, pieces + 1):
             f_next = force_at(giver, gives - k * piece)[0]
@@ -205,10 +205,10 @@ def _landing(
     """
     n = len(ends)
     if state >> other & 1:
-        give, take, gives, takes, amount = other, moving, full, travel, full - travel
+        give, take, gives, takes = other, moving, full, travel
         after = state & ~(1 << other) | 1 << moving
     else:
-        give, take, gives, takes, amount = moving, other, travel, 0.0, travel
+        give, take, gives, takes = moving, other, travel, 0.0
         after = state
     node = other << n | after
     if n == 2:
@@ -216,10 +216,7 @@ def _landing(
     low, high = _limits(ends, after, other, other)
     force = force_at(of_row(cells[other]), travel)[0]
     clear = min(abs(force - low), abs(high - force))
-    between = _limits(ends, state, give, take)
-    if low < force < high and _undisturbed(
-        cells, give, take, gives, takes, amount, between[0], between[1]
-    ):
+    if low < force < high and _undisturbed(cells, ends, state, give, take, gives, takes):
         return node, clear
     coarse = _flowed(cells, full, state, moving, travel, other, _COARSE * full)
     fine = _flowed(cells, full, state, moving, travel, other, _FINE * full)
