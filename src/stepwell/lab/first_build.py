@@ -103,10 +103,15 @@ def best_moves(
     not mend nearly all. Two are told where they are better than one beyond chance.
     """
 
+    def beyond(one: float, other: float) -> bool:
+        # What two shares of n differ by chance, twice the standard deviation.
+        both = (one + other) / 2
+        return one - other > 2.0 * math.sqrt(2.0 * both * (1.0 - both) / len(built))
+
     def better(moves: list[Move], than: float) -> list[Move]:
         best = sorted(moves, key=lambda move: -move.share)[:_BEST]
         again = [_judged(move.steps, built, target) for move in best]
-        held = [move for move in again if move.share - than > _chance(move.share, than, len(built))]
+        held = [move for move in again if beyond(move.share, than)]
         return sorted(held, key=lambda move: -move.share)
 
     def judged(steps: tuple[AnchorMove, ...]) -> Move:
@@ -117,8 +122,14 @@ def best_moves(
         return ()
     near: list[Move] = []
     found: list[Move] = []
+    placed = [(one, builds.place_of(one, drawing)) for one in builds.outer_anchors(drawing)]
     for holes in range(1, MOST_HOLES + 1):
-        moves = [judged((step,)) for step in _steps(drawing, hole, holes)]
+        far = holes * hole
+        moves = [
+            judged((AnchorMove(anchor, was, (was[0] + far * x, was[1] + far * y), holes),))
+            for anchor, was in placed
+            for x, y in builds.WAYS
+        ]
         near = near or moves
         if found := better(moves, share):
             break
@@ -139,26 +150,10 @@ def moves_of(chain: Chain) -> int:
     return MOST_HOLES * steps + paired * (paired - 1) // 2
 
 
-def _steps(drawing: Chain, hole: float, holes: int) -> list[AnchorMove]:
-    far = holes * hole
-    placed = [(one, builds.place_of(one, drawing)) for one in builds.outer_anchors(drawing)]
-    return [
-        AnchorMove(anchor, was, (was[0] + far * x, was[1] + far * y), holes)
-        for anchor, was in placed
-        for x, y in builds.WAYS
-    ]
-
-
 def _back(a: Move, b: Move) -> bool:
     """Whether the second move takes the first one back."""
     there = (a.to[0] - a.was[0] + b.to[0] - b.was[0], a.to[1] - a.was[1] + b.to[1] - b.was[1])
     return a.anchor == b.anchor and there == (0.0, 0.0)
-
-
-def _chance(one: float, other: float, n: int) -> float:
-    """By how much two shares of n differ by chance, twice the standard deviation."""
-    both = (one + other) / 2
-    return 2.0 * math.sqrt(2.0 * both * (1.0 - both) / n)
 
 
 def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
@@ -376,7 +371,10 @@ def as_built(
 
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
-    """The tolerances so many times as wide, without those of bands; of elements the scales."""
+    """The tolerances so many times as wide; an anchor is in another hole before a band is another.
+
+    Of a chain of elements, which has no anchors, the scales are.
+    """
     found = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
     if len(drawing.elements) < len(drawing):
         return found
