@@ -12,7 +12,7 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, Floats, need
 from stepwell.lab import comparison, fit_model
 from stepwell.lab.bands.halves import student
-from stepwell.lab.fit_samples import Prepared, Sample, Weighing, compliance, rubber_name, weigh
+from stepwell.lab.fit_samples import Prepared, Sample, Weighing, handovers, rubber_name, weigh
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
@@ -324,9 +324,9 @@ def calibrate(
             f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    given = compliance(data.pairs)
-    laws = known if law is None else [law]
-    stiff = 0.0 if math.isnan(given) else given
+    each = [one.given for test in data.pairs for one in handovers(test)]
+    given = float(np.median(each)) if each else math.nan
+    laws, stiff = known if law is None else [law], given if each else 0.0
     weighing = weigh(data.pairs)
     found = [_Fit(data, name, stiff, weighing, reference) for name in laws]
     for done, (fit, fold) in enumerate(product(found, folds), 1):

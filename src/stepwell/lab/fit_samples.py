@@ -181,12 +181,6 @@ def handovers(test: PairTest) -> list[Handover]:
     return found
 
 
-def compliance(tests: Iterable[PairTest]) -> float:
-    """By how much the rig of pairs gives way [m/N]: the median over all runs; NaN for none."""
-    found = [one.given for test in tests for one in handovers(test)]
-    return float(np.median(found)) if found else math.nan
-
-
 def _of_cell(series: Series) -> Sample:
     cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     force = series.net(curve.stroke, curve.force)[use]

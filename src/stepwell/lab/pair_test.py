@@ -290,7 +290,8 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     shown = _ORDERS[int(np.argmin(errors))]
     force = curve.force - _friction(series, first, shown, curve.stroke)
 
-    path, full = series.path, chain.full_stroke
+    cycle, path, full = chain.cycle(), series.path, chain.full_stroke
+    order = cycle.unloading_order if series.unloading else cycle.loading_order
     shown_at = rig.at_machine(path.stroke, path.force, full, series.unloading)
     model = on_path(path, curve.stroke, shown_at)
     inside = judged(curve.stroke, _zones(series, shown))
@@ -313,7 +314,7 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         rms(gap),
         float(np.max(np.abs(gap))),
         rms((force - model * factor)[inside] / series.scale),
-        _predicted(series),
+        _ORDERS[0] if order[:1] == (0,) else _ORDERS[1],
         bool(path.degenerate),
         first,
         tuple(tuple(one.stroke for one in found) for found in snaps),
@@ -398,12 +399,6 @@ def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Float
 def _zones(series: Series, order: Order) -> list[tuple[float, float]]:
     first = series.chain.cells[order[0]].full_travel
     return quiet_zones(series.chain.full_stroke, series.unloading, first)
-
-
-def _predicted(series: Series) -> Order:
-    cycle = series.chain.cycle()
-    order = cycle.unloading_order if series.unloading else cycle.loading_order
-    return (0, 1) if order[:1] == (0,) else (1, 0)
 
 
 def _jumps(series: Series, order: Order) -> _Snaps:

@@ -81,11 +81,8 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
 
 
 def _alone(test: BandTest, choice: Choice) -> OneBand | None:
-    found = this_band(test, choice)
-    if found is None:
+    if (found := this_band(test, choice)) is None:
         return None
-    slope, onset = found
-    gauge = choice.gauge
+    (slope, onset), gauge = found, choice.gauge
     length = None if gauge is None else Interval(*(gauge + edge for edge in onset))
-    readings = sum(len(test.samples_of(sample, test.window)[0]) for sample in test.samples)
-    return OneBand(readings, slope, length)
+    return OneBand(len(test.samples_of(test.samples[0], test.window)[0]), slope, length)
