@@ -60,25 +60,15 @@ class _Work(NamedTuple):
 
 @record
 class Swept(NamedTuple):
-    """What `sweep` finds out about m designs of n cells.
+    """What `sweep` finds out about m designs of n cells."""
 
-    Attributes:
-        run: (m,) designs that follow each other and do the same, by number; -1 where it is not
-            proved, and nothing else is touched.
-        orders: (m, 2, n) of each run, cells in the order in which they load, and unload.
-        strokes: (2, m) stroke [m] of the first snap while loading and while unloading, NaN where
-            there is none.
-        snaps: (2, m) how many cells snap.
-        gap: (m,) smallest difference of two F0 or of two F1 [N], infinite for one cell.
-        monostable: (m,) whether a turned cell is stable in one state only.
-    """
-
+    # (m,) number of designs that follow each other and do the same; -1 where nothing is proved
     run: Codes
-    orders: Codes
-    strokes: Floats
-    snaps: Codes
-    gap: Floats
-    monostable: Bools
+    orders: Codes  # (m, 2, n) of each run, cells in the order in which they load, and unload
+    strokes: Floats  # (2, m) of the first snap [m], loading and unloading, NaN where there is none
+    snaps: Codes  # (2, m) how many cells snap
+    gap: Floats  # (m,) smallest difference of two F0 or of two F1 [N], infinite for one cell
+    monostable: Bools  # (m,) whether a turned cell is stable in one state only
 
 
 @entry(3e-6, "values", "varied.base")
@@ -86,12 +76,12 @@ class Swept(NamedTuple):
 def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
     """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
 
-    It is proved where all cells are certified and without friction and have one full travel (a
-    cell that gives travel back in a snap gives back less than that, and so never reaches its
-    other stop), or where there are two cells, of which neither has to give back all it has.
+    It is proved where all cells are certified and without friction and have one full travel (a cell
+    that gives travel back in a snap gives back less than that, and so never reaches its other
+    stop), or where there are two cells, of which neither has to give back all it has.
 
-    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
-    F = λ, two in transit with falling forces are unstable):
+    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has F =
+    λ, two in transit with falling forces are unstable):
     - loading: cells leave 0 by ascending F0. Where cell j moves, λ = F_j(s) falls from F0_j, and
       the full cells hold their stops while F1 <= λ: for ever if F1_j is the largest, else up to
       F_j(s*) = F1_i for the largest F1_i of a full cell, at the stroke of all full cells and s*.
@@ -102,14 +92,7 @@ def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
       still full and s*.
     Equal forces, which no rule decides, go to the inner cell first.
 
-    Args:
-        values: (m, 2) what is added to the two numbers that vary.
-        varied: the chain.
-        work: room for one design.
-        out: what they do.
-
-    Returns:
-        How many runs there are.
+    `values` (m, 2) is added to the two numbers that vary; returned is the number of runs.
     """
     force, order, n = work.force, work.order, len(varied.base)
     for c in range(n):
@@ -237,9 +220,8 @@ def numbers(cells: Floats, c: int) -> tuple[float, float, float]:
 
 @leaf
 def sort(order: Ints, force: Floats, side: int) -> bool:
-    """Put cells in ascending order of force, equal ones by number; whether any had to move.
-
-    The order is mostly right, or nearly.
+    """Put cells, mostly sorted, in ascending order of force, equal ones by number; whether any
+    moved.
     """
     moved = False
     for k in range(1, order.shape[1]):
@@ -273,23 +255,14 @@ _NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction"
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What is known of m designs.
+    """What is known of m designs; strokes, snaps and the gap as in `Swept`."""
 
-    Attributes:
-        sequence: (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`.
-        strokes: (2, m) stroke [m] of the first snap, loading and unloading; NaN where none.
-        snaps: (2, m) steps that snap, loading and unloading; -1 where nothing is known.
-        gap: (m,) smallest difference of two F0 or of two F1 [N]; NaN where not proved.
-        monostable: (m,) whether a cell whose parameter varies is stable in one state only.
-        degenerate: (m,) whether a tie decides.
-    """
-
-    sequence: Codes
+    sequence: Codes  # (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`
     strokes: Floats
-    snaps: Codes
-    gap: Floats
+    snaps: Codes  # -1 where nothing is known
+    gap: Floats  # NaN where not proved
     monostable: Bools
-    degenerate: Bools
+    degenerate: Bools  # whether a tie decides
 
     @classmethod
     def nothing(cls, m: int) -> "Found":
@@ -305,13 +278,7 @@ class Found:
 
 
 class Outcomes:
-    """The sequence of a chain as a number, and more, against the values of two parameters.
-
-    Args:
-        chain: any number of cells.
-        parameters: the parameters.
-        spans: (2,) how far their values reach.
-    """
+    """What a chain does, as a number and more, against two parameters and their spans (2,)."""
 
     def __init__(self, chain: Chain, parameters: tuple[Parameter, Parameter], spans: Floats):
         self.chain, self.parameters, self._spans = chain, parameters, spans
@@ -324,6 +291,11 @@ class Outcomes:
         self.rows, self.columns, self._signs = self._places()
         self._plain = {cell: self._row(cell) for cell in self.turned}
         self.base = self._base()
+        self._varied = (
+            None
+            if self.base is None
+            else VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
+        )
 
     def design(self, values: Floats) -> Chain:
         """The chain at (x, y); ValueError where there is none."""
@@ -333,15 +305,11 @@ class Outcomes:
         return chain
 
     def closed_form(self, values: Floats, tie: float = 0.0) -> Found:
-        """What the closed form says of (m, 2) values, where it is proved.
-
-        Designs whose gap is below `tie` [N] are degenerate.
-        """
+        """What the closed form says of (m, 2) values; a gap below `tie` [N] is degenerate."""
         found = Found.nothing(len(values))
-        if self.base is None or len(values) == 0:
+        varied, n = self._varied, len(self.chain)
+        if varied is None or len(values) == 0:
             return found
-        varied = VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
-        n = len(self.chain)
         blocks: dict[int, tuple[Found, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
@@ -372,18 +340,13 @@ class Outcomes:
         """Have the engine follow those of (m, 2) designs, and note what they do."""
         number, cycles = self._followed(values[which], progress)
         found.sequence[which] = number
-        known, at = cycles.found, which[number >= 0]
+        known, at = cycles.found[number >= 0], which[number >= 0]
         found.degenerate[at] = cycles.tied[number >= 0] > 0
-        for column, way in ((STROKE_UP, 0), (STROKE_DOWN, 1)):
-            found.strokes[way, at] = known[number >= 0, column]
-        for column, way in ((STEPS_UP, 0), (STEPS_DOWN, 1)):
-            found.snaps[way, at] = known[number >= 0, column]
+        found.strokes[:, at] = known[:, [STROKE_UP, STROKE_DOWN]].T
+        found.snaps[:, at] = known[:, [STEPS_UP, STEPS_DOWN]].T
 
     def label(self, values: Floats, progress: Progress = None, found: Found | None = None) -> Codes:
-        """Numbers for (m, 2) values, of which the closed form says what was `found`.
-
-        `progress` is called with (done, total) engine runs.
-        """
+        """Numbers for (m, 2) values, by the engine where the closed form has not `found` them."""
         number = (found or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED)
         number[waiting], cycles = self._followed(values[waiting], progress)
@@ -427,14 +390,12 @@ class Outcomes:
 
     def forces(self, values: Floats) -> Floats:
         """F0 and F1 [N] of the cells whose parameters vary, (m, c, 2), proved or not."""
-        assert self.base is not None
+        assert self._varied is not None
         out = np.empty((len(values), len(self.turned), 2))
-        varied = VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
-        ends(self.added(values), varied, out)
+        ends(self.added(values), self._varied, out)
         return out
 
     def _followed(self, values: Floats, progress: Progress = None) -> tuple[Codes, Cycles]:
-        """What the engine finds of (m, 2) values: numbers of sequences, and the rest."""
         designs = None if self.chain.elements else nominal(self.chain, len(values))
         if designs is not None:
             for parameter, column in zip(self.parameters, values.T, strict=True):
@@ -447,11 +408,9 @@ class Outcomes:
 
     def _of_orders(self, orders: Codes) -> int:
         key = orders.tobytes()
-        number = self._by_orders.get(key)
-        if number is None:
-            number = self._number(Sequence.full_cycle(*orders.tolist()))
-            self._by_orders[key] = number
-        return number
+        if key not in self._by_orders:
+            self._by_orders[key] = self._number(Sequence.full_cycle(*orders.tolist()))
+        return self._by_orders[key]
 
     def _number(self, sequence: Sequence) -> int:
         if sequence not in self._numbers:
@@ -477,25 +436,18 @@ class Outcomes:
             return None
         base = np.empty((len(self.chain), FRICTION + 1))
         for i, cell in enumerate(self.chain.cells):
-            if i in self.turned:
-                row = self._plain[i]
-                if row is None or row[FRICTION] > 0:
-                    return None
-                base[i] = row
-                continue
-            numbers = closed(cell)
-            if numbers is None:
+            proved = None if i in self.turned else closed(cell)
+            row = self._plain[i] if i in self.turned else proved and (*proved, 0.0)
+            if row is None or row[FRICTION] > 0:
                 return None
-            base[i] = *numbers, 0.0
+            base[i] = row
         return base
 
     def _row(self, cell: int) -> Floats | None:
         """(7,) a cell with one linear band and no load as numbers, the parameters left out."""
         as_is = self.chain.cells[cell]
-        if isinstance(as_is, Element):
-            return None
         plain = simple(replace(as_is, friction=0.0))
-        if plain is None:
+        if plain is None or isinstance(as_is, Element):
             return None
         row = np.array([*plain, as_is.friction])
         band, parts = as_is.bands[0], [k.part for k in self.parameters if k.cell == cell]
@@ -514,9 +466,7 @@ class Outcomes:
 class Stability:
     """How many stable states a cell whose parameters vary has, 1 or 2, by (m, 2) values.
 
-    Attributes:
-        words: for each limit that is known in closed form, what changes there; none where every
-            design has to be asked.
+    `words` tell what changes at each limit in closed form; none where every design is asked.
     """
 
     def __init__(self, outcomes: Outcomes, cell: int, nodes: Floats):
@@ -534,7 +484,7 @@ class Stability:
             )
 
     def limits(self, values: Floats) -> Floats:
-        """(m, 3) numbers that are all positive where the cell is bistable, in closed form.
+        """(m, 3) numbers, all positive where the cell is bistable, in closed form.
 
         The energy of one band that only pulls has one peak, at θmax = atan2(d_y, d_x) where the
         band is longest (Kamp et al. 2024, Eq. 3), unless it is slack even there, r + |d| <= ℓ0.
