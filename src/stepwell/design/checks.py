@@ -62,15 +62,7 @@ _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
 
 def oddities(chain: Chain, path: Path) -> tuple[str, ...]:
-    """What is out of the ordinary, a sentence each.
-
-    Args:
-        chain: a design.
-        path: what the actuator does with it.
-
-    Returns:
-        Sentences with numbers in the units in which people are told; none where all is usual.
-    """
+    """What is out of the ordinary, a sentence each; none where all is usual."""
     # Two bands in one hole are odd once.
     return tuple(dict.fromkeys(_oddities(chain, path)))
 
@@ -153,9 +145,6 @@ def measurement(found: Yield | Survival) -> Measurement | None:
 
     Each part in turn has only the tolerance that a scale and callipers leave of it, and the same
     mechanisms are counted again: a few to rank the parts, all of them for the first.
-
-    Args:
-        found: the yield with all tolerances.
     """
     parts = parts_of(found)
     left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
@@ -205,15 +194,7 @@ class _Way(NamedTuple):
 
 
 def killer_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
-    """The change of a margin that is fewest tolerances away; None where there is none.
-
-    Args:
-        chain: a design that does what is wanted.
-        tolerances: by which an anchor is compared with a number; the usual ones where it has none.
-
-    Raises:
-        StaticsError: as for `Chain.margin`.
-    """
+    """The change of a margin that is fewest tolerances away; None where there is none."""
     near = min(
         margin(chain).changes, key=lambda one: one.distance / _size(one.parameter, tolerances)
     )
@@ -283,11 +264,9 @@ class Check(base.ByValue):
 
     Attributes:
         chain: the design.
-        verdict: whether the real one will do what is wanted.
-        reason: why, in a sentence.
+        verdict, reason: whether the real one will do what is wanted, and why, in a sentence.
         target: the full cycle that counts; or where its program begins and where it shall end.
-        does: what the drawing does.
-        does_it: whether that is what is wanted.
+        does, does_it: what the drawing does, and whether that is what is wanted.
         path: what the actuator does with the drawing, with forces, energy and ties.
         yield_: how many of those built within tolerances do it.
         killer: the smallest change of one thing after which the drawing does something else, in
@@ -338,13 +317,9 @@ def check(
         target: the full cycle that counts, such as "00>10>11>01>00", or a program of this chain;
             the cycle of the drawing by default.
         tolerances: how far the parts may be from the drawing; as for `yields` by default.
-        samples: how many mechanisms are made at random; as many as for `yields`, or for `survival`,
-            by default.
+        samples: how many mechanisms are made at random; by default as for `yields` or `survival`.
         seed: which ones.
         progress: called with (done, samples) while they are counted.
-
-    Returns:
-        The verdict with its reasons.
 
     Raises:
         ValueError: no such cycle, a program of another chain, or tolerances as for `yields`.

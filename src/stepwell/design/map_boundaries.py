@@ -90,9 +90,6 @@ def boundaries(
         search: nodes each way of the grid for the general engine.
         progress: called with (done, total) while the general engine works.
 
-    Returns:
-        As `parameter_boundaries`.
-
     Raises:
         ValueError: no such cell, or axes that do not rise.
     """
@@ -198,10 +195,10 @@ def _orders(
 def _differences(
     outcomes: Outcomes, base: Floats
 ) -> tuple[list[tuple[int, int, int]], Callable[[Floats, tuple[int, int, int]], Floats]]:
-    """Which two forces may become equal where, and their difference (m,) [N].
+    """Which two forces may become equal, and their difference (m,) [N] of (m, c, 2) forces.
 
     Forces F0 of two cells, one of which varies, and then their F1: (side, cell, other cell), the
-    cells that vary counted first. The difference is taken of (m, c, 2) forces of these.
+    cells that vary counted first.
     """
     turned, n = outcomes.turned, len(outcomes.chain)
     stays = [i for i in range(n) if i not in turned]
@@ -240,11 +237,8 @@ def _limits(
 class _Exact(Generic[K]):
     """Curves on which one of several functions vanishes and across which a label changes.
 
-    Args:
-        measure: (m, ...) numbers at (m, 2) places in the unit square.
-        kinds: which functions of these there are.
-        function: (m,) the function of one kind, of these numbers.
-        label: at (m, 2) places; negative where nothing is known.
+    `measure` gives (m, ...) numbers at (m, 2) places in the unit square, `function` of these that
+    of one kind, (m,), and `label` is negative where nothing is known.
     """
 
     def __init__(
@@ -294,10 +288,7 @@ class _Exact(Generic[K]):
         return on
 
     def _sides(self, level: plane.LevelCurve, t: Floats) -> tuple[Ints, Floats]:
-        """The labels on both sides of a level as one number, -1 where they do not differ.
-
-        At the points of the level (m, 2) beside t, which come with them.
-        """
+        """Labels on both sides of a level beside t as one number, -1 if alike, and t on it."""
         t, slope = level.projected(t)
         aside = _ASIDE * slope / np.linalg.norm(slope, axis=1, keepdims=True)
         both = self._label(np.concatenate([t + aside, t - aside])).reshape(2, -1)

@@ -83,9 +83,6 @@ def transition_map(
         x, y: (nx,), (ny,) rising places of its anchor q on the outer block [m].
         progress: called with (done, total) while the general engine works.
 
-    Returns:
-        The Dataset that `parameter_map` describes.
-
     Raises:
         ValueError: no such cell, axes that do not rise, or more places than the limit.
         ExtraError: xarray is not installed.
@@ -209,10 +206,7 @@ def _which(chain: Chain, cell: int | str) -> int:
 
 
 def _scale(outcomes: Outcomes) -> tuple[float, str]:
-    """k r [N] that gaps are compared with, and the name of the cell that it belongs to.
-
-    Of an element, its largest force: with one there are no gaps in closed form.
-    """
+    """k r [N] that gaps are compared with, of an element its largest force, and the cell's name."""
     chain = outcomes.chain
     stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
     cell = chain.cells[stays]

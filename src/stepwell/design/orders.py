@@ -166,11 +166,7 @@ class NoOrders(Exception):
 
 
 def of_sequence(text: str) -> Orders:
-    """The orders that make a cycle such as "00>10>11>01>00".
-
-    Raises:
-        ValueError: text that is no cycle in which every cell loads once and unloads once.
-    """
+    """The orders of a cycle in which every cell loads once and unloads once, or ValueError."""
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
@@ -187,24 +183,14 @@ def of_sequence(text: str) -> Orders:
 
 @dataclass(frozen=True)
 class Wish:
-    """Orders that do what is wanted.
+    """Orders that do what is wanted."""
 
-    Attributes:
-        orders: different ones; any will do.
-        complete: whether there are no others.
-        states: those wanted, where they were listed.
-        why: why there are no orders, where there are none.
-        never: whether that forbids it to every chain, of whatever cells.
-        stepwise: whether some of the states lead from all cells at 0 to all at 1, one cell at a
-            time, as the cycle of any chain of concave cells does.
-    """
-
-    orders: tuple[Orders, ...]
-    complete: bool = True
-    states: frozenset[str] | None = None
-    why: str = ""
-    never: bool = False
-    stepwise: bool = True
+    orders: tuple[Orders, ...]  # different ones; any will do
+    complete: bool = True  # whether there are no others
+    states: frozenset[str] | None = None  # those wanted, where they were listed
+    why: str = ""  # there are no orders, where there are none
+    never: bool = False  # whether that forbids it to every chain, of whatever cells
+    stepwise: bool = True  # whether states lead from all cells at 0 to all at 1, one by one
 
     @property
     def cells(self) -> int:
@@ -213,20 +199,12 @@ class Wish:
 
 
 def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wish:
-    """Orders for which exactly these states can be reached from all cells at 0.
+    """Orders for which exactly these states, or "all", can be reached from all cells at 0.
 
     What two orders tell that can be reached are the order ideals of i < j where F0_i < F0_j and
-    F1_i < F1_j. So the wanted ones must be all ideals of some partial order, which is that of
-    "j is at 1 only where i is", and it must be met by two orders of the cells.
-
-    Args:
-        states: such as ["00", "10", "11"], or "all".
-        cells: how many, for "all".
-        alike: whether all cells may be built alike; then orders that differ only in which cell
-            is which count as one.
-
-    Raises:
-        ValueError: text that is no set of states.
+    F1_i < F1_j. So the wanted ones must be all ideals of some partial order, which is that of "j is
+    at 1 only where i is", and it must be met by two orders of the cells. Orders that differ only in
+    which cell is which count as one where cells may be built `alike`.
     """
     if states == "all":
         if cells is None or cells < 1:
@@ -323,11 +301,11 @@ def _partial_order(target: set[str], n: int) -> Below:
 def _clash(below: Below) -> tuple[int, int] | None:
     """Two cells that no pair of orders can place, or None if there are none.
 
-    Of two cells that are not compared, F0 has one first and F1 the other. If F0 has a before b,
-    and c is compared with a but not with b, then F0 has c before b as well, or b would lie
-    between a and c. Such consequences are followed; where they come back to b before a, no
-    orders exist, and else they do (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect
-    Graphs, 1980, Theorem 5.27).
+    Of two cells that are not compared, F0 has one first and F1 the other. If F0 has a before b, and
+    c is compared with a but not with b, then F0 has c before b as well, or b would lie between a
+    and c. Such consequences are followed; where they come back to b before a, no orders exist, and
+    else they do (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect Graphs, 1980, Theorem
+    5.27).
     """
     n = len(below)
     free = [[i != j and not below[i][j] and not below[j][i] for j in range(n)] for i in range(n)]
@@ -353,9 +331,9 @@ def _following(free: Below, a: int, b: int) -> set[tuple[int, int]]:
 def _realisers(below: Below) -> Iterator[Orders]:
     """Every pair of orders that agree exactly on what the partial order says.
 
-    F0 must be a linear extension in which no b stands between a and c > a without being
-    compared with either (Dushnik & Miller 1941); F1 is then the other way round wherever the
-    partial order does not decide.
+    F0 must be a linear extension in which no b stands between a and c > a without being compared
+    with either (Dushnik & Miller 1941); F1 is then the other way round wherever the partial order
+    does not decide.
     """
     n = len(below)
     line: list[int] = []

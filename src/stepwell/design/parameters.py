@@ -83,11 +83,7 @@ class Parameter(ByValue):
         return float(getattr(owner, self.part))
 
     def changed(self, chain: Chain, value: float | Vec2) -> Chain:
-        """The chain with this parameter at another value, in SI.
-
-        Raises:
-            ValueError: no value that the parameter can have, or a chain that cannot be made.
-        """
+        """The chain with this parameter at another value, in SI; ValueError if it cannot be."""
         if self.cell is None:
             return replace(chain, actuator_stiffness=_number(self, value))
         cells = list(chain.cells)
@@ -95,14 +91,10 @@ class Parameter(ByValue):
         return replace(chain, cells=tuple(cells))
 
     def put(self, designs: Designs, chain: Chain, values: Floats) -> None:
-        """Write other values of it into designs that are all the same chain of lever cells.
+        """Write other values (m,) in SI, of an anchor (m, 2), into m designs of a chain of lever
+        cells.
 
         The same designs as `changed` makes one by one.
-
-        Args:
-            designs: m of them.
-            chain: of lever cells.
-            values: (m,) in SI, of an anchor (m, 2).
         """
         if self.cell is None:
             drives = [drive_weights(replace(chain, actuator_stiffness=v)) for v in values.tolist()]
@@ -201,7 +193,7 @@ class Parameter(ByValue):
 
 
 def parameter(chain: Chain, name: str) -> Parameter:
-    """The parameter of that name.
+    """The parameter of that name; ValueError for no such, with the nearest one.
 
     Args:
         chain: whose parameter it is.
@@ -209,9 +201,6 @@ def parameter(chain: Chain, name: str) -> Parameter:
             "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction"; of an element
             "<element>.force_scale", "<element>.travel_scale", "<element>.friction"; where <cell>
             is a name in chain.names or a number, 1 for the innermost; or "actuator_stiffness".
-
-    Raises:
-        ValueError: no such parameter; the message names the nearest one.
     """
     if name == _ACTUATOR:
         return Parameter(_ACTUATOR, None, _ACTUATOR, chain.measure)
@@ -255,7 +244,6 @@ def _parts(cell: Cell | Element) -> tuple[str, ...]:
 
 
 def _asked(chain: Chain, name: str, cell: int, part: str) -> Parameter:
-    """The parameter of a cell, if it has that; raises ValueError otherwise."""
     has = _parts(chain.cells[cell])
     if part in has:
         return of_cell(chain, cell, part)

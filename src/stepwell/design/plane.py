@@ -71,11 +71,9 @@ class Boundary(ByValue):
         points: (m, 2) along the curve, each column in the SI unit of its parameter.
         changes: what changes across it, in words.
         method: exact (the closed form's own curve, where two F0 or two F1 are equal or a stop
-            is left) or a search (bisection of what the general engine does, along the edges of a
-            grid).
+            is left) or a search (bisection along the edges of a grid).
         error: farthest a point is from the curve, as a part of the axes.
-        parameters: names of the two parameters.
-        units: their units.
+        parameters, units: of both axes.
         sequences: what the chain does on either side; words where that is no sequence.
     """
 
@@ -97,30 +95,22 @@ class Boundary(ByValue):
 
 @dataclass(frozen=True)
 class Crossings:
-    """The grid edges that one curve crosses, in order.
+    """The grid edges that one curve crosses, in order; a closed curve repeats its start."""
 
-    `low` and `high` are (m, 2) int, the (row, column) of both ends of each edge; the label is
-    `labels[0]` at one of them and `labels[1]` at the other. A closed curve repeats its start.
-    """
-
-    labels: tuple[int, int]
-    low: Ints
+    labels: tuple[int, int]  # at one end of each edge, and at the other
+    low: Ints  # (m, 2) (row, column) of one end
     high: Ints
 
 
 def trace(
     label: Ints, centre: Callable[[int, int], int], ignore: int | None = None
 ) -> list[Crossings]:
-    """All curves between unlike nodes, one for every pair of labels that meet along it.
+    """All curves between unlike nodes of label (ny, nx), one for every pair of labels that meet
+    along it.
 
-    Args:
-        label: (ny, nx) int.
-        centre: label in the middle of the square whose lower corner is node (row, column);
-            asked only where two curves enter one square and could be joined both ways.
-        ignore: a label around which no curve is drawn.
-
-    Returns:
-        Curves in no particular order. Where three labels meet, curves end within that square.
+    `centre` gives the label in the middle of the square whose lower corner is a node: asked only
+    where two curves enter it and could be joined both ways. Around `ignore` no curve is drawn.
+    Where three labels meet, curves end within that square.
     """
     columns = label.shape[1]
     across = _unlike(label[:, :-1], label[:, 1:], ignore)  # edge (row, column)-(row, column + 1)
@@ -206,17 +196,9 @@ Labels = NDArray[Any]
 def narrowed(
     ask: Callable[[Floats], Labels], a: Floats, b: Floats, at_a: Labels, at_b: Labels, steps: int
 ) -> tuple[Floats, Floats, Labels]:
-    """Both ends of m ways, after each has been halved again and again between unlike places.
+    """Both ends, (m, k), of m ways halved between unlike places, and the label at the second end.
 
-    Args:
-        ask: labels (m,) of (m, k) places: numbers, or whether they are inside something.
-        a, b: (m, k) the ends.
-        at_a, at_b: (m,) their labels.
-        steps: how often; each halves what is between the ends.
-
-    Returns:
-        The places nearest to each other, (m, k) each, the first with the label of a, the second
-        with another, and that other label, (m,).
+    `ask` gives labels (m,) of places: numbers, or whether they are inside something.
     """
     for _ in range(steps if len(a) else 0):
         middle = (a + b) / 2
@@ -228,13 +210,7 @@ def narrowed(
 
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:
-    """The polyline with points added on the curve until no chord is off by more than `sagitta`.
-
-    Args:
-        points: (m, 2) on the curve.
-        project: moves (n, 2) points onto the curve.
-        sagitta: in the units of the points.
-    """
+    """The polyline with points added on the curve until no chord is off by more than `sagitta`."""
     for _ in range(12):
         if len(points) < 2:
             break
@@ -254,14 +230,7 @@ def parted(
 ) -> list[tuple[int, Floats]]:
     """The stretches of a polyline with one label each, cut where the label changes.
 
-    Args:
-        points: (m, 2) on the curve.
-        ask: labels of the curve's points beside (n, 2) points.
-        project: moves (n, 2) points onto the curve.
-        steps: how often the way to each cut is halved.
-
-    Returns:
-        The label of each stretch, and its points.
+    `ask` labels the curve's points beside (n, 2) points; `project` moves them onto the curve.
     """
     label = ask(points)
     turns = np.flatnonzero(label[1:] != label[:-1])
@@ -321,15 +290,9 @@ class LevelCurve:
 
 
 def curves(level: LevelCurve, grid: Floats, values: Floats) -> list[Floats]:
-    """The curve on a grid, as polylines.
+    """The curve as polylines (m, 2), from rim to rim of a grid or closed.
 
-    Args:
-        level: the curve.
-        grid: (ny, nx, 2) places, so fine that no two strands share one of its edges.
-        values: (ny, nx) of the level's function there.
-
-    Returns:
-        Polylines, (m, 2) each, from rim to rim of the grid or closed.
+    The grid, (ny, nx, 2), must be so fine that no two strands share one of its edges.
     """
 
     def centre(row: int, column: int) -> int:
@@ -380,16 +343,8 @@ def searched(
 ) -> list[tuple[tuple[int, int], Floats]]:
     """Curves between unlike nodes, each point narrowed to `RESOLVED` on an edge of the grid.
 
-    Args:
-        ask: the labels of (m, 2) places in the unit square.
-        grid: (ny, nx, 2) nodes.
-        label: (ny, nx) their labels.
-        ignore: a label around which nothing is drawn.
-        wanted: (ny, nx) bool; curves are followed where one end of the edge is wanted.
-        known: which of (m, 2) points are on a curve that is there already.
-
-    Returns:
-        Pairs of labels with the (m, 2) points of the curve between them.
+    Curves are followed where one end of the edge is `wanted`, none around `ignore`, and without the
+    (m, 2) points `known` to be on a curve that is there already.
     """
 
     def centre(row: int, column: int) -> int:

@@ -21,11 +21,7 @@ _FOLLOWED, _IN_CLOSED_FORM = 100, 20_000
 class Run(ByValue):
     """A full cycle of a design with its robustness margin, each computed once.
 
-    Attributes:
-        cycle: the full cycle.
-        margin: how far the design is from another sequence.
-        landings: whether each snap lands where it does for other mobilities; None where that was
-            not checked.
+    The landings tell whether each snap lands where it does for other mobilities; None if unchecked.
     """
 
     cycle: Cycle
@@ -59,10 +55,7 @@ class Run(ByValue):
 
     @cached_property
     def built(self) -> Yield | None:
-        """How many samples within the usual tolerances reproduce the sequence.
-
-        As many samples as take little time; None of more than 12 cells.
-        """
+        """How many of a few samples reproduce the sequence; None of more than 12 cells."""
         if len(self.chain) > LONGEST_FOLLOWED:
             return None
         target = str(self.cycle.sequence)

@@ -18,15 +18,11 @@ class Switches:
     """The switches of a chain, numbered cell by cell, inner first, and in a cell by rising phase.
 
     Where every cell has two phases, as lever cells have, there is one of each cell.
-
-    Attributes:
-        cells: how many there are.
-        cell, phase: (T,) whose it is, and the phase that it leaves upwards.
     """
 
-    cells: int
-    cell: Ints
-    phase: Ints
+    cells: int  # how many there are
+    cell: Ints  # (T,) whose it is
+    phase: Ints  # (T,) that it leaves upwards
 
     @classmethod
     def of(cls, last: str) -> "Switches":
@@ -47,13 +43,11 @@ class Switches:
         )
 
     def decisive(self, forces: Floats) -> Floats:
-        """(m, T, 2) forces at which each goes up in a full cycle, and comes down [N].
+        """(m, T, 2) forces [N] at which each goes up in a full cycle, and comes down, of those by
+        itself.
 
         A cell that leaves a phase upwards lands in the first one that holds at this force, so it
         leaves each at the largest force that any phase up to it needs.
-
-        Args:
-            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
         """
         held = forces.copy()
         for t in range(1, len(self)):
@@ -65,11 +59,7 @@ class Switches:
         return held
 
     def motion(self, forces: Floats) -> "RelayCycles":
-        """What m chains of relays do under a force that rises over all of these and falls again.
-
-        Args:
-            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
-        """
+        """What m chains of relays do as a force rises over all (m, T, 2) and falls again."""
         held = self.decisive(forces)
         up, down = held[..., 0], held[..., 1]
         rising = np.argsort(up, axis=1, kind="stable")
@@ -88,18 +78,12 @@ class Switches:
 
 @dataclass(frozen=True, eq=False)
 class RelayCycles:
-    """What m chains of relays do in a full cycle.
-
-    Attributes:
-        order: (m, 2, T) switches in the order in which they go up, and come down.
-        together: (m, 2, T - 1) whether one goes with the one before: its cell leaps a phase.
-        tied: (m,) whether two cells switch at one force, to rounding.
-    """
+    """What m chains of relays do in a full cycle."""
 
     switches: Switches
-    order: Ints
-    together: Bools
-    tied: Bools
+    order: Ints  # (m, 2, T) switches in the order in which they go up, and come down
+    together: Bools  # (m, 2, T - 1) whether one goes with the one before: its cell leaps a phase
+    tied: Bools  # (m,) whether two cells switch at one force, to rounding
 
     def cycles(self) -> tuple[list[str], Ints]:
         """The different cycles as texts, and (m,) the number of each chain's."""
@@ -126,10 +110,7 @@ class RelayCycles:
 
 
 def switching_forces(chain: Chain) -> Floats:
-    """(T, 2) the forces at which every switch of a chain goes up and comes down [N].
-
-    Of a lever cell they are F0 + f and F1 - f, f being its friction.
-    """
+    """(T, 2) where switches go up and come down [N]: of a lever cell F0 and F1 with friction."""
     return np.array(
         [
             (before.force_high + cell.friction, after.force_low - cell.friction)

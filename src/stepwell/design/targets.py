@@ -45,11 +45,9 @@ class Reached(ByValue):
 def reached(chain: Chain) -> Reached:
     """What can be reached: exactly where all can be looked at, else what surely can.
 
-    Args:
-        chain: up to eight cells are followed along every branch. Of longer ones, concave cells
-            reach the ideals of their two orders under a force, and with one full travel surely
-            those under a stroke, which are all states where every two loops are nested; any
-            others, what one full cycle passes.
+    Up to eight cells are followed along every branch. Of more, concave cells reach the ideals of
+    their two orders under a force, and with one full travel surely those under a stroke, which are
+    all states where every two loops are nested; any others, what one full cycle passes.
 
     Source: theory page, "Transition graphs" and "Stroke programs" (a, b).
     """
@@ -74,12 +72,7 @@ def reached(chain: Chain) -> Reached:
 
 
 def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
-    """All states that can be reached from all cells in their first phase, and ties on the way.
-
-    Raises:
-        ValueError: too many branches.
-        StaticsError: the engine could not go on.
-    """
+    """All states that can be reached from all cells in their first phase, and ties on the way."""
     from stepwell.sequences import graph
 
     found = graph(chain, start=chain.first_state)
@@ -89,10 +82,7 @@ def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
 
 
 def landings_of(chain: Chain, ratio: float) -> Iterator[Landing]:
-    """Whether each snap that can be reached from all cells in their first phase holds.
-
-    For all mobilities within a ratio. All else as in `searched`.
-    """
+    """Whether each snap in reach of the first state holds for all mobilities within a ratio."""
     branches = Branches(chain)
     place = branches.vertex(chain.first_state)
     assert place is not None
@@ -103,12 +93,7 @@ def landings_of(chain: Chain, ratio: float) -> Iterator[Landing]:
 
 
 def unsearchable(chain: Chain, friction: float = 0.0) -> str:
-    """Why not all that can be reached can be looked at; "" where it can be.
-
-    Args:
-        chain: as drawn.
-        friction: that cells may have on top [N].
-    """
+    """Why not all that can be reached can be looked at, with more friction [N]; "" where it can."""
     if friction > 0 or any(cell.friction > 0 for cell in chain.cells):
         return (
             "with friction a chain stops wherever it is turned back, so what it can reach is not "
@@ -133,33 +118,20 @@ def _few(states: set[str]) -> str:
 
 
 class Seen(NamedTuple):
-    """What the engine finds that a chain does.
+    """What the engine finds that a chain does."""
 
-    Attributes:
-        sequence: of its full cycle.
-        states: all that can be reached from all cells at 0; None where only a cycle is wanted.
-        tied: whether the model cannot tell.
-        peak: largest force of the actuator in the cycle, in size [N].
-    """
-
-    sequence: Sequence
-    states: frozenset[str] | None
-    tied: bool
-    peak: float
+    sequence: Sequence  # of its full cycle
+    states: frozenset[str] | None  # all that can be reached from all cells at 0; None for a cycle
+    tied: bool  # whether the model cannot tell
+    peak: float  # largest force of the actuator in the cycle, in size [N]
 
 
 @dataclass(frozen=True)
 class Target:
-    """A cycle, or a set of states that shall be in reach and no others.
+    """A cycle, or a set of states that shall be in reach and no others."""
 
-    Attributes:
-        text: what is wanted.
-        wish: the orders of concave cells that do it.
-        by_states: whether states are wanted.
-    """
-
-    text: str
-    wish: Wish
+    text: str  # what is wanted
+    wish: Wish  # the orders of concave cells that do it
     by_states: bool
 
     @property
@@ -181,12 +153,7 @@ class Target:
         return len(set(columns)) < len(columns)
 
     def look(self, chain: Chain) -> Seen:
-        """What a chain does, by the engine.
-
-        Raises:
-            StaticsError: the engine could not go on.
-            ValueError: too many branches.
-        """
+        """What a chain does, by the engine."""
         result = cycle(chain)
         states, ties = (None, ()) if self.states is None else searched(chain)
         return Seen(
@@ -201,12 +168,7 @@ class Target:
             return str(failure)
 
     def misses(self, seen: Seen, orders: Orders | None) -> str:
-        """What is wrong with what a chain does; "" where it is as wanted.
-
-        Args:
-            seen: what it does.
-            orders: those it was built for, which tell the cycle where only that is looked at.
-        """
+        """What is wrong with what a chain built for these orders does; "" where it is as wanted."""
         if seen.tied:
             return "a tie"
         if self.states is not None:

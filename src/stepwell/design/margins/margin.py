@@ -88,15 +88,7 @@ class Change(ByValue):
 def number_change(
     chain: Chain, forces: SortedChain | None, now: Sequence, cell: int, part: str
 ) -> Change:
-    """The smallest change of a number of a cell that changes the sequence.
-
-    Args:
-        chain: any number of cells.
-        forces: the chain in closed form, None where that is not proved.
-        now: what it does.
-        cell: whose number it is; of bands, of all alike.
-        part: "stiffness", "force_scale", "travel_scale" or "friction".
-    """
+    """The smallest change of a number of a cell, of all bands alike, that changes the sequence."""
     found = numbers.nearest_share(chain, forces, str(now), of_cell(chain, cell, part))
     far = math.inf if math.isnan(found.share) else abs(found.share)
     return Change(chain, cell, part, far, found.share, found.past, found.method)
@@ -200,11 +192,7 @@ def margin(
 
 
 def proved_margin(chain: Chain) -> Margin | None:
-    """What `margin` gives where closed forms prove all of it; None where it would search.
-
-    Args:
-        chain: any number of cells.
-    """
+    """What `margin` gives where closed forms prove all of it; None where it would search."""
     forces = SortedChain.of(chain)
     if forces is None:
         return None

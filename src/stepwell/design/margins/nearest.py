@@ -29,38 +29,22 @@ _NUDGE = 1e-5  # of r, for the curvature
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A displacement on the rim of the region in which conditions are met.
+    """A displacement on the rim of the region in which conditions are met."""
 
-    Attributes:
-        move: (2,) the displacement of the anchor [m].
-        distance: its length [m].
-        inward: (2,) unit vector that leads into the region.
-    """
-
-    move: Floats
-    distance: float
-    inward: Floats
+    move: Floats  # (2,) of the anchor [m]
+    distance: float  # its length [m]
+    inward: Floats  # (2,) unit vector into the region
 
 
 def nearest_place(
     cell: Simple, conditions: list[Neighbour], ways: Displacements, sign: int, within: float
 ) -> Place | None:
-    """The nearest displacement that meets all conditions, to rounding.
+    """The nearest displacement within [m] that meets all conditions, to rounding; None for none.
 
     Boxes of displacements are thrown out where a bound on the slope of F proves that they hold
-    none, or none nearer than one already met; what is left is halved, nearest first. In a small
-    box the nearest place lies on one curve F = force, squarely to the displacement, or where two
-    of them meet: Newton's method does the last bit.
-
-    Args:
-        cell: as it is; the forces are those of the closed form.
-        conditions: forces to be above, or below; one or more.
-        ways: where the anchor may go.
-        sign: +1 where the anchor is q, -1 where it is p: d = q - p.
-        within: the farthest that counts [m].
-
-    Returns:
-        The place on the rim; None where there is none within that distance.
+    none, or none nearer than one already met; what is left is halved, nearest first. In a small box
+    the nearest place lies on one curve F = force, squarely to the displacement, or where two of
+    them meet: Newton's method does the last bit. `sign` is +1 for anchor q, -1 for p: d = q - p.
     """
     out = np.empty(4)
     search = _Search(
@@ -213,8 +197,8 @@ def _met(
 ) -> tuple[bool, float, float]:
     """Where one end force is met by the shortest displacement near (x, y), or two at once.
 
-    Two equations: F_i = force, and F_j = force, or where there is no other j: the displacement
-    is square to the curve, or keeps to the line.
+    Two equations: F_i = force, and F_j = force, or where there is no other j: the displacement is
+    square to the curve, or keeps to the line.
     """
     side, force, frame, r = search.side, search.force, search.frame, cell.lever
     for _ in range(_STEPS):
@@ -255,18 +239,11 @@ _PAST = (1e-8, 1e-9, 1e-10)
 
 
 class Nearest(NamedTuple):
-    """The nearest displacement, and one just past it.
+    """The nearest displacement, and one just past it."""
 
-    Attributes:
-        distance: its length [m]; infinite where there is none within reach.
-        move, past: (dx, dy) of the anchor there [m] and where the chain does otherwise; NaN
-            where there is none.
-        method: exact, or a search.
-    """
-
-    distance: float
-    move: Vec2
-    past: Vec2
+    distance: float  # its length [m]; infinite where none is within reach
+    move: Vec2  # (dx, dy) of the anchor [m]; NaN for none
+    past: Vec2  # where the chain does otherwise
     method: Method
 
 
@@ -281,19 +258,12 @@ def sequence(chain: Chain) -> Sequence:
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """What a displacement of an anchor has to do.
-
-    Attributes:
-        chain: any number of cells.
-        now: what it does.
-        anchor: a p or q of the chain.
-        target: what it has to do; None for anything else than now.
-    """
+    """What a displacement of an anchor has to do."""
 
     chain: Chain
-    now: Sequence
+    now: Sequence  # what the chain does
     anchor: Parameter
-    target: Sequence | None
+    target: Sequence | None  # None for anything else than now
 
     @property
     def at_once(self) -> bool:
@@ -333,14 +303,8 @@ def nearest(
 ) -> Nearest:
     """The nearest displacement of an anchor after which the chain does what is wanted.
 
-    In closed form where the proof that the cells are concave holds for every displacement up to
-    it; else what the closed form says is checked, and a nearer one searched.
-
-    Args:
-        aim: the chain, its anchor and what it has to do.
-        forces: the chain in closed form, None where that is not proved.
-        ways: where the anchor may go.
-        progress: called with (done, total) places while the engine is asked.
+    In closed form where the proof that the cells are concave holds for every displacement up to it;
+    else what the closed form says is checked, and a nearer one searched.
     """
     known, past, proved = None, None, False
     if forces is not None:
@@ -371,13 +335,7 @@ def nearest(
 
 
 def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
-    """The nearest displacement that changes anything; None where no closed form proves it.
-
-    Args:
-        forces: a chain in closed form.
-        anchor: a p or q of the chain.
-        ways: where the anchor may go.
-    """
+    """The nearest displacement that changes anything; None where no closed form proves it."""
     known, proved = _in_closed_form(forces, anchor, None, ways)
     return _proved(known) if proved else None
 

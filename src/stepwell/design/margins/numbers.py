@@ -38,16 +38,10 @@ RESOLUTION_FINE = (
 
 
 class NearestShare(NamedTuple):
-    """The smallest change of a number, as a share of it; of friction, of the largest force.
+    """The smallest change of a number, as a share of it; of friction, of the largest force."""
 
-    Attributes:
-        share: signed; NaN where there is none.
-        past: the same a hair further, where the chain does it.
-        method: exact, or a search.
-    """
-
-    share: float
-    past: float
+    share: float  # signed; NaN where there is none
+    past: float  # a hair further, where the chain does it
     method: Method
 
 
@@ -74,14 +68,7 @@ def nearest_share(
     another force is a quotient; a force of the other sign, or zero, is never reached. So it is with
     all forces of an element under a prescribed force, where the order of the switching forces is
     all that counts, and travels do not. Else values are asked, and the first change bisected.
-
-    Args:
-        chain: any number of cells.
-        forces: the chain in closed form, None where that is not proved.
-        now: what it does.
-        number: a number of one of its cells.
-        target: what it has to do; None for anything else than now.
-        progress: called with (done, total) values while the engine is asked.
+    Without a target, anything else than `now` is wanted.
     """
     assert number.cell is not None
     if forces is not None and number.part == "stiffness" and target is None:

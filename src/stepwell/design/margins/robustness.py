@@ -24,23 +24,16 @@ _HALVINGS = 12
 
 
 def farthest(cell: Simple, side: int, d: Floats, radius: float | Floats, sign: int) -> Floats:
-    """Where an end force is largest (sign +1) or smallest (-1) with the anchor near d.
+    """(m, 3) where an end force is largest (sign +1) or smallest (-1): F [N], and displacement [m].
 
     With n = (-tan θ, 1) and the unit vector u along the band, u·n = g/ℓ, so that
-    ∇F·n = k ((1 - ℓ0/ℓ)/cos² θ + ℓ0 g²/ℓ³) > 0: a taut band has no extremum inside a disc, and
-    the one sought lies on its rim, where the slope points outwards. That is found by going where
-    the slope points, again and again; that there is no better one elsewhere on the rim is not
-    proved.
 
-    Args:
-        cell: whose anchors are not looked at.
-        side: -1 for F0, +1 for F1.
-        d: (m, 2) differences q - p [m].
-        radius: one, or (m,), within which the anchor may be [m].
-        sign: which extremum.
+      ∇F·n = k ((1 - ℓ0/ℓ)/cos² θ + ℓ0 g²/ℓ³) > 0:
 
-    Returns:
-        (m, 3) the force [N], and the displacement that makes it [m].
+    a taut band has no extremum inside a disc, and the one sought lies on its rim, where the slope
+    points outwards. That is found by going where the slope points, again and again; that there is
+    no better one elsewhere on the rim is not proved. The side is -1 for F0, +1 for F1; differences
+    d = q - p, (m, 2) [m], may be off by one radius, or by (m,).
     """
     out = end_force_field(cell, side, d)
     reach = sign * np.broadcast_to(np.asarray(radius, float), len(d))[:, None]
@@ -286,11 +279,7 @@ def _meeting(
 
 
 def extreme(cell: Simple, side: int, radius: float, sign: int) -> tuple[float, float, float]:
-    """The largest (sign +1) or smallest end force with the anchor within a radius.
-
-    Returns:
-        The force [N] and the displacement (x, y) that makes it [m].
-    """
+    """The largest (sign +1) or smallest end force [N] with the anchor in a radius, and where."""
     d = np.array([[cell.dx, cell.dy]])
     followed = farthest(cell, side, d, radius, sign)
     angle = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False)

@@ -12,25 +12,15 @@ from stepwell.concave import Simple, concave_disc, concave_line
 
 @dataclass(frozen=True, eq=False)
 class Displacements:
-    """Displacements an anchor may make: frame @ u for all u no longer than the reach.
+    """Displacements an anchor may make: frame @ u for all u no longer than the reach."""
 
-    Attributes:
-        frame: (2, n) orthonormal; n = 2 for the plane, 1 for a line.
-        one_way: on a line, whether only u >= 0 counts.
-        reach: largest displacement [m].
-    """
-
-    frame: Floats
-    one_way: bool
-    reach: float
+    frame: Floats  # (2, n) orthonormal; n = 2 for the plane, 1 for a line
+    one_way: bool  # on a line, whether only u >= 0 counts
+    reach: float  # [m]
 
     @classmethod
     def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> "Displacements":
-        """The plane where `along` is None, else the line in that direction.
-
-        Raises:
-            ValueError: no direction, one way without a direction, or no reach.
-        """
+        """The plane where `along` is None, else the line that way; ValueError for neither."""
         if not 0 < reach < math.inf:
             raise InputError(f"reach = {reach} m: must be > 0 and finite.")
         if along is None:
@@ -59,13 +49,7 @@ class Displacements:
         return float(x), float(y)
 
     def proved(self, cell: Simple, sign: int, distance: float) -> bool:
-        """Whether the cell is proved concave and taut at every displacement up to `distance`.
-
-        Args:
-            cell: as it is.
-            sign: +1 where the anchor is q, -1 where it is p: d = q - p.
-            distance: [m], at most the reach.
-        """
+        """Whether the cell is proved concave and taut at every displacement up to a distance."""
         if self.dimensions == 2:
             return concave_disc(cell, distance)
         start = 0.0 if self.one_way else -distance
@@ -117,17 +101,11 @@ def nearest_found(
 ) -> Floats | None:
     """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
 
-    Rings around the start are asked, the narrowest first. From each side of the first ring that
-    does it, bisection goes back towards the start; in the plane the ray is then turned as long
-    as that shortens it, and a ring of more places around what is found looks for other sides.
-
-    Args:
-        does: what to ask at a displacement u (n,) [m].
-        ways: where the anchor may go.
-        within: the farthest that counts [m].
-        small: whether what does it may be a small region, which closer rings have to meet.
-        progress: called with (done, total) places, the farthest of which may not be asked.
-        all_do: what to ask at many displacements (m, n), where that takes less than one by one.
+    Rings around the start are asked, the narrowest first, and closer where the region may be small.
+    From each side of the first ring that does it, bisection goes back towards the start; in the
+    plane the ray is then turned as long as that shortens it, and a ring of more places around what
+    is found looks for other sides. `all_do` asks at many displacements (m, n), where that takes
+    less than one by one.
     """
 
     def asked(ring: Floats) -> Bools:
@@ -220,9 +198,9 @@ def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
 def _shortest(does: Does, u: Floats, count: int) -> Floats:
     """The nearest place behind u, one of `count` on a ring; it does at u.
 
-    The ray is turned to either side, by ever smaller steps, while that shortens it. A step says
-    how well its length has to be known: turned by φ beside the nearest place of a straight
-    boundary, it is longer by φ²/2 of itself.
+    The ray is turned to either side, by ever smaller steps, while that shortens it. A step says how
+    well its length has to be known: turned by φ beside the nearest place of a straight boundary, it
+    is longer by φ²/2 of itself.
     """
     step = math.pi / count
     known = float(np.linalg.norm(u)) * step**2 / 4

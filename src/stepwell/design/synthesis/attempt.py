@@ -26,28 +26,18 @@ _DRAWN = 6  # decimals of a metre
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """What was tried and what was found.
-
-    Attributes:
-        rule, orders, regions, holes: what was asked.
-        tables: the candidates looked at first, of every different region.
-        owner: for every cell the number of its table.
-        best: the best placement found; None where there is none.
-        complete: whether all choices from the tables were compared.
-        nodes: partial choices that took.
-        pitch: of the lattice or the holes [m].
-    """
+    """What was tried and what was found."""
 
     rule: Rule
     orders: Orders
     regions: tuple[Region, ...]
     holes: float | None
-    tables: list[Candidates]
-    owner: tuple[int, ...]
+    tables: list[Candidates]  # candidates looked at first, of every different region
+    owner: tuple[int, ...]  # for every cell the number of its table
     best: placement.Placement | None
-    complete: bool
-    nodes: int
-    pitch: float
+    complete: bool  # whether all choices from the tables were compared
+    nodes: int  # partial choices that took
+    pitch: float  # of the lattice or the holes [m]
 
     @property
     def quality(self) -> tuple[float, float]:
@@ -164,11 +154,7 @@ def _tables(
 
 
 def _look_round(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
-    """Candidates from a lattice with about so many places where something may be built.
-
-    Returns:
-        Its pitch [m], and the candidates.
-    """
+    """The pitch [m] of a lattice with about so many places to build at, and its candidates."""
     box = region.bounds
     pitch = max(box.right - box.left, box.top - box.bottom)
     while True:

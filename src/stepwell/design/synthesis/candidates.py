@@ -22,12 +22,7 @@ _NUDGE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Bent:
-    """A band on a lever, whose anchors are not looked at.
-
-    Attributes:
-        band: with any law.
-        lever, sin_limit: of the cell [m], [1].
-    """
+    """A band with any law on a lever [m]; its anchors are not looked at."""
 
     band: Band
     lever: float
@@ -98,13 +93,7 @@ def differences(table: Candidates) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A band on a lever.
-
-    Attributes:
-        band: from the catalogue.
-        lever, limit: of the cell [m], [rad].
-        unusual: whether odd sizes are meant.
-    """
+    """A band on a lever, the limit in rad; `unusual` if odd sizes are meant."""
 
     band: Stock
     lever: float
@@ -141,36 +130,19 @@ class Kind:
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """What may be built, and what counts as sure.
+    """What may be built, and what counts as sure."""
 
-    Attributes:
-        fixed: the anchor that stays [m].
-        kinds: bands and levers that can be had.
-        tolerances: how far what is built may be from the drawing.
-        most_force: that the actuator has [N].
-        worst: judge by the largest displacement that all anchors may have at once, instead of
-            by the tolerances.
-        looked_at: rectangle that holds all places of the free anchor.
-        as_drawn: whether a band must be proved taut and concave only where it is drawn, not
-            everywhere within the tolerances.
-        free: which anchor is placed: "q", "p", or "both", p being the mirror image of q, p = -q.
-    """
-
-    fixed: tuple[float, float]
+    fixed: tuple[float, float]  # the anchor that stays [m]
     kinds: tuple[Kind, ...]
     tolerances: Tolerances
-    most_force: float
-    worst: bool
-    looked_at: Box
-    as_drawn: bool = False
-    free: str = "q"
+    most_force: float  # of the actuator [N]
+    worst: bool  # judge by the largest displacement of all anchors at once, not by the tolerances
+    looked_at: Box  # holds all places of the free anchor
+    as_drawn: bool = False  # a band must be proved taut and concave where it is drawn only
+    free: str = "q"  # which anchor is placed: "q", "p", or "both" with p = -q
 
     def cell(self, q: tuple[float, float], k: int) -> Cell:
-        """The k-th kind with its free anchor at q [m].
-
-        Raises:
-            ValueError: it cannot be built.
-        """
+        """The k-th kind with its free anchor at q [m]; ValueError if it cannot be built."""
         kind = self.kinds[k]
         mirrored = -q[0] + 0.0, -q[1] + 0.0  # no -0
         p, q = {"q": (self.fixed, q), "p": (q, self.fixed), "both": (mirrored, q)}[self.free]

@@ -55,11 +55,7 @@ class Design(ByValue, Drawn):
 
     @property
     def loading(self) -> tuple[int, ...]:
-        """Cells in the order in which they load, 0 the innermost.
-
-        Concave ones in ascending F0, elements under a prescribed force in that of their switching
-        forces.
-        """
+        """Cells in the order in which they load, 0 the innermost: concave ones in ascending F0."""
         return self.cycle.loading_order
 
     @property
@@ -84,10 +80,7 @@ class Design(ByValue, Drawn):
 
     @property
     def states(self) -> tuple[str, ...]:
-        """What can surely be reached from all cells at 0, turning back early included.
-
-        `reached` tells whether it is all.
-        """
+        """What can surely be reached from all cells at 0; `reached` tells whether it is all."""
         return self.reached.states
 
     @property
@@ -198,16 +191,7 @@ class Impossible(Shown, StepwellError, ValueError):
 def nothing_works(
     target: Target, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
-    """Why nothing does what is wanted.
-
-    Args:
-        target: what is wanted.
-        attempts: to have the end forces in its orders.
-        missed: what the engine finds of those that have them.
-        rest: what else the engine has tried.
-        allowed: where anchors may be, in words.
-        proved: whether nothing was left out.
-    """
+    """Why nothing does what is wanted, of attempts to have the end forces in its orders."""
     if not attempts:
         return Impossible(target.text, _with(target.wish.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])

@@ -29,17 +29,12 @@ class Scales:
     """Linear inequalities in the scales c (N,): gaps @ c + rub > share * sizes @ c.
 
     All forces are counted in the largest there can be.
-
-    Attributes:
-        gaps, sizes: (m, N) between neighbours of different cells in both orders.
-        rub: (m,) what friction adds.
-        bounds: (N, 2) of the scales.
     """
 
-    gaps: Floats
-    sizes: Floats
-    rub: Floats
-    bounds: Floats
+    gaps: Floats  # (m, N) between neighbours of different cells in both orders
+    sizes: Floats  # (m, N)
+    rub: Floats  # (m,) what friction adds
+    bounds: Floats  # (N, 2) of the scales
 
     @classmethod
     def of(
@@ -85,10 +80,7 @@ class Scales:
         return self._best(0.0)[1]
 
     def surest(self, least: float) -> tuple[tuple[float, ...] | None, float]:
-        """The scales for which all forces may be off by the largest share, and that share.
-
-        None where it is no more than `least`.
-        """
+        """The scales for which all forces may be off by most, if above a share, and that share."""
         low, high = least, 1.0
         scales, slack = self._best(low)
         if scales is None or not slack > 0.0:
@@ -134,37 +126,22 @@ _FOLLOWS = "elements move together under this drive, and the engine has followed
 
 @dataclass(frozen=True)
 class ElementTarget:
-    """What a chain of elements shall do.
-
-    Attributes:
-        text: in words.
-        last: the state with every cell in its last phase.
-        orders: (2, T) each, orders of its switches that do it under a prescribed force.
-        complete: whether there are no others.
-        cycle: the full cycle wanted; "" where states are.
-        states: those that shall be reached and no others; None where the cycle is wanted.
-        why: why there are no orders, where there are none.
-        never: whether that forbids it to every chain.
-    """
+    """What a chain of elements shall do."""
 
     text: str
-    last: str
-    orders: tuple[Ints, ...]
-    complete: bool
-    cycle: str
-    states: frozenset[str] | None
-    why: str = ""
-    never: bool = False
+    last: str  # state with every cell in its last phase
+    orders: tuple[Ints, ...]  # (2, T) each, of its switches, that do it under a prescribed force
+    complete: bool  # whether there are no others
+    cycle: str  # the full cycle wanted; "" where states are
+    states: frozenset[str] | None  # that shall be reached and no others; None for a cycle
+    why: str = ""  # there are no orders, where there are none
+    never: bool = False  # whether that forbids it to every chain
 
     @classmethod
     def of(
         cls, sequence: str | None, states: Iterable[str] | str | None, cells: int | None
     ) -> "ElementTarget":
-        """A cycle, or a set of states of cells of two phases.
-
-        Raises:
-            ValueError: a text that is neither.
-        """
+        """A cycle, or a set of states of cells of two phases; ValueError for any other text."""
         if sequence is not None:
             given = str(sequence).replace(" ", "").split(">")
             last = "".join(max(digits) for digits in zip(*given, strict=False))
@@ -198,53 +175,32 @@ class ElementTarget:
 
 @dataclass(frozen=True, eq=False)
 class _Choice:
-    """Elements with scales, one a cell.
+    """Elements with scales, one a cell."""
 
-    Attributes:
-        shapes: which element each cell is.
-        scales: of all their forces.
-        share: by how much of them they may all be off at once with the orders met.
-    """
-
-    shapes: tuple[int, ...]
-    scales: tuple[float, ...]
-    share: float
+    shapes: tuple[int, ...]  # which element each cell is
+    scales: tuple[float, ...]  # of all their forces
+    share: float  # by how much all may be off at once with the orders met
 
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """A chain that does it.
-
-    Attributes:
-        chain: of elements.
-        choices: of shapes that were looked at.
-        best: whether no other is better by the objective, proved.
-        method: how it was found.
-        standing: what is known of its motion.
-    """
+    """A chain that does it, how it was found and what is known of its motion."""
 
     chain: Chain
-    choices: int
-    best: bool
+    choices: int  # of shapes that were looked at
+    best: bool  # whether no other is better by the objective, proved
     method: str
     standing: str
 
 
 @dataclass(frozen=True, eq=False)
 class Allowed:
-    """What a chain of elements may be made of.
+    """What a chain of elements may be made of."""
 
-    Attributes:
-        elements: those that can be had, each as often as it is needed.
-        force_scale, travel_scale: least and largest of each, times the element's own.
-        most_force: no switching force is larger [N].
-        tolerances: how far what is built may be from the drawing.
-    """
-
-    elements: Sequence[Element]
-    force_scale: Range
+    elements: Sequence[Element]  # each can be had as often as it is needed
+    force_scale: Range  # least and largest, times the element's own
     travel_scale: Range
-    most_force: float
+    most_force: float  # no switching force is larger [N]
     tolerances: Tolerances
 
     def __post_init__(self):
@@ -282,16 +238,7 @@ def scaled(
 ) -> Scaled:
     """The elements, their order along the chain and their scales that do what is wanted.
 
-    Args:
-        goal: what is wanted.
-        allowed: elements and scales.
-        actuator_stiffness: K [N/m].
-        seed: of what is random.
-        progress: called with (done, total).
-
-    Raises:
-        Impossible: there is none, with the proof; or, and it says so, none was found.
-        ValueError: no element has the phases that are wanted.
+    Raises Impossible, with the proof, or because none was found.
     """
     sets = _fitting(goal, allowed.elements)
     relays = actuator_stiffness == 0 and all(map(is_relay, allowed.elements))
@@ -447,7 +394,6 @@ def _impossible(
     proved: bool,
     choices: int,
 ) -> Impossible:
-    """Why no choice of elements and scales does it."""
     elements, scale = allowed.elements, allowed.force_scale
     pair = _clash(goal, allowed, sets)
     if pair is not None:

@@ -26,20 +26,12 @@ def fits(cells: int, candidates: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """What a search among candidates found.
+    """What a search among candidates found."""
 
-    Attributes:
-        picks: (N,) number of the candidate of every cell; empty if none meets both orders.
-        value: its sum or its smallest gap, -inf if there is none.
-        complete: whether nothing was left out, so that the choice is the best one, and none at
-            all is a proof that there is none.
-        nodes: partial choices looked at.
-    """
-
-    picks: Ints
-    value: float
-    complete: bool
-    nodes: int
+    picks: Ints  # (N,) number of the candidate of every cell; empty if none meets both orders
+    value: float  # sum, or smallest gap, -inf if there is none
+    complete: bool  # whether the choice is proved the best, or none at all
+    nodes: int  # partial choices looked at
 
 
 def best_choice(
@@ -51,21 +43,15 @@ def best_choice(
     floor: float = -np.inf,
     most_nodes: int = 1_000_000,
 ) -> Selection:
-    """The choice of one candidate a cell with the largest sum, or smallest, of gaps.
+    """The choice of a candidate a cell, above a floor, with the largest sum or smallest of gaps.
 
-    Each order by itself is a longest path through the candidates, which takes no search. Cells
-    are placed one by one in the order of F0; what is still open is bounded by the best paths of
-    both orders through what is placed, each as if the other did not exist, and where that bound
-    is no better than what is known already, or is -inf, nothing below is looked at.
+    Each order by itself is a longest path through the candidates, which takes no search. Cells are
+    placed one by one in the order of F0; what is still open is bounded by the best paths of both
+    orders through what is placed, each as if the other did not exist, and where that bound is no
+    better than what is known already, or is -inf, nothing below is looked at.
 
-    Args:
-        gap: (2, m, m) what it is worth to have candidate a next below b, for F0 and F1; -inf
-            where that must not be.
-        allowed: (N, m) which candidates each cell may take.
-        orders: wanted.
-        add: sum of the gaps if True, else the smallest of them.
-        floor: only choices worth more than this.
-        most_nodes: where to give up.
+    `gap` (2, m, m) is what it is worth to have candidate a next below b, for F0 and F1, -inf where
+    that must not be, and `allowed` (N, m) which candidates each cell may take.
     """
     n, m = allowed.shape
     rising = np.array(orders.rising)
@@ -110,10 +96,7 @@ def _with(a: float, b: float, add: bool) -> float:
 
 @entry(4e-7, "out")
 def _best_paths(gap, allowed, add: bool, begin: int, out):
-    """The best path from rank u at candidate a to rank v at b, out[u, v, a - begin, b].
-
-    `out` is (N, N, k, m), for the k candidates from `begin` on.
-    """
+    """The best path from rank u at candidate a to rank v at b, out[u, v, a - begin, b]."""
     n, m = allowed.shape
     out[:] = -np.inf
     for u in range(n):

@@ -65,10 +65,10 @@ def design(
 ) -> Design:
     """Find anchors for a wanted cycle, or for a wanted set of states.
 
-    Cells of one taut band with falling force load in ascending F0 and unload in descending F1.
-    So a cycle is two orders, and a set of states that can be reached, turning back early
-    included, is what two orders have in common. A cell is chosen from the pairs (F0, F1) that
-    the allowed anchors, bands and levers can give.
+    Cells of one taut band with falling force load in ascending F0 and unload in descending F1. So a
+    cycle is two orders, and a set of states that can be reached, turning back early included, is
+    what two orders have in common. A cell is chosen from the pairs (F0, F1) that the allowed
+    anchors, bands and levers can give.
 
     With `elements`, chains of these are designed instead: which one each cell is, and its scales.
     Under a prescribed force the order of their switching forces is all they do, and since all
@@ -87,8 +87,7 @@ def design(
             the paper's box, in proportion to the largest lever, and its mirror image for p.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
             round) the region [m]; None for anywhere.
-        p: inner anchor of every cell [m], where it is not free.
-        q: outer anchor of every cell [m], where it is not free.
+        p, q: inner and outer anchor of every cell [m], where it is not free.
         free: which anchors are placed: "q", "p", or "both", each p being the mirror image of q,
             p = -q. Only q - p matters, so mirror images give all that two anchors give which may
             be anywhere in a convex region and its mirror image.
@@ -184,7 +183,6 @@ def design(
 
 
 def _by_lever(rule: Rule, bands: int) -> list[Rule]:
-    """A rule for each lever by itself, of which kinds with all bands follow each other."""
     starts = range(0, len(rule.kinds), bands)
     return [replace(rule, kinds=rule.kinds[k : k + bands]) for k in starts]
 
@@ -226,7 +224,6 @@ def _wanted(
     cells: int | None,
     within: Region | Sequence[Region],
 ) -> tuple[Target, tuple[Region, ...]]:
-    """What is wanted, and the region of every cell."""
     _refuse_both(sequence, states)
     some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
@@ -322,7 +319,6 @@ def _refuse_count(n: int | None) -> None:
 
 
 def _refuse_slips(rule: Rule, holes: float | None) -> None:
-    """Raise SlipError for sizes that are far off the largest lever."""
     name, around = "q" if rule.free == "p" else "p", rule.looked_at
     levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
     bands = list(dict.fromkeys(kind.band for kind in rule.kinds))
@@ -346,7 +342,6 @@ def _refuse_slips(rule: Rule, holes: float | None) -> None:
 
 
 def _round(regions: tuple[Region, ...]) -> Box:
-    """The smallest rectangle round all regions."""
     boxes = [region.bounds for region in regions]
     return Box(
         min(box.left for box in boxes),

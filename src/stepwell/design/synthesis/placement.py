@@ -93,10 +93,8 @@ _SHORTER = 0.7  # first step of every next one of these
 class Placement:
     """A choice of one candidate for every cell.
 
-    Attributes:
-        cells: the N chosen candidates.
-        gaps: those between neighbours in F0, then in F1, over their deviations; in the worst
-            case the radii [m] at which they close, and those at which the proof of a cell ends.
+    The gaps are those between neighbours in F0, then in F1, over their deviations; in the worst
+    case the radii [m] at which they close, and those at which the proof of a cell ends.
     """
 
     cells: Candidates
@@ -135,18 +133,9 @@ def shared(tables: list[Candidates], owner: tuple[int, ...]) -> Bools:
 def choose(
     rule: Rule, orders: Orders, tables: list[Candidates], owner: tuple[int, ...], most_nodes: int
 ) -> tuple[Placement | None, bool, int]:
-    """The best choice from tables of candidates, by complete search.
+    """The best choice, whether no other is better or there is none, and how many nodes that took.
 
-    Args:
-        rule: what counts as sure.
-        orders: wanted.
-        tables: of candidates.
-        owner: for every cell the number of its table.
-        most_nodes: where to give up.
-
-    Returns:
-        The choice, None where none was found; whether the search was complete, which proves
-        that it is the best one, or that there is none; and how many partial choices it took.
+    By complete search of tables of candidates, one for the `owner` of each cell.
     """
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
@@ -193,11 +182,7 @@ class Search:
     def settle(
         self, now: Placement, offer: Offer, rounds: int, sure: float = _SURE
     ) -> tuple[Placement, int]:
-        """Let every cell in turn take the best offer, until a round moves none.
-
-        Returns:
-            The placement, and how many rounds moved a cell.
-        """
+        """Every cell in turn takes the best offer until a round moves none; how many rounds did."""
         # Not by number, so that which cell is which changes nothing.
         turn = list(self.orders.loading)
         # The same for all, or cells could follow each other round in circles.

@@ -215,11 +215,7 @@ def told(regions: Sequence[Region], holes: float | None, free: str = "q") -> str
 
 
 def lattice(region: Region, pitch: float) -> Floats:
-    """(m, 2) places [m] inside the region, `pitch` [m] apart both ways, from its lower left on.
-
-    Raises:
-        ValueError: a pitch that is no distance, or so small that it makes a million places.
-    """
+    """(m, 2) places [m] inside the region, `pitch` [m] apart both ways, from its lower left on."""
     if not 0 < pitch < math.inf:
         raise InputError(f"pitch = {pitch} m: must be > 0 and finite.")
     box = region.bounds

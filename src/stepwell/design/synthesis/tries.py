@@ -33,14 +33,11 @@ _LOOKED_AT = 2400
 def another(
     target: Target, attempts: list[Attempt], actuator_stiffness: float, seed: int
 ) -> tuple[Attempt | None, int]:
-    """The surest of some random placements that does what is wanted by the engine.
+    """The surest of some random placements that does what is wanted, and how many were looked at.
 
     Two orders tell what is surely reached. Where more than that is reached, since a cell overtakes
-    another in a snap, it is not by the end forces, so placements are drawn at random from
-    those in the wanted orders, and looked at from the surest on.
-
-    Returns:
-        An attempt that has it as its best one, and how many were looked at.
+    another in a snap, it is not by the end forces, so placements are drawn at random from those in
+    the wanted orders, and looked at by the engine from the surest on.
     """
     rng = np.random.default_rng(seed)
     pool: list[tuple[float, int, Attempt, Candidates]] = []
@@ -116,19 +113,12 @@ class Buildable(NamedTuple):
 
 @dataclass(frozen=True)
 class Tried:
-    """What came of trying choices of holes.
-
-    Attributes:
-        chains: those that do what is wanted.
-        open: how many choices there are that no closed form decides.
-        tried: how many of them were followed.
-        unanswered: of how many of those the engine could not tell what they do.
-    """
+    """What came of trying choices of holes: the chains that do what is wanted."""
 
     chains: tuple[Chain, ...]
-    open: int
-    tried: int
-    unanswered: int
+    open: int  # choices that no closed form decides
+    tried: int  # how many of them were followed
+    unanswered: int  # of how many of those the engine could not tell
 
     @property
     def all(self) -> bool:
@@ -154,13 +144,7 @@ def tried(
 ) -> Tried:
     """Follow every choice of holes that is left, or as many as take some seconds.
 
-    Args:
-        tries: at what, of which regions and which actuator.
-        rules: what may be built, one after the other.
-        holes: pitch [m].
-        decided: whether it is known of all choices of cells that are proved concave as drawn, and
-            share a full travel, that they do not do it.
-        progress: called with (done, total) choices.
+    `decided` if no choice of cells proved concave as drawn that share a full travel does it.
     """
     target, regions, stiffness = tries.target, tries.regions, tries.actuator_stiffness
     different = list(dict.fromkeys(regions))
@@ -272,8 +256,8 @@ def _some(
 def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | None:
     """Which cell of a chain has to be which wanted one; None where it does something else.
 
-    The order of cells along a chain changes nothing but their names, so where all may be built
-    alike any order will do.
+    The order of cells along a chain changes nothing but their names: where all may be built alike
+    any order will do.
     """
     if seen.tied:
         return None
@@ -296,10 +280,7 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
 
 
 def _by_states(wanted: frozenset[str], seen: frozenset[str], alike: bool) -> tuple[int, ...] | None:
-    """Which cell has to be which wanted one for these states; None where no order of them will do.
-
-    The numbers of cells at 1 are compared first, since no order of the cells changes them.
-    """
+    """Which cell has to be which wanted one for these states; None where no order will do."""
     if Counter(s.count("1") for s in seen) != Counter(s.count("1") for s in wanted):
         return None
     same = tuple(range(len(next(iter(wanted)))))
@@ -316,22 +297,13 @@ _COMPARED, _MADE = 24, 40
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """What came of choosing from what the closed form decides.
+    """What came of choosing from what the closed form decides."""
 
-    Attributes:
-        found: the best attempt that does what is wanted by the engine; None if none does.
-        attempts: all of them.
-        complete: whether no choice was left out, so that none is better by the objective, and
-            there is none where none was found.
-        missed: what the engine finds of a better one.
-        others: how many random choices in the wanted orders were looked at.
-    """
-
-    found: Attempt | None
+    found: Attempt | None  # the best that does it by the engine
     attempts: list[Attempt]
-    complete: bool
-    missed: str
-    others: int
+    complete: bool  # no choice was left out: none is better, or none does it
+    missed: str  # what the engine finds of a better one
+    others: int  # random choices in the wanted orders looked at
 
     @property
     def candidates(self) -> int:
@@ -341,26 +313,16 @@ class Placed:
 
 @dataclass
 class Tries:
-    """The tries at one target, with their progress.
-
-    Args:
-        target: what is wanted.
-        regions, holes: where anchors may be, pitch [m].
-        actuator_stiffness: K [N/m].
-        seed: of what is random.
-        progress: called with (done, total).
-        rules: how many sets of bands and levers there are.
-        free: which anchors are placed.
-    """
+    """The tries at one target, with their progress."""
 
     target: Target
     regions: tuple[Region, ...]
-    holes: float | None
+    holes: float | None  # pitch [m]
     actuator_stiffness: float
     seed: int
     progress: Callable[[int, int], None] | None
-    rules: int
-    free: str = "q"
+    rules: int  # sets of bands and levers
+    free: str = "q"  # which anchors are placed
     _done: int = field(default=0, init=False)
 
     @property
@@ -420,11 +382,7 @@ class Tries:
         return attempts
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
-        """A chain that does it among what the closed form does not decide, and how it was found.
-
-        Raises:
-            Impossible: there is none, or none was found.
-        """
+        """A chain that no closed form decides, and how it was found; raises Impossible for none."""
         target = self.target
         if self.holes is None:
             concave = not target.wish.stepwise and all(

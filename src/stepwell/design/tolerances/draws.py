@@ -85,14 +85,7 @@ USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
 
 
 def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str = WAY) -> None:
-    """Raise SlipError for tolerances above the travel, or a friction far above the forces.
-
-    Args:
-        tolerances: how far the parts may be from a drawing.
-        travel: the longest of its cells [m].
-        force: about what the bands of its strongest cell pull with [N].
-        way: how the odd true case is told.
-    """
+    """Raise SlipError for tolerances above the travel [m] or friction far above the force [N]."""
     found = [
         slip
         for name in ("anchor", "lever")
@@ -104,12 +97,7 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
 
 
 def meet(tolerances: Tolerances, chain: Chain) -> None:
-    """Refuse tolerances that this chain cannot have.
-
-    Raises:
-        SlipError: they are probably in another unit.
-        ValueError: mobilities beyond those that a cell can have.
-    """
+    """Refuse tolerances that this chain cannot have, or that are probably in another unit."""
     (least, most), wide = MOBILITIES, math.sqrt(tolerances.mobility)
     for name, cell in zip(chain.names, chain.cells, strict=True):
         room = min(cell.mobility / least, most / cell.mobility)
@@ -158,27 +146,19 @@ _AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache
 
 
 class Part(NamedTuple):
-    """What varies by itself: its cell, the tolerance that it has, and the columns of its numbers.
+    """What varies by itself: its cell, its tolerance, and the columns of its numbers."""
 
-    Attributes:
-        cell: 0 the innermost.
-        what: "d" (all anchors of its bands), or what else of a cell or an element.
-        tolerance: the field of `Tolerances`.
-        columns: of the draws.
-    """
-
-    cell: int
-    what: str
-    tolerance: str
-    columns: list[int]
+    cell: int  # 0 the innermost
+    what: str  # "d" (all anchors of its bands), or what else of a cell or an element
+    tolerance: str  # the field of `Tolerances`
+    columns: list[int]  # of the draws
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws(base.ByValue):
     """Random mechanisms after one drawing, the same ones for the same seed.
 
-    Attributes:
-        known: a part of which only the share `left` of its tolerance is left; "" for none.
+    Of a part that is `known`, if any, only the share `left` of its tolerance is left.
     """
 
     chain: Chain
@@ -243,10 +223,7 @@ class Draws(base.ByValue):
         return np.array([t.anchor, t.stiffness, t.rest_length, t.lever, t.friction])
 
     def chunks(self, n: int) -> Iterator[base.Floats]:
-        """The first n samples, piece by piece, (m, columns).
-
-        Every piece is written over the one before.
-        """
+        """The first n samples in pieces (m, columns), each written over the one before."""
         rows = max(64, min(n, _AT_ONCE // self.columns))
         space = np.empty((rows, self.columns))
         streams = self._streams(0)
@@ -308,11 +285,7 @@ class Draws(base.ByValue):
         ] * [1.0, -1.0]
 
     def sample(self, number: int) -> Chain:
-        """Mechanism `number` of all, from 0; the same as in `chunks`.
-
-        Raises:
-            ValueError: a mechanism that cannot be built.
-        """
+        """Mechanism `number` of all, from 0, as in `chunks`; ValueError if it cannot be built."""
         row = np.empty((1, self.columns))
         self._fill(row, self._streams(number))
         return self.built(self.shaped(row)[0])
@@ -343,11 +316,7 @@ class Draws(base.ByValue):
         return designs
 
     def built(self, draw: base.Floats) -> Chain:
-        """The mechanism that one row of draws makes.
-
-        Raises:
-            ValueError: a mechanism that cannot be built.
-        """
+        """The mechanism that one row of draws makes; ValueError if it cannot be built."""
         t, b, n = self.tolerances, self.bands, len(self.chain)
         stiffness, rest = draw[4 * b : 5 * b], draw[5 * b : 6 * b]
         lever, friction = draw[6 * b : 6 * b + n], draw[6 * b + n :]

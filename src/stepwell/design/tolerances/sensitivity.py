@@ -72,11 +72,7 @@ class Sensitivities(ByValue):
 
 
 def gaps_of_built(draws: Draws, orders: Ints, rows: Floats) -> Floats:
-    """(m,) smallest gap [N] between neighbours of two orders (2, T), of each of (m, columns) draws.
-
-    Raises:
-        ValueError: a mechanism that cannot be built.
-    """
+    """(m,) smallest gap [N] between neighbours of two orders (2, T) of (m, columns) draws."""
     forces = np.array([switching_forces(draws.built(row)) for row in rows])
     return np.min(gaps_between(forces, orders), axis=(1, 2), initial=np.inf)
 
@@ -86,17 +82,11 @@ def sensitivities(
 ) -> Sensitivities:
     """The indices of the smallest gap, from a base sample for each part and two for all.
 
-    Args:
-        draws: the chain, its tolerances and a seed.
-        gap: the smallest gap [N] of (m, columns) draws, (m,).
-        built: whether it takes a mechanism to be built for each, so that fewer have to do.
-
-    Raises:
-        ValueError: from `gap`.
+    `gap` [N] is of (m, columns) draws; where each has to be `built`, fewer have to do.
 
     Source: Sobol' 2001; estimators of Saltelli et al. 2010, Table 2 (b) and (f), as in
-    scipy.stats.sobol_indices. There one number is exchanged at a time; here all that belong to
-    a part, since an anchor's place in its disc takes two and says nothing by one of them.
+    scipy.stats.sobol_indices. There one number is exchanged at a time; here all that belong to a
+    part, since an anchor's place in its disc takes two and says nothing by one of them.
     """
     groups = {name: part.columns for name, part in draws.parts.items()}
     if not groups or len(switching_forces(draws.chain)) < 2:

@@ -18,10 +18,9 @@ class Survival(Counted):
     """How many of n mechanisms, made at random within tolerances, a program brings to its end.
 
     Attributes:
-        chain: the drawing.
+        chain, tolerances: the drawing, and how far the parts may be from it.
         turning_points: drives of the program [m], or [N] under force control.
         start, target: states at its beginning and at its end.
-        tolerances: how far the parts may be from the drawing.
         samples, seed: how many mechanisms, and which.
         share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
@@ -102,17 +101,7 @@ def count_ends(
 
 
 def ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
-    """Whether a program ends with every cell in the phase wanted, or nearest to it.
-
-    Args:
-        made: a mechanism, whose stops need not be quite where they were drawn.
-        points: turning points [m], or [N] under force control.
-        start, ends: states.
-
-    Raises:
-        ValueError: it cannot stand at the start.
-        StaticsError: the engine could not go on.
-    """
+    """Whether a program, its points [m] or [N], ends with every cell in or nearest to its phase."""
     if math.isinf(made.actuator_stiffness):
         if not made.elements:
             full = made.full_travels

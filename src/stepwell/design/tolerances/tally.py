@@ -37,8 +37,7 @@ class Share(NamedTuple):
     """How often something came among designs drawn independently.
 
     Attributes:
-        times: how often.
-        of: so many designs.
+        times, of: how often, of so many designs.
         low, high: 95 % confidence interval of the share (Clopper & Pearson 1934).
     """
 
@@ -89,17 +88,12 @@ class RelayJudge:
 
     There elements of one sheet are independent relays, whose switching forces grow and shrink with
     all their forces, and with friction.
-
-    Attributes:
-        draws: the mechanisms.
-        target: the cycle that counts.
-        orders: (2, T) of that; None where it is not one switch after the other.
-        texts: the cycles found, to which `Judged.does` are the numbers.
     """
 
     draws: Draws
     target: str
-    orders: Ints | None
+    orders: Ints | None  # (2, T) of the target; None where it is not one switch after the other
+    # cycles found, to which `Judged.does` are the numbers
     texts: list[str] = field(default_factory=list[str])
     _numbers: dict[str, int] = field(default_factory=dict[str, int])
 
@@ -137,10 +131,7 @@ class RelayJudge:
 
 
 def gaps_between(forces: Floats, orders: Ints) -> Floats:
-    """(m, 2, T - 1) gaps [N] between neighbours of two orders (2, T), of forces (m, T, 2).
-
-    Negative where two are in the other order.
-    """
+    """(m, 2, T - 1) gaps [N], of forces (m, T, 2), between neighbours of two orders (2, T)."""
     up, down = forces[:, orders[0], 0], -forces[:, orders[1], 1]
     return np.diff(np.stack([up, down], axis=1), axis=2)
 
@@ -162,13 +153,7 @@ def followed(
     states: frozenset[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[str]:
-    """What the mechanisms of (m, columns) draws do, by the general engine.
-
-    `progress` is called with (done, m).
-
-    Returns:
-        Of each its sequence; or where states are wanted, what else it reaches, and what not.
-    """
+    """What the mechanisms of (m, columns) draws do, by the engine: cycles, or what is unlike."""
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
         found = cycles_of(
@@ -210,9 +195,6 @@ def landings_on_the_way(
 
     Those of its cycle, or where states are wanted, all on the way to them. None under a prescribed
     force where switching forces decide: there no cell feels another, however mobile.
-
-    Raises:
-        ValueError, StaticsError: as where it was followed.
     """
     made = draws.built(draw)
     if states is not None:
@@ -223,19 +205,13 @@ def landings_on_the_way(
 class Tally:
     """What the first n mechanisms of some draws do, counted against what is wanted.
 
-    Args:
-        draws: the mechanisms.
-        target: the cycle that counts; where states are wanted, the one whose orders are compared.
-        states: those that shall be reached and no others; None where the cycle counts.
-        robust: the ratio of mobilities within which all landings on the way have to hold.
-
     Attributes:
-        states, robust: as given.
+        states: that shall be reached and no others; None where the target cycle counts.
+        robust: the ratio of mobilities within which all landings on the way have to hold.
         orders: (2, T) switches of that cycle; None where it is not one after the other.
         judge: the closed form; None where there is none.
         judged, by_engine: of how many it told the orders, and how many the engine followed.
-        successes: how many do what is wanted.
-        proved: of how many of these no landing was only sampled: none that the closed form judged
+        proved: of how many successes no landing was only sampled: none that the closed form judged
             hangs on the mobilities, whatever they are.
         followed_well: of each that the engine followed, in order, whether it does.
         wrong, narrowest: (2, T - 1) as `Judge` counts them, of those judged.
@@ -354,21 +330,13 @@ class Tally:
         return dict(listed[:_KEPT]) | ({ANOTHER: rest} if rest else {})
 
     def _cycle(self, number: int) -> str:
-        """What the judge has numbered so."""
         if isinstance(self.judge, RelayJudge):
             return self.judge.texts[number]
         return numbered_cycle(number, len(self.draws.chain))
 
 
 def why_none(chain: Chain, target: str, concave: bool) -> str:
-    """The reason in a sentence, and advice.
-
-    Args:
-        chain: the drawing.
-        target: the full cycle that none makes.
-        concave: whether all cells that were made are proved concave, and so go one after the
-            other.
-    """
+    """The reason why none makes a cycle, and advice; `concave` if all cells made are proved so."""
     if chain.elements:
         return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
     states = Sequence.parse(target).states

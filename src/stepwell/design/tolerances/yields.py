@@ -31,8 +31,7 @@ class Critical(base.ByValue):
 
     Attributes:
         first, second: the numbers of the cells; `first` should move before `second`.
-        names: what they are called; of cells of more than two phases, with those between which
-            they go.
+        names: what they are called; where cells have more than two phases, with these.
         way: "loading", decided by F0 plus friction, or "unloading", by F1 less friction.
         share: of the mechanisms judged in closed form, how many have them in the other order.
         narrowest: in how many their gap is the smallest of all.
@@ -63,8 +62,7 @@ class Yield(Counted, base.Drawn):
     """How many mechanisms, sampled within tolerances, reach the target.
 
     Attributes:
-        chain: the drawing.
-        tolerances: how far the parts may be from it.
+        chain, tolerances: the drawing, and how far the parts may be from it.
         samples, seed: how many mechanisms, and which.
         share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
@@ -76,9 +74,8 @@ class Yield(Counted, base.Drawn):
             beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
             engine, "another sequence" for all that are not told apart (chains of ten cells or
             more, the rarest ones).
-        critical: the pair of neighbours in the wanted order that is most often in the other
-            order, or nearest to it where none is; None where nothing was judged in closed form,
-            or there is no such pair.
+        critical: the neighbours in the wanted order that are most often in the other order, or
+            nearest to it; None where nothing was judged in closed form, or there is no such pair.
         by_engine: how many were followed by the general engine.
         robust: the ratio of mobilities for which each has to do it; None where only those it has
             count.
@@ -102,11 +99,7 @@ class Yield(Counted, base.Drawn):
     advice: str = ""
 
     def mechanism(self, number: int) -> Chain:
-        """One of the n mechanisms, from 0.
-
-        Raises:
-            ValueError: no such number, or one that cannot be built.
-        """
+        """One of the n mechanisms, from 0; ValueError for no such number or no such mechanism."""
         if not 0 <= number < self.samples:
             raise base.InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
@@ -114,10 +107,9 @@ class Yield(Counted, base.Drawn):
     def end_forces(self, n: int = 1000) -> base.Floats:
         """Forces at which the cells of the first n mechanisms let go, for a cloud around each.
 
-        Returns:
-            (m, T, 2) F0 plus friction and F1 less friction [N], of elements the forces up and
-            down of each switch from a phase to the next; T = N where every cell has two phases,
-            m = min(n, self.samples), and NaN where a mechanism cannot be built.
+        (m, T, 2) F0 plus friction and F1 less friction [N], of elements the forces up and down of
+        each switch; T = N for cells of two phases, m = min(n, self.samples), NaN where none can be
+        built.
         """
         found = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
         for number in range(len(found)):
@@ -158,11 +150,7 @@ class Yield(Counted, base.Drawn):
         return xr.Dataset(data, coords, attrs)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write one line an outcome, the wanted one first.
-
-        Raises:
-            OSError: it cannot be written.
-        """
+        """Write one line an outcome, the wanted one first."""
         texts, counts = self._counts.keys(), self._counts.values()
         shares = base.Quantity("share", "1"), [count / self.samples for count in counts]
         base.write_csv(
@@ -385,16 +373,10 @@ def parts_of(found: Yield | survival.Survival) -> dict[str, draws.Part]:
 
 
 def with_known(found: Yield | survival.Survival, part: str, left: float, n: int) -> int:
-    """How many of the first n mechanisms work where one part is known better.
+    """How many of the first n mechanisms work where one part has the share `left` of its tolerance.
 
-    The same mechanisms are made with the same luck; only that part is nearer to its drawing, and
-    friction to the middle of its tolerance.
-
-    Args:
-        found: what was counted with all tolerances.
-        part: which, as `parts_of` names it.
-        left: the share of its tolerance that is left, 0 to 1.
-        n: how many are counted.
+    The same mechanisms are made with the same luck; only that part, named as in `parts_of`, is
+    nearer to its drawing, and friction to the middle of its tolerance.
     """
     draws = Draws(found.chain, found.tolerances, found.seed, part, left)
     if isinstance(found, survival.Survival):
