@@ -1,9 +1,9 @@
 """Elements chosen, scaled and put in order so that their chain does what is wanted."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise, product
+from itertools import combinations, product
 
 import numpy as np
 
@@ -42,36 +42,24 @@ class Scales:
     ) -> "Scales | None":
         """None where no scales can do it: phases in another order, or too strong at any scale."""
         chain = Chain([one.renamed("") for one in elements])
-        switches = Switches.of(chain.last_state)
+        cell = Switches.of(chain.last_state).cell
         friction = np.array([one.friction for one in elements])
-        own = switching_forces(chain) - friction[switches.cell, None] * [1.0, -1.0]
-        strongest = np.array(
-            [np.max(np.abs(own[switches.cell == k])) for k in range(len(elements))]
-        )
-        bounds = np.column_stack(
-            [np.full(len(elements), scale[0]), np.full(len(elements), scale[1])]
-        )
+        own = switching_forces(chain) - friction[cell, None] * [1.0, -1.0]
+        strongest = np.array([np.max(np.abs(own[cell == k])) for k in range(len(elements))])
+        bounds = np.tile(np.array(scale, float), (len(elements), 1))
         bounds[:, 1] = np.minimum(bounds[:, 1], most_force / np.maximum(strongest, 1e-300))
         if np.any(bounds[:, 1] < bounds[:, 0]):
             return None
-        largest = float(np.max(strongest * bounds[:, 1]))
-        rows: list[tuple[Floats, Floats, float]] = []
-        for end, order in enumerate(orders.tolist()):
-            sign = 1.0 - 2.0 * end
-            for a, b in pairwise(order):
-                first, second = int(switches.cell[a]), int(switches.cell[b])
-                if first == second:
-                    if not sign * (own[b, end] - own[a, end]) > 0.0:
-                        return None
-                    continue
-                gap, size = np.zeros(len(elements)), np.zeros(len(elements))
-                gap[first], gap[second] = -sign * own[a, end], sign * own[b, end]
-                size[first], size[second] = abs(own[a, end]), abs(own[b, end])
-                rows.append((gap, size, float(friction[second] - friction[first])))
-        if not rows:
-            nothing = np.zeros((0, len(elements)))
-            return cls(nothing, nothing, np.zeros(0), bounds)
-        gaps, sizes, rub = (np.array(part) / largest for part in zip(*rows, strict=True))
+        rising = own.T * [[1.0], [-1.0]]
+        before, after = orders[:, :-1], orders[:, 1:]
+        low, high = (np.take_along_axis(rising, these, 1) for these in (before, after))
+        apart = cell[before] != cell[after]
+        if not np.all(apart | (high > low)):
+            return None
+        first, second, unit = cell[before[apart]], cell[after[apart]], np.eye(len(elements))
+        less, more = low[apart, None] * unit[first], high[apart, None] * unit[second]
+        table = more - less, np.abs(more) + np.abs(less), friction[second] - friction[first]
+        gaps, sizes, rub = (part / np.max(strongest * bounds[:, 1]) for part in table)
         return cls(gaps, sizes, rub, bounds)
 
     @property
@@ -173,24 +161,9 @@ class ElementTarget:
         return not result.degenerate and str(result.sequence) == self.cycle
 
 
-@dataclass(frozen=True, eq=False)
-class _Choice:
-    """Elements with scales, one a cell."""
-
-    shapes: tuple[int, ...]  # which element each cell is
-    scales: tuple[float, ...]  # of all their forces
-    share: float  # by how much all may be off at once with the orders met
-
-
-@dataclass(frozen=True, eq=False)
-class Scaled:
-    """A chain that does it, how it was found and what is known of its motion."""
-
-    chain: Chain
-    choices: int  # of shapes that were looked at
-    best: bool  # whether no other is better by the objective, proved
-    method: str
-    standing: str
+# A chain that does it, how many choices of shapes were looked at, whether none is better, proved,
+# how it was found, and what is known of its motion.
+Scaled = tuple[Chain, int, bool, str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,30 +218,32 @@ def scaled(
     if not goal.orders:
         raise Impossible(goal.text, goal.why, proved=goal.never or relays)
     rng = np.random.default_rng(seed)
-    count = math.prod(map(len, sets))
-    whole = count <= _MOST_CHOICES
-    choices = list(product(*sets) if whole else _some(sets, rng))
+    whole = math.prod(map(len, sets)) <= _MOST_CHOICES
+    choices = (
+        list(product(*sets))
+        if whole
+        else [tuple(int(rng.choice(one)) for one in sets) for _ in range(_MOST_CHOICES)]
+    )
     found, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
     complete = relays and whole and goal.complete
-    for one in found[: 1 if relays else _ASKED]:
-        chain = _chain(goal, allowed.elements, one, actuator_stiffness)
+    for share, these in found[: 1 if relays else _ASKED]:
+        chain = _named(goal, these, actuator_stiffness)
         if goal.done_by(chain):
-            return Scaled(
+            return (
                 chain,
                 len(choices),
                 complete,
                 f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take "
                 f"elements, with their scales by linear programming; objective: the share by which "
                 f"all forces may be off at once with the order of the switching forces kept, "
-                f"{one.share * 100:.4g} %",
+                f"{share * 100:.4g} %",
                 _RELAYS if relays else _FOLLOWS,
             )
-    if not relays:
-        other = _at_random(goal, allowed, sets, actuator_stiffness, rng)
-        if other is not None:
-            return other
-    proved = complete and not found
-    raise _impossible(goal, allowed, sets, closest, proved, len(choices))
+    other = None if relays else _at_random(goal, allowed, sets, actuator_stiffness, rng)
+    if other is None:
+        proved = complete and not found
+        raise _impossible(goal, allowed, sets, closest, proved, len(choices))
+    return other
 
 
 def _programmed(
@@ -278,12 +253,13 @@ def _programmed(
     progress: Progress | None,
     *,
     best_only: bool,
-) -> tuple[list[_Choice], float]:
+) -> tuple[list[tuple[float, list[Element]]], float]:
     """Choices with scales by linear programming, the best first, and the largest smallest gap.
 
-    With `best_only`, choices that are worse than one found before may be left out.
+    Each with the share by which all its forces may be off at once. With `best_only`, choices that
+    are worse than one found before may be left out.
     """
-    found: list[_Choice] = []
+    found: list[tuple[float, list[Element]]] = []
     closest = -math.inf
     total = len(goal.orders) * len(choices)
     for done, (orders, shapes) in enumerate(product(goal.orders, choices)):
@@ -294,10 +270,13 @@ def _programmed(
         closest = max(closest, gap)
         if program is None or not gap > LEAST:
             continue
-        scales, share = program.surest(found[0].share if found and best_only else 0.0)
+        scales, share = program.surest(found[0][0] if found and best_only else 0.0)
         if scales is not None:
-            found.append(_Choice(shapes, scales, share))
-            found.sort(key=lambda one: -one.share)
+            elements = [allowed.elements[k] for k in shapes]
+            pairs = zip(elements, scales, strict=True)
+            made = [replace(one, force_scale=one.force_scale * c) for one, c in pairs]
+            found.append((share, made))
+            found.sort(key=lambda one: -one[0])
     return found, closest
 
 
@@ -315,21 +294,6 @@ def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]
                 f"and the elements have {has}: give an element with as many."
             )
     return sets
-
-
-def _some(sets: list[list[int]], rng: np.random.Generator) -> Iterator[tuple[int, ...]]:
-    for _ in range(_MOST_CHOICES):
-        yield tuple(int(rng.choice(fitting)) for fitting in sets)
-
-
-def _chain(
-    goal: ElementTarget, elements: Sequence[Element], one: _Choice, stiffness: float
-) -> Chain:
-    made = [
-        replace(elements[k], force_scale=elements[k].force_scale * c)
-        for k, c in zip(one.shapes, one.scales, strict=True)
-    ]
-    return _named(goal, made, stiffness)
 
 
 def _named(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> Chain:
@@ -351,9 +315,8 @@ def _at_random(
 ) -> Scaled | None:
     """The surest of some random choices that do it by the engine; None where none does."""
     done: list[Chain] = []
-    most = _FOLLOWED // len(sets)
     looked_at = 0
-    for _ in range(most):
+    while looked_at < _FOLLOWED // len(sets) and len(done) < _COMPARED:
         looked_at += 1
         cells: list[Element] = []
         for fitting in sets:
@@ -362,22 +325,19 @@ def _at_random(
                 float(np.exp(rng.uniform(*np.log(between))))
                 for between in (allowed.force_scale, allowed.travel_scale)
             )
-            scales = one.force_scale * force, one.travel_scale * travel
-            cells.append(replace(one, force_scale=scales[0], travel_scale=scales[1]))
+            scales = {
+                "force_scale": one.force_scale * force,
+                "travel_scale": one.travel_scale * travel,
+            }
+            cells.append(replace(one, **scales))
         chain = _named(goal, cells, stiffness)
         if goal.done_by(chain):
             done.append(chain)
-            if len(done) == _COMPARED:
-                break
     if not done:
         return None
-    target = goal.cycle or sorted(goal.states or ())
-
-    def share(chain: Chain) -> float:
-        return yields(chain, allowed.tolerances, samples=_MADE, target=target).share
-
-    return Scaled(
-        max(done, key=share),
+    counted = {"samples": _MADE, "target": goal.cycle or sorted(goal.states or ())}
+    return (
+        max(done, key=lambda chain: yields(chain, allowed.tolerances, **counted).share),
         looked_at,
         False,
         f"searched: {looked_at} random choices of elements and scales followed by the engine; the "
@@ -395,36 +355,34 @@ def _impossible(
     choices: int,
 ) -> Impossible:
     elements, scale = allowed.elements, allowed.force_scale
-    pair = _clash(goal, allowed, sets)
+    pair, scales = _clash(goal, allowed, sets), f"scales from {scale[0]:g} to {scale[1]:g}"
     if pair is not None:
-        a, b = pair
         why = (
-            f"no two of these elements, at any scales from {scale[0]:g} to {scale[1]:g}, can have "
-            f"their switching forces in the orders wanted of cells {a + 1} and {b + 1}: all forces "
-            f"of an element grow together, so of two of one shape the stronger goes up later, and "
-            f"it comes down later where its force falls below zero and earlier where it does not"
+            f"no two of these elements, at any {scales}, can have their switching forces in the "
+            f"orders wanted of cells {pair[0] + 1} and {pair[1] + 1}: all forces of an element "
+            f"grow together, so of two of one shape the stronger goes up later, and it comes down "
+            f"later where its force falls below zero and earlier where it does not"
         )
     else:
         why = (
-            f"in none of {choices} ways to take elements are there scales from {scale[0]:g} to "
-            f"{scale[1]:g} with the switching forces in the wanted orders, by linear programming"
+            f"in none of {choices} ways to take elements are there {scales} with the switching "
+            f"forces in the wanted orders, by linear programming"
         )
     if not proved:
         why += "; random choices of elements and scales were followed by the engine, and none does"
-    advice = "give elements of other shapes, or a wider range of scales"
     measure = elements[0].measure
     unit, factor = told_in(measure.force_unit)
     largest = max(one.largest_force for one in elements) * scale[1]
-    needed = LEAST * largest
-    gap = closest * largest + 0.0 if math.isfinite(closest) else math.nan  # no -0
-    if not math.isnan(gap):
+    needed, gap = LEAST * largest, math.nan
+    if math.isfinite(closest):
+        gap = closest * largest + 0.0  # no -0
         why += (
             f" (the largest smallest gap is {gap * factor:.3g} {unit}, and {needed * factor:.2g} "
             f"{unit} is needed)"
         )
     return Impossible(
         goal.text,
-        f"{why}: {advice}",
+        f"{why}: give elements of other shapes, or a wider range of scales",
         proved=proved,
         largest_gap=gap,
         gap_needed=needed,
@@ -436,13 +394,12 @@ def _clash(goal: ElementTarget, allowed: Allowed, sets: list[list[int]]) -> tupl
     """Two cells that cannot both have their places, whatever the others do; None where none."""
     if len(goal.orders) != 1:
         return None
-    (only,) = goal.orders
-    switches = Switches.of(goal.last)
+    cell = Switches.of(goal.last).cell
     for a, b in combinations(range(len(sets)), 2):
         # The switches of these two alone, numbered from 0.
-        kept = [t for t in range(len(switches)) if switches.cell[t] in (a, b)]
-        target: list[list[int]] = only.tolist()
-        orders = np.array([[kept.index(t) for t in row if t in kept] for row in target])
+        kept = np.isin(cell, (a, b))
+        target = goal.orders[0]
+        orders = (np.cumsum(kept) - 1)[target[kept[target]].reshape(2, -1)]
         programs = (allowed.scales(pair, orders) for pair in product(sets[a], sets[b]))
         if not any(one is not None and one.largest_gap > LEAST for one in programs):
             return a, b

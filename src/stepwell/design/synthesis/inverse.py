@@ -128,7 +128,8 @@ def design(
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
         _refuse_count(samples)
-        goal = goal_of(sequence, states, cells)
+        _refuse_both(sequence, states)
+        goal = ElementTarget.of(sequence, states, cells)
         made = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _of_elements(goal, made, allowed, samples, seed)
     levers = list(map(float, np.atleast_1d(lever)))
@@ -197,7 +198,7 @@ def _of_elements(
     goal: ElementTarget, made: Scaled, allowed: Allowed, n: int | None, seed: int
 ) -> Design:
     """A chain of elements that does it, as a design with its yield."""
-    chain = made.chain
+    chain = made[0]
     result = cycle(chain)
     counted: str | list[str] = str(result.sequence)
     if goal.states is not None and not unsearchable(chain, allowed.tolerances.friction):
@@ -211,10 +212,7 @@ def _of_elements(
         # All forces of an element grow together: a line from the least to the largest.
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
         None,
-        made.choices,
-        made.best,
-        made.method,
-        made.standing,
+        *made[1:],
     )
 
 
@@ -245,14 +243,6 @@ def _wanted(
             f"each."
         )
     return target, some if len(some) == target.cells else some * target.cells
-
-
-def goal_of(
-    sequence: str | None, states: Iterable[str] | str | None, cells: int | None
-) -> ElementTarget:
-    """What elements shall do."""
-    _refuse_both(sequence, states)
-    return ElementTarget.of(sequence, states, cells)
 
 
 def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> None:
