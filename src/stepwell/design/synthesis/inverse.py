@@ -28,7 +28,7 @@ from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import USUAL, Tolerances, levers_of, refuse_slips
 from stepwell.design.tolerances.yields import Yield, yields
 from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
-from stepwell.sequences import cycle
+from stepwell.sequences import Cycle, cycle
 
 Levers = float | Sequence[float]
 
@@ -123,12 +123,11 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
+    _refuse_wish(sequence, states, samples)
     if elements:
         if within is not None or holes is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
-        _refuse_count(samples)
-        _refuse_both(sequence, states)
         goal = ElementTarget.of(sequence, states, cells)
         made = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _of_elements(goal, made, allowed, samples, seed)
@@ -136,10 +135,8 @@ def design(
     _refuse_anchors(p, q, free)
     _refuse_sizes(bands, levers, limit)
     _refuse_aims(tolerances, objective, bands, most_force)
-    _refuse_count(samples)
-    if within is None:
-        within = usual_box(max(levers), free)
     fixed = q if free == "p" else p
+    within = usual_box(max(levers), free) if within is None else within
     target, regions = _wanted(sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
@@ -153,7 +150,10 @@ def design(
     if not unusual:
         _refuse_slips(rule, holes)
     mixed = not equal_levers and len(levers) > 1
-    rules = [rule] * mixed + _by_lever(rule, len(bands))
+    # Kinds with all bands on one lever follow each other.
+    starts = range(0, len(rule.kinds), len(bands))
+    each = [replace(rule, kinds=rule.kinds[k : k + len(bands)]) for k in starts]
+    rules = [rule] * mixed + each
     tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
     found = placed.found
@@ -164,11 +164,12 @@ def design(
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
     result = cycle(chain)
-    counted = _counted(target, chain, tolerances, str(result.sequence))
+    counted = _counted(target.states, result, tolerances)
+    # More are made where end forces decide what they do.
+    by_forces = found is not None and not (found.rule.as_drawn or found.rule.bends)
+    usual = QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
     widest = _widest(found, chain, bands, tolerances)
-    share = yields(
-        chain, widest, samples=samples or _usual_count(found, counted), seed=seed, target=counted
-    )
+    share = yields(chain, widest, samples=samples or usual, seed=seed, target=counted)
     tries.end()
     return Design(
         chain,
@@ -183,26 +184,13 @@ def design(
     )
 
 
-def _by_lever(rule: Rule, bands: int) -> list[Rule]:
-    starts = range(0, len(rule.kinds), bands)
-    return [replace(rule, kinds=rule.kinds[k : k + bands]) for k in starts]
-
-
-def _usual_count(found: Attempt | None, counted: str | tuple[str, ...]) -> int:
-    """How many mechanisms are made for the yield: more where end forces decide what they do."""
-    by_forces = found is not None and not (found.rule.as_drawn or found.rule.bends)
-    return QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
-
-
 def _of_elements(
     goal: ElementTarget, made: Scaled, allowed: Allowed, n: int | None, seed: int
 ) -> Design:
     """A chain of elements that does it, as a design with its yield."""
     chain = made[0]
     result = cycle(chain)
-    counted: str | list[str] = str(result.sequence)
-    if goal.states is not None and not unsearchable(chain, allowed.tolerances.friction):
-        counted = sorted(goal.states)
+    counted = _counted(goal.states, result, allowed.tolerances)
     ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in allowed.elements]
     low, high = allowed.force_scale
     return Design(
@@ -222,7 +210,6 @@ def _wanted(
     cells: int | None,
     within: Region | Sequence[Region],
 ) -> tuple[Target, tuple[Region, ...]]:
-    _refuse_both(sequence, states)
     some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
         raise InputError(
@@ -245,7 +232,11 @@ def _wanted(
     return target, some if len(some) == target.cells else some * target.cells
 
 
-def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> None:
+def _refuse_wish(
+    sequence: str | None, states: Iterable[str] | str | None, samples: int | None
+) -> None:
+    if samples is not None and samples < 1:
+        raise InputError(f"samples = {samples}: must be 1 mechanism or more.")
     if (sequence is None) == (states is None):
         raise InputError(
             'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
@@ -254,12 +245,12 @@ def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> No
 
 
 def _counted(
-    target: Target, chain: Chain, tolerances: Tolerances, sequence: str
+    states: frozenset[str] | None, result: Cycle, tolerances: Tolerances
 ) -> str | tuple[str, ...]:
     """What counts as success of what is built: the states wanted, or where not, the cycle."""
-    if target.states is None or unsearchable(chain, tolerances.friction):
-        return sequence
-    return by_cells_at_1(target.states)
+    if states is None or unsearchable(result.chain, tolerances.friction):
+        return str(result.sequence)
+    return by_cells_at_1(states)
 
 
 def _not_searched(target: Target, share: Yield) -> str:
@@ -303,11 +294,6 @@ def _refuse_aims(
         raise InputError(f"most_force = {most_force} N: must be > 0.")
 
 
-def _refuse_count(n: int | None) -> None:
-    if n is not None and n < 1:
-        raise InputError(f"samples = {n}: must be 1 mechanism or more.")
-
-
 def _refuse_slips(rule: Rule, holes: float | None) -> None:
     name, around = "q" if rule.free == "p" else "p", rule.looked_at
     levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
@@ -333,12 +319,9 @@ def _refuse_slips(rule: Rule, holes: float | None) -> None:
 
 def _round(regions: tuple[Region, ...]) -> Box:
     boxes = [region.bounds for region in regions]
-    return Box(
-        min(box.left for box in boxes),
-        max(box.right for box in boxes),
-        min(box.bottom for box in boxes),
-        max(box.top for box in boxes),
-    )
+    sides = ((box.left, box.right, box.bottom, box.top) for box in boxes)
+    left, right, bottom, top = zip(*sides, strict=True)
+    return Box(min(left), max(right), min(bottom), max(top))
 
 
 def _widest(
