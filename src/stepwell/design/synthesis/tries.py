@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import combinations, combinations_with_replacement, permutations, product
+from itertools import combinations, combinations_with_replacement, permutations, product, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -40,18 +40,18 @@ def another(
     the wanted orders, and looked at by the engine from the surest on.
     """
     rng = np.random.default_rng(seed)
-    pool: list[tuple[float, int, Attempt, Candidates]] = []
+    pool: list[tuple[float, Attempt, Candidates]] = []
     for attempt in [one for given in attempts for one in (given, _near(given, rng))]:
         if not attempt.tables or not all(len(table.q) for table in attempt.tables):
             continue
         table = joined(attempt.tables)
         picks = _drawn(attempt, rng)
         sure = _surety(attempt, table, picks)
-        for row in np.flatnonzero(sure > -np.inf).tolist():
-            pool.append((float(sure[row]), len(pool), attempt, table.take(picks[row])))
-    pool.sort(key=lambda one: (-one[0], one[1]))
+        rows = np.flatnonzero(sure > -np.inf).tolist()
+        pool += [(float(sure[row]), attempt, table.take(picks[row])) for row in rows]
+    pool.sort(key=lambda one: -one[0])
     most = _LOOKED_AT // target.cells
-    for looked_at, (_, _, attempt, cells) in enumerate(pool[:most], 1):
+    for looked_at, (_, attempt, cells) in enumerate(pool[:most], 1):
         placed = replace(attempt, best=measured(attempt.rule, attempt.orders, cells))
         if _does(target, placed, actuator_stiffness):
             finer = placed.refined()
@@ -174,10 +174,9 @@ def tried(
                 unanswered += 1
                 continue
             order = _as_wanted(target, seen, alike)
-            if order is None or seen.peak > rule.most_force * (1 + 1e-9):
-                continue
-            mine_now = [cells[k].cell for k in order]
-            found.append(named(mine_now, stiffness, f"Designed for {target.text}"))
+            if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
+                these = [cells[k].cell for k in order]
+                found.append(named(these, stiffness, f"Designed for {target.text}"))
     return Tried(tuple(found), left, done, unanswered)
 
 
@@ -199,39 +198,26 @@ def _count(tables: list[list[Buildable]], alike: bool, again: bool, settled: boo
     """How many choices there are; equal cells never part without a tie, `again` if they may."""
 
     def all_of(sizes: list[int]) -> int:
-        if not alike:
-            return math.prod(sizes)
         n, m = len(sizes), sizes[0]
-        return math.comb(m + n - 1, n) if again and m else math.comb(m, n)
+        return math.comb(m + (n - 1) * again, n) if alike else math.prod(sizes)
 
-    every = all_of([len(table) for table in tables])
-    if not settled:
-        return every
-    return every - all_of([sum(way.concave for way in table) for table in tables])
+    concave = all_of([sum(way.concave for way in table) for table in tables])
+    return all_of([len(table) for table in tables]) - settled * concave
 
 
 def _every(
     tables: list[list[Buildable]], alike: bool, again: bool, settled: bool
 ) -> Iterator[tuple[Buildable, ...]]:
     """All choices, those of concave cells alone left out where they are settled."""
-    n = len(tables)
     if alike:
-        table = tables[0]
-        pick = combinations_with_replacement if again else combinations
-        if not settled:
-            yield from pick(table, n)
-            return
+        every = (combinations_with_replacement if again else combinations)(tables[0], len(tables))
         # Those that are not proved concave come first, so one of them leads.
-        for k, way in enumerate(table):
-            if way.concave:
-                return
-            for others in pick(table[k if again else k + 1 :], n - 1):
-                yield (way, *others)
+        yield from takewhile(lambda cells: not (settled and cells[0].concave), every)
         return
     if not settled:
         yield from product(*tables)
         return
-    for k in range(n):
+    for k in range(len(tables)):
         before = [[way for way in table if way.concave] for table in tables[:k]]
         here = [way for way in tables[k] if not way.concave]
         yield from product(*before, here, *tables[k + 1 :])
@@ -261,7 +247,6 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     """
     if seen.tied:
         return None
-    same = tuple(range(target.cells))
     if target.states is not None:
         assert seen.states is not None
         return _by_states(target.states, seen.states, alike)
@@ -269,10 +254,8 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     if found is None:
         return None
     for wanted in target.wish.orders:
-        place = same
-        if alike:
-            which = dict(zip(wanted.loading, found[0], strict=True))
-            place = tuple(which[k] for k in same)
+        same = tuple(range(target.cells))
+        place = tuple(found[0][wanted.loading.index(k)] for k in same) if alike else same
         orders = (wanted.loading, wanted.unloading)
         if tuple(tuple(place[k] for k in order) for order in orders) == found:
             return place
@@ -353,27 +336,23 @@ class Tries:
         complete = target.wish.complete and self.holes is not None
         complete = complete and not any(rule.bends for rule in rules)
         complete = complete and all(attempt.complete for attempt in attempts)
-        missed = ""
-        for attempt in attempts:
-            if not attempt.works:
-                continue
-            chain = attempt.chain(self.actuator_stiffness, "")
-            fault = target.fault(chain, attempt.orders)
+        missed, found, others = "", None, 0
+        for attempt in filter(lambda attempt: attempt.works, attempts):
+            fault = target.fault(attempt.chain(self.actuator_stiffness, ""), attempt.orders)
             if not fault:
-                return Placed(attempt, attempts, complete and not missed, missed, 0)
+                found = attempt
+                break
             missed = missed or fault
-        found, others = None, 0
-        if missed:
+        if missed and found is None:
             found, others = another(target, attempts, self.actuator_stiffness, self.seed)
         return Placed(found, attempts, complete and not missed, missed, others)
 
     def _attempts(self, rules: list[Rule]) -> list[Attempt]:
         """One for each rule and pair of orders, the first of them refined; the best first."""
         attempts: list[Attempt] = []
-        for rule in rules:
-            for orders in self.target.wish.orders:
-                self._tell()
-                attempts.append(look(rule, orders, self.regions, self.holes))
+        for rule, orders in product(rules, self.target.wish.orders):
+            self._tell()
+            attempts.append(look(rule, orders, self.regions, self.holes))
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         for k in range(min(_REFINED, len(attempts))):
             self._tell()
