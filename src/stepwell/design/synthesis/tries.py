@@ -134,52 +134,6 @@ class Tried:
         return text + (f", {self.unanswered} of them without an answer" * (self.unanswered > 0))
 
 
-def tried(
-    tries: Tries,
-    rules: list[Rule],
-    holes: float,
-    *,
-    decided: bool,
-    progress: Callable[[int, int], None],
-) -> Tried:
-    """Follow every choice of holes that is left, or as many as take some seconds.
-
-    `decided` if no choice of cells proved concave as drawn that share a full travel does it.
-    """
-    target, regions, stiffness = tries.target, tries.regions, tries.actuator_stiffness
-    different = list(dict.fromkeys(regions))
-    alike, again = len(set(regions)) == 1, target.twins
-    most = (_THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES) // target.cells
-    found: list[Chain] = []
-    left = done = unanswered = 0
-    for rule in rules:
-        mine = [_ways(rule, region, holes) for region in different]
-        tables = [mine[different.index(region)] for region in regions]
-        settled = decided and len({kind.lever for kind in rule.kinds}) == 1
-        count = _count(tables, alike, again, settled)
-        left += count
-        room = most - done
-        picked = (
-            _every(tables, alike, again, settled)
-            if count <= room
-            else _some(tables, settled, room, np.random.default_rng(tries.seed))
-        )
-        for cells in picked:
-            progress(done, min(most, left))
-            done += 1
-            chain = Chain([way.cell for way in cells], stiffness)
-            try:
-                seen = target.look(chain)
-            except (StaticsError, ValueError):
-                unanswered += 1
-                continue
-            order = _as_wanted(target, seen, alike)
-            if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
-                these = [cells[k].cell for k in order]
-                found.append(named(these, stiffness, f"Designed for {target.text}"))
-    return Tried(tuple(found), left, done, unanswered)
-
-
 def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     """All ways to build a cell, those not proved concave first."""
     found: list[Buildable] = []
@@ -360,6 +314,44 @@ class Tries:
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         return attempts
 
+    def _tried(self, rules: list[Rule], holes: float, *, decided: bool) -> Tried:
+        """Follow every choice of holes that is left, or as many as take some seconds.
+
+        `decided` if no choice of cells proved concave as drawn that share a full travel does it.
+        """
+        target, regions, before = self.target, self.regions, self._done
+        alike, again = len(set(regions)) == 1, target.twins
+        most = (_THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES) // target.cells
+        found: list[Chain] = []
+        left = done = unanswered = 0
+        for rule in rules:
+            ways = {region: _ways(rule, region, holes) for region in dict.fromkeys(regions)}
+            tables = [ways[region] for region in regions]
+            settled = decided and len({kind.lever for kind in rule.kinds}) == 1
+            count = _count(tables, alike, again, settled)
+            left += count
+            room = most - done
+            picked = (
+                _every(tables, alike, again, settled)
+                if count <= room
+                else _some(tables, settled, room, np.random.default_rng(self.seed))
+            )
+            for cells in picked:
+                self._tell(max(0, before + 100 * done // max(min(most, left), 1) - self._done))
+                done += 1
+                chain = Chain([way.cell for way in cells], self.actuator_stiffness)
+                try:
+                    seen = target.look(chain)
+                except (StaticsError, ValueError):
+                    unanswered += 1
+                    continue
+                order = _as_wanted(target, seen, alike)
+                if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
+                    these = [cells[k].cell for k in order]
+                    title = f"Designed for {target.text}"
+                    found.append(named(these, self.actuator_stiffness, title))
+        return Tried(tuple(found), left, done, unanswered)
+
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that no closed form decides, and how it was found; raises Impossible for none."""
         target = self.target
@@ -368,36 +360,26 @@ class Tries:
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
             looked = f"{placed.others} random choices in the wanted orders were looked at"
-            raise self._refusal(
-                placed, looked * (placed.others > 0), proved=target.wish.never or concave
-            )
+            looked *= placed.others > 0
+            raise self._refusal(placed, looked, proved=target.wish.never or concave)
         if target.wish.never or (not target.wish.orders and target.states is None):
             raise self._refusal(placed, "", proved=target.wish.never)
-        before = self._done
-        found = tried(
-            self,
-            rules,
-            self.holes,
-            decided=placed.complete and target.states is None,
-            progress=lambda done, all_: self._tell(
-                max(0, before + 100 * done // max(all_, 1) - self._done)
-            ),
-        )
+        decided = placed.complete and target.states is None
+        found = self._tried(rules, self.holes, decided=decided)
         if not found.chains:
             raise self._refusal(placed, found.report, proved=found.all)
-        surest = max(found.chains[:_COMPARED], key=lambda chain: self._share(chain, tolerances))
-        return surest, (
+        counted = None if tolerances.friction else target.states
+
+        def share(chain: Chain) -> float:
+            return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
+
+        return max(found.chains[:_COMPARED], key=share), (
             f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
             f"concave does it; {found.report}, and {len(found.chains)} of them do it; the one of "
             f"{min(len(found.chains), _COMPARED)} of these that works most often of {_MADE} built"
         )
 
-    def _share(self, chain: Chain, tolerances: Tolerances) -> float:
-        counted = None if self.target.states is None or tolerances.friction else self.target.states
-        return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
-
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
         allowed = told(self.regions, self.holes, self.free)
-        return nothing_works(
-            self.target, placed.attempts, placed.missed, rest, allowed, proved=proved
-        )
+        attempts, missed = placed.attempts, placed.missed
+        return nothing_works(self.target, attempts, missed, rest, allowed, proved=proved)
