@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 
@@ -52,13 +52,11 @@ def is_state(state: str, last: str) -> bool:
 
 def _example(last: str) -> str:
     """A full cycle, cell by cell and phase by phase."""
-    state = [0] * len(last)
-    states = ["0" * len(last)]
-    for way in (1, -1):
-        for cell, digit in enumerate(last):
-            for _ in range(int(digit)):
-                state[cell] += way
-                states.append("".join(map(str, state)))
+    steps = [cell for cell, digit in enumerate(last) for _ in range(int(digit))]
+    state, states = [0] * len(last), ["0" * len(last)]
+    for way, cell in product((1, -1), steps):
+        state[cell] += way
+        states.append("".join(map(str, state)))
     return ">".join(states)
 
 
@@ -68,22 +66,14 @@ def orders_of(target: str) -> Ints | None:
     None unless each goes up once and then comes down once, one by one. Of cells with two phases,
     each is the number of its cell.
     """
-    states = [[int(digit) for digit in state] for state in target.split(">")]
-    last = np.max(states, axis=0)
-    first = np.cumsum(last) - last
-    steps: list[tuple[int, int]] = []
-    for before, after in pairwise(states):
-        moved = [k for k in range(len(last)) if before[k] != after[k]]
-        if len(moved) != 1 or abs(after[moved[0]] - before[moved[0]]) != 1:
-            return None
-        (cell,) = moved
-        steps.append(
-            (after[cell] - before[cell], int(first[cell]) + min(before[cell], after[cell]))
-        )
-    count = int(np.sum(last))
-    if [way for way, _ in steps] != [1] * count + [-1] * count:
+    states = np.array([[int(digit) for digit in state] for state in target.split(">")], np.int64)
+    last, steps = np.max(states, axis=0), np.diff(states, axis=0)
+    ways = np.repeat([1, -1], np.sum(last))
+    if np.any(np.sum(np.abs(steps), axis=1) != 1) or not np.array_equal(steps.sum(axis=1), ways):
         return None
-    return np.array([switch for _, switch in steps], np.int64).reshape(2, count)
+    moved = np.nonzero(steps)
+    phase = np.minimum(states[:-1], states[1:])[moved]
+    return ((np.cumsum(last) - last)[moved[1]] + phase).reshape(2, -1)
 
 
 def numbered_cycle(number: int, cells: int) -> str:
@@ -307,9 +297,8 @@ def _clash(below: Below) -> tuple[int, int] | None:
     else they do (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect Graphs, 1980, Theorem
     5.27).
     """
-    n = len(below)
-    free = [[i != j and not below[i][j] and not below[j][i] for j in range(n)] for i in range(n)]
-    for a, b in combinations(range(n), 2):
+    free: Below = (~(np.array(below) | np.array(below).T)).tolist()
+    for a, b in combinations(range(len(below)), 2):
         if free[a][b] and (b, a) in _following(free, a, b):
             return a, b
     return None
@@ -337,33 +326,23 @@ def _realisers(below: Below) -> Iterator[Orders]:
     """
     n = len(below)
     line: list[int] = []
-
-    def free(i: int, j: int) -> bool:
-        return not below[i][j] and not below[j][i]
+    free: Below = (~(np.array(below) | np.array(below).T)).tolist()
 
     def fits(c: int) -> bool:
         if any(below[i][c] and i != c and i not in line for i in range(n)):
             return False
         # Cells between a < c in the line must be compared with one of the two.
         for place, a in enumerate(line):
-            if below[a][c] and any(free(a, b) and free(b, c) for b in line[place + 1 :]):
+            if below[a][c] and any(free[a][b] and free[b][c] for b in line[place + 1 :]):
                 return False
         return True
 
     def grow() -> Iterator[Orders]:
         if len(line) == n:
-            place = {cell: k for k, cell in enumerate(line)}
+            place = np.argsort(line)
             # How many cells come before each in ascending F1.
-            before = [
-                sum(
-                    below[i][j] if not free(i, j) else place[i] > place[j]
-                    for i in range(n)
-                    if i != j
-                )
-                for j in range(n)
-            ]
-            ascending = sorted(range(n), key=before.__getitem__)
-            yield Orders(tuple(line), tuple(reversed(ascending)))
+            before = np.sum(np.where(free, place[:, None] > place, below), axis=0)
+            yield Orders(tuple(line), tuple(np.argsort(before)[::-1].tolist()))
             return
         for c in range(n):
             if c not in line and fits(c):
