@@ -5,8 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from itertools import pairwise
-from typing import NamedTuple
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -84,27 +83,18 @@ def _oddities(chain: Chain, path: Path) -> Iterator[str]:
 
 
 def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
-    longest = _longest(cell, band)
+    angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
+    longest = float(np.max(band.length(angles, cell.lever)))
     if band.rest_length > 0 and longest > (1.0 + STRAIN) * band.rest_length:
         yield (
             f"a band of {name} is stretched to {base.number(longest / band.rest_length, 3)} times "
             f"its rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
         )
     for which, place in (("p", band.p), ("q", band.q)):
-        box, edge = usual_box(cell.lever, which), _EDGE * cell.lever
-        x, y = place
-        inside = box.left - edge <= x <= box.right + edge
-        if not (inside and box.bottom - edge <= y <= box.top + edge):
-            yield (
-                f"anchor {which} of {name} at ({base.number(base.to_unit(x, 'mm'))}, "
-                f"{base.number(base.to_unit(y, 'mm'))}) mm lies outside the block of a usual build"
-            )
-
-
-def _longest(cell: Cell, band: Band) -> float:
-    """Greatest length of a band on its way [m]."""
-    angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
-    return float(np.max(band.length(angles, cell.lever)))
+        outside = usual_box(cell.lever, which).clamped(np.array([place])) - place
+        if np.max(np.abs(outside)) > _EDGE * cell.lever:
+            at = ", ".join(base.number(base.to_unit(part, "mm")) for part in place)
+            yield f"anchor {which} of {name} at ({at}) mm lies outside the block of a usual build"
 
 
 # What a kitchen scale and callipers give; friction is known to a fifth of its tolerance.
@@ -146,8 +136,14 @@ def measurement(found: Yield | Survival) -> Measurement | None:
     Each part in turn has only the tolerance that a scale and callipers leave of it, and the same
     mechanisms are counted again: a few to rank the parts, all of them for the first.
     """
+
+    def left_of(tolerance: str) -> float:
+        if tolerance == "friction":
+            return _OF_FRICTION
+        return min(1.0, getattr(MEASURED, tolerance) / getattr(found.tolerances, tolerance))
+
     parts = parts_of(found)
-    left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
+    left = {name: left_of(part.tolerance) for name, part in parts.items()}
     worth = [name for name in parts if left[name] < 1.0]
     if found.successes == found.samples or not worth:
         return None
@@ -162,16 +158,11 @@ def measurement(found: Yield | Survival) -> Measurement | None:
     return Measurement(cell, what, tolerance, now, now * left[best], found.share, after)
 
 
-def _left(tolerances: Tolerances, name: str) -> float:
-    if name == "friction":
-        return _OF_FRICTION
-    return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
-
-
 # How much is tried, in tolerances, until something breaks; and where bisection stops.
 _TRIED = 0.125 * 1.5 ** np.arange(17)
 _HALVINGS = 12
 _WAYS = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
+_Way = tuple[int, str, base.Vec2 | float]  # of a cell which part changes, and in which direction
 # Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
 _REACH = {"anchor": base.REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
 
@@ -185,19 +176,10 @@ class ProgramChange(Change):
         return ""
 
 
-class _Way(NamedTuple):
-    """A direction in which one thing changes."""
-
-    cell: int
-    part: str
-    along: tuple[float, float] | float
-
-
 def killer_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
     """The change of a margin that is fewest tolerances away; None where there is none."""
-    near = min(
-        margin(chain).changes, key=lambda one: one.distance / _size(one.parameter, tolerances)
-    )
+    changes = margin(chain).changes
+    near = min(changes, key=lambda one: one.distance / _size(one.parameter, tolerances))
     return None if math.isinf(near.distance) else near
 
 
@@ -211,7 +193,10 @@ def killer_of_program(program: Program, tolerances: Tolerances) -> Change | None
     ways = list(_ways(chain))
 
     def change(way: _Way, tried: float) -> Change:
-        return _change(chain, way, tried * _size(way.part, tolerances))
+        cell, part, along = way
+        size = tried * _size(part, tolerances)
+        move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
+        return ProgramChange(chain, cell, part, size, move, move, Method.SEARCH)
 
     def holds(way: _Way, tried: float) -> bool:
         made = change(way, tried)
@@ -239,15 +224,8 @@ def _ways(chain: Chain) -> Iterator[_Way]:
     for cell, one in enumerate(chain.cells):
         numbers = ("force_scale", "travel_scale") if isinstance(one, Element) else ("stiffness",)
         if not isinstance(one, Element):
-            yield from (_Way(cell, "anchor", along) for along in _WAYS)
-        for part in numbers:
-            yield from (_Way(cell, part, along) for along in (1.0, -1.0))
-
-
-def _change(chain: Chain, way: _Way, size: float) -> ProgramChange:
-    along = way.along
-    move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
-    return ProgramChange(chain, way.cell, way.part, size, move, move, Method.SEARCH)
+            yield from ((cell, "anchor", along) for along in _WAYS)
+        yield from product([cell], numbers, (1.0, -1.0))
 
 
 def _size(part: str, tolerances: Tolerances) -> float:
@@ -347,22 +325,10 @@ def _of_program(
     seed: int,
     progress: Callable[[int, int], None] | None,
 ) -> Check:
-    chain, points, start, target = (
-        program.chain,
-        program.turning_points,
-        program.start,
-        program.target,
-    )
-    found = survival(
-        chain,
-        points,
-        target,
-        tolerances,
-        start=start,
-        samples=samples,
-        seed=seed,
-        progress=progress,
-    )
+    chain, points = program.chain, program.turning_points
+    start, target = program.start, program.target
+    counted = {"start": start, "samples": samples, "seed": seed, "progress": progress}
+    found = survival(chain, points, target, tolerances, **counted)
     does_it = ends_right(chain, points, start, target)
     killer = killer_of_program(program, tolerances) if does_it else None
     does = f"{start} to {target if does_it else program.arrives}"
@@ -396,7 +362,5 @@ def _told(
         # Found here, once: reports only read it.
         _ = killer.becomes
     worth = measurement(found) if does_it and not tied else None
-    odd = oddities(found.chain, path)
-    return Check(
-        found.chain, verdict, reason, target, does, does_it, path, found, killer, odd, worth
-    )
+    chain, odd = found.chain, oddities(found.chain, path)
+    return Check(chain, verdict, reason, target, does, does_it, path, found, killer, odd, worth)
