@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -113,10 +114,8 @@ class Yield(Counted, base.Drawn):
         """
         found = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
         for number in range(len(found)):
-            try:
+            with suppress(ValueError):
                 found[number] = switching_forces(self.mechanism(number))
-            except ValueError:
-                continue
         return found
 
     def to_xarray(self) -> "xr.Dataset":
@@ -124,20 +123,18 @@ class Yield(Counted, base.Drawn):
         base.need("tables")
         import xarray as xr
 
-        counts = self._counts
+        counts, table = self._counts, self.sensitivities
         data = {"count": ("outcome", np.array([*counts.values()]), {"units": "1"})}
         coords = {"outcome": np.array([*counts], str)}
-        table = self.sensitivities
         if table is not None:
             data["first_order"] = ("parameter", table.first_order, {"units": "1"})
             data["total"] = ("parameter", table.total, {"units": "1"})
             coords["parameter"] = np.array(table.parameters, str)
-        low, high = self.interval
         attrs = {
             "title": self.chain.title or "yield",
             "target": self.target,
             "share": self.share,
-            "interval_95": [low, high],
+            "interval_95": [*self.interval],
             "samples": self.samples,
             "seed": self.seed,
             "tolerances": repr(self.tolerances),
@@ -151,21 +148,20 @@ class Yield(Counted, base.Drawn):
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write one line an outcome, the wanted one first."""
-        texts, counts = self._counts.keys(), self._counts.values()
-        shares = base.Quantity("share", "1"), [count / self.samples for count in counts]
-        base.write_csv(
-            path, [(base.Quantity("outcome"), texts), (base.Quantity("count"), counts), shares], 9
-        )
+        counts = self._counts.values()
+        shares = [count / self.samples for count in counts]
+        columns = [base.Quantity("outcome"), base.Quantity("count"), base.Quantity("share", "1")]
+        base.write_csv(path, zip(columns, (self._counts, counts, shares), strict=True), 9)
 
     @property
     def _counts(self) -> dict[str, int]:
         return {self.target: self.successes, **self.outcomes}
 
     def __str__(self):
-        low, high = self.interval
+        low, high = map(base.percent, self.interval)
         lines = [
             f"{base.percent(self.share)} of {self.samples} mechanisms do {short(self.target)} "
-            f"(95 % confidence: {base.percent(low)} to {base.percent(high)})"
+            f"(95 % confidence: {low} to {high})"
         ]
         if self.advice:
             lines.append(self.advice)
@@ -180,10 +176,10 @@ class Yield(Counted, base.Drawn):
         return "\n".join([*lines, self.assumptions])
 
     def __repr__(self):
-        low, high = self.interval
+        low, high = map(base.percent, self.interval)
         return (
             f"Yield({short(self.target)}: {base.percent(self.share)} of {self.samples}, "
-            f"{base.percent(low)} to {base.percent(high)}, {self.tolerances!r})"
+            f"{low} to {high}, {self.tolerances!r})"
         )
 
 
@@ -298,8 +294,7 @@ def _sensitivities(tally: Tally, n: int) -> Sensitivities:
     # The engine followed every one, so it can be asked how far the gap is to be believed.
     some = np.array(tally.followed_well[:_COMPARED])
     gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
-    some = some[: len(gaps)]
-    return replace(found, agreed=float(np.mean((gaps > 0) == some)))
+    return replace(found, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
 
 
 def _critical(tally: Tally) -> Critical | None:
@@ -312,17 +307,12 @@ def _critical(tally: Tally) -> Critical | None:
     first, second = tally.orders[side, place : place + 2].tolist()
     chain = tally.draws.chain
     switches = Switches.of(chain.last_state)
-    names = switches.names(chain)
+    cell, names = switches.cell.tolist(), switches.names(chain)
+    way = ("loading", "unloading")[side]
     by = ("the forces up", "the forces down") if chain.elements else ("F0", "F1")
-    return Critical(
-        int(switches.cell[first]),
-        int(switches.cell[second]),
-        (names[first], names[second]),
-        ("loading", "unloading")[side],
-        int(wrong[worst]) / tally.judged,
-        int(narrowest[worst]) / tally.judged,
-        by[side],
-    )
+    shares = int(wrong[worst]) / tally.judged, int(narrowest[worst]) / tally.judged
+    pair = names[first], names[second]
+    return Critical(cell[first], cell[second], pair, way, *shares, by[side])
 
 
 def _assumptions(tally: Tally, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:
