@@ -78,8 +78,7 @@ class Counted(ByValue):
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        found = share_of(self.successes, self.samples)
-        return found.low, found.high
+        return share_of(self.successes, self.samples)[2:]
 
 
 @dataclass
@@ -93,24 +92,15 @@ class RelayJudge:
     draws: Draws
     target: str
     orders: Ints | None  # (2, T) of the target; None where it is not one switch after the other
-    # cycles found, to which `Judged.does` are the numbers
-    texts: list[str] = field(default_factory=list[str])
-    _numbers: dict[str, int] = field(default_factory=dict[str, int])
-
-    @classmethod
-    def of(cls, draws: Draws, target: str, orders: Ints | None) -> "RelayJudge | None":
-        """None where switching forces do not decide, or a cell has levers."""
-        chain = draws.chain
-        if len(chain.elements) < len(chain) or not are_relays(chain):
-            return None
-        return cls(draws, target, orders)
+    # Cycles found, with the numbers that `Judged.does` gives them.
+    texts: dict[str, int] = field(default_factory=dict[str, int])
 
     def __call__(self, drawn: Floats) -> Judged:
         """The verdicts on draws (m, columns)."""
         forces = self.draws.switching_forces(drawn)
         motion = Switches.of(self.draws.chain.last_state).motion(forces)
         cycles, which = motion.cycles()
-        does = np.array([self._number(text) for text in cycles])[which]
+        does = np.array([self.texts.setdefault(text, len(self.texts)) for text in cycles])[which]
         right = np.array([text == self.target for text in cycles])[which]
         verdict = np.where(motion.tied, TIE, np.where(right, DOES, OTHER)).astype(np.int8)
         gap, wrong = np.full(len(drawn), np.inf), np.zeros((2, 0), np.int64)
@@ -122,12 +112,6 @@ class RelayJudge:
             nearest = np.argmin(gaps.reshape(len(gaps), -1), axis=1)
             narrowest = np.bincount(nearest, minlength=wrong.size).reshape(wrong.shape)
         return Judged(verdict, does, gap, wrong, narrowest)
-
-    def _number(self, text: str) -> int:
-        if text not in self._numbers:
-            self._numbers[text] = len(self.texts)
-            self.texts.append(text)
-        return self._numbers[text]
 
 
 def gaps_between(forces: Floats, orders: Ints) -> Floats:
@@ -156,9 +140,8 @@ def followed(
     """What the mechanisms of (m, columns) draws do, by the engine: cycles, or what is unlike."""
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
-        found = cycles_of(
-            lambda i: draws.built(drawn[i]), len(drawn), draws.designs(drawn), progress
-        )
+        designs = draws.designs(drawn)
+        found = cycles_of(lambda i: draws.built(drawn[i]), len(drawn), designs, progress)
         texts = [*map(str, found.sequences)]
         words = {IMPOSSIBLE: NOT_BUILT, UNSOLVED: NO_ANSWER}
         for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
@@ -231,12 +214,12 @@ class Tally:
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").
         whole = states is not None and len(states) == 2**count and not chain.elements
         self._nested_do = whole and one_travel(chain) and not draws.tolerances.lever
-        some = self.orders if self.orders is not None else np.tile(np.arange(count), (2, 1))
-        self.judge = (
-            RelayJudge.of(draws, target, self.orders)
-            if chain.elements
-            else DrawJudge.of(chain, draws.spread, some)
-        )
+        self.judge: DrawJudge | RelayJudge | None = None
+        if not chain.elements:
+            some = self.orders if self.orders is not None else np.tile(np.arange(count), (2, 1))
+            self.judge = DrawJudge.of(chain, draws.spread, some)
+        elif len(chain.elements) == len(chain) and are_relays(chain):
+            self.judge = RelayJudge(draws, target, self.orders)
         self.successes = self.proved = self.judged = self.by_engine = 0
         self.followed_well: list[bool] = []
         self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)
@@ -257,9 +240,8 @@ class Tally:
                     progress(begun + m, n)
 
             tell(0, n)
-            for draw, does in zip(
-                waiting, followed(self.draws, waiting, self.states, tell), strict=True
-            ):
+            found = followed(self.draws, waiting, self.states, tell)
+            for draw, does in zip(waiting, found, strict=True):
                 self._note(draw, does)
             done += len(waiting)
             tell(len(waiting), n)
@@ -279,7 +261,7 @@ class Tally:
             nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
             self._succeed(int(np.sum(nested)))
             return ~nested
-        self._add(TIED, int(np.sum(found.verdict == TIE)))
+        self._texts[TIED] += int(np.sum(found.verdict == TIE))
         does, other = found.verdict == DOES, found.verdict == OTHER
         if self.orders is None and isinstance(judge, DrawJudge):
             does, other = np.zeros_like(does), does | other
@@ -287,7 +269,7 @@ class Tally:
         if self._told_apart:
             self._numbers.append(found.does[other])
         else:
-            self._add(ANOTHER, int(np.sum(other)))
+            self._texts[ANOTHER] += int(np.sum(other))
         return ask
 
     def _note(self, draw: Floats, does: str) -> None:
@@ -307,19 +289,15 @@ class Tally:
         else:
             kinds = (TIED, NOT_BUILT, NO_ANSWER, HANGS)
             known = self._told_apart or self.states is not None or does in kinds
-            self._add(does if known else ANOTHER, 1)
+            self._texts[does if known else ANOTHER] += 1
 
     def _succeed(self, times: int, *, proved: bool = True) -> None:
         self.successes += times
         self.proved += times * proved
 
-    def _add(self, text: str, times: int) -> None:
-        if times:
-            self._texts[text] += times
-
     def outcomes(self) -> dict[str, int]:
         """What the failures do, most frequent first; the rarest are counted as one."""
-        counts = self._texts.copy()
+        counts = +self._texts  # without what came 0 times
         numbers, times = np.unique(np.concatenate(self._numbers), return_counts=True)
         often = np.argsort(-times, kind="stable")
         for i in often[:_KEPT]:
@@ -331,7 +309,7 @@ class Tally:
 
     def _cycle(self, number: int) -> str:
         if isinstance(self.judge, RelayJudge):
-            return self.judge.texts[number]
+            return list(self.judge.texts)[number]
         return numbered_cycle(number, len(self.draws.chain))
 
 
