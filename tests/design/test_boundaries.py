@@ -247,20 +247,19 @@ def test_curves_between_labels_are_closed_or_end_on_the_rim_or_at_a_third_label(
         def centre(row: int, column: int, label: np.ndarray = label) -> int:
             return int(label[row, column])
 
-        lines = trace(label, centre)
+        lines = [(np.stack(a, 1), np.stack(b, 1)) for a, b in trace(label, centre)]
         crossed = sum(
-            len(line.low)
-            - int((line.low[0] == line.low[-1]).all() and len(line.low) > 1)
-            * int((line.high[0] == line.high[-1]).all())
-            for line in lines
+            len(low)
+            - (len(low) > 1 and bool((low[0] == low[-1]).all() * (high[0] == high[-1]).all()))
+            for low, high in lines
         )
         assert crossed == np.sum(label[1:] != label[:-1]) + np.sum(label[:, 1:] != label[:, :-1])
-        for line in lines:
-            for low, high in zip(line.low, line.high, strict=True):
-                assert {int(label[tuple(low)]), int(label[tuple(high)])} == set(line.labels)
-            closed = (line.low[0] == line.low[-1]).all() and (line.high[0] == line.high[-1]).all()
+        for low, high in lines:
+            sides = [{*ends} for ends in np.stack([label[*low.T], label[*high.T]], 1).tolist()]
+            assert all(len(ends) == 2 and ends == sides[0] for ends in sides)
+            closed = (low[0] == low[-1]).all() and (high[0] == high[-1]).all()
             if labels == 2 and not closed:
-                for low, high in ((line.low[0], line.high[0]), (line.low[-1], line.high[-1])):
-                    across = low[0] == high[0]
-                    rim = low[0] in (0, 11) if across else low[1] in (0, 14)
+                for a, b in ((low[0], high[0]), (low[-1], high[-1])):
+                    across = a[0] == b[0]
+                    rim = a[0] in (0, 11) if across else a[1] in (0, 14)
                     assert rim

@@ -93,21 +93,15 @@ class Boundary(ByValue):
         )
 
 
-@dataclass(frozen=True)
-class Crossings:
-    """The grid edges that one curve crosses, in order; a closed curve repeats its start."""
-
-    labels: tuple[int, int]  # at one end of each edge, and at the other
-    low: Ints  # (m, 2) (row, column) of one end
-    high: Ints
+Nodes = tuple[Ints, Ints]  # rows and columns, (m,) each
 
 
 def trace(
     label: Ints, centre: Callable[[int, int], int], ignore: int | None = None
-) -> list[Crossings]:
-    """All curves between unlike nodes of label (ny, nx), one for every pair of labels that meet
-    along it.
+) -> list[tuple[Nodes, Nodes]]:
+    """Both ends of the grid edges that curves between unlike nodes of label (ny, nx) cross.
 
+    There is one curve for every pair of labels that meet along it; a closed one repeats its start.
     `centre` gives the label in the middle of the square whose lower corner is a node: asked only
     where two curves enter it and could be joined both ways. Around `ignore` no curve is drawn.
     Where three labels meet, curves end within that square.
@@ -119,11 +113,6 @@ def trace(
     shift = across.size
     crossed = np.flatnonzero(np.concatenate([across.ravel(), upward.ravel()])).tolist()
     links: dict[int, list[int]] = {edge: [] for edge in crossed}
-
-    def link(a: int, b: int) -> None:
-        links[a].append(b)
-        links[b].append(a)
-
     r, c = np.nonzero(across[:-1] | across[1:] | upward[:, :-1] | upward[:, 1:])
     bottom, left = r * (columns - 1) + c, shift + r * columns + c
     edges = np.stack([bottom, left + 1, bottom + columns - 1, left], axis=1)
@@ -132,27 +121,25 @@ def trace(
     squares = zip(edges.tolist(), codes.tolist(), r.tolist(), c.tolist(), strict=True)
     for around, code, row, column in squares:
         if code[0] and len(set(code)) == 1:
-            bottom, right, top, left = around
-            if centre(row, column) == label[row, column]:
-                link(bottom, right)
-                link(top, left)
-            else:
-                link(bottom, left)
-                link(top, right)
-            continue
-        for one in dict.fromkeys(code):
-            if one and code.count(one) == 2:
-                link(*(edge for edge, own in zip(around, code, strict=True) if own == one))
+            # From the bottom to the right, or to the left.
+            k = 1 if centre(row, column) == label[row, column] else -1
+            joined = [(around[0], around[k]), (around[2], around[2 + k])]
+        else:
+            joined = [
+                tuple(edge for edge, own in zip(around, code, strict=True) if own == one)
+                for one in dict.fromkeys(code)
+                if one and code.count(one) == 2
+            ]
+        for a, b in joined:
+            links[a].append(b)
+            links[b].append(a)
 
-    lines: list[Crossings] = []
+    lines: list[tuple[Nodes, Nodes]] = []
     for chain in _chains(links):
         edge = np.array(chain)
         goes_up = edge >= shift
-        width = np.where(goes_up, columns, columns - 1)
-        low = np.stack(np.divmod(edge - shift * goes_up, width), axis=1)
-        high = low + np.stack([goes_up, ~goes_up], axis=1)
-        a, b = sorted((int(label[tuple(low[0])]), int(label[tuple(high[0])])))
-        lines.append(Crossings((a, b), low, high))
+        row, column = np.divmod(edge - shift * goes_up, np.where(goes_up, columns, columns - 1))
+        lines.append(((row, column), (row + goes_up, column + ~goes_up)))
     return lines
 
 
@@ -177,10 +164,9 @@ def _chains(links: dict[int, list[int]]) -> list[list[int]]:
     for start in starts:
         if start in seen:
             continue
-        chain = [start]
-        seen.add(start)
-        following = links[start][0] if links[start] else None
-        while following is not None and following not in seen:
+        chain: list[int] = []
+        following = start
+        while following is not None:
             chain.append(following)
             seen.add(following)
             following = next((e for e in links[following] if e not in seen), None)
@@ -211,9 +197,7 @@ def narrowed(
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:
     """The polyline with points added on the curve until no chord is off by more than `sagitta`."""
-    for _ in range(12):
-        if len(points) < 2:
-            break
+    for _ in range(12 if len(points) > 1 else 0):
         chord = (points[:-1] + points[1:]) / 2
         middle = project(chord)
         off = np.linalg.norm(middle - chord, axis=1)
@@ -299,11 +283,10 @@ def curves(level: LevelCurve, grid: Floats, values: Floats) -> list[Floats]:
         middle = (grid[row, column] + grid[row + 1, column + 1])[None] / 2
         return int(level.function(middle)[0] > 0)
 
-    found: list[Floats] = []
-    for line in trace((values > 0).astype(np.int64), centre):
-        low, high = tuple(line.low.T), tuple(line.high.T)
-        found.append(_crossings(level, grid[low], grid[high], values[low], values[high]))
-    return found
+    return [
+        _crossings(level, grid[low], grid[high], values[low], values[high])
+        for low, high in trace((values > 0).astype(np.int64), centre)
+    ]
 
 
 def _crossings(level: LevelCurve, a: Floats, b: Floats, at_a: Floats, at_b: Floats) -> Floats:
@@ -353,14 +336,12 @@ def searched(
     edge = float(np.max(grid[-1, -1] - grid[0, 0])) / (min(grid.shape[:2]) - 1)
     steps = math.ceil(math.log2(edge / RESOLVED))
     found: list[tuple[tuple[int, int], Floats]] = []
-    for line in trace(label, centre, ignore):
-        near = np.ones(len(line.low), np.bool_)
-        if wanted is not None:
-            near = wanted[tuple(line.low.T)] | wanted[tuple(line.high.T)]
+    for low, high in trace(label, centre, ignore):
+        near = np.ones(len(low[0]), np.bool_) if wanted is None else wanted[low] | wanted[high]
         for run in _runs(near):
-            ends = tuple(line.low[run].T), tuple(line.high[run].T)
-            at_a = label[ends[0]]
-            a, b, at_b = narrowed(ask, grid[ends[0]], grid[ends[1]], at_a, label[ends[1]], steps)
+            start, end = ((rows[run], columns[run]) for rows, columns in (low, high))
+            at_a = label[start]
+            a, b, at_b = narrowed(ask, grid[start], grid[end], at_a, label[end], steps)
             points = (a + b) / 2
             # Another label may have turned up on the way.
             pairs = np.sort(np.stack([at_a, at_b], axis=-1), axis=1)

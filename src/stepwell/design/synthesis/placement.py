@@ -34,11 +34,9 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
 
         label = np.zeros(rim.shape[:2], np.int64)
         label[1:-1, 1:-1] = allowed(grid.reshape(-1, 2)).reshape(_NODES, _NODES)
-        for line in trace(label, lambda row, column: 0):
-            ends = tuple(line.low.T), tuple(line.high.T)
-            inside = label[ends[0]] == 1
-            low = np.where(inside[:, None], rim[ends[0]], rim[ends[1]])
-            high = np.where(inside[:, None], rim[ends[1]], rim[ends[0]])
+        for a, b in trace(label, lambda row, column: 0):
+            inside = label[a][:, None] == 1
+            low, high = np.where(inside, rim[a], rim[b]), np.where(inside, rim[b], rim[a])
             yes = np.ones(len(low), np.bool_)
             low, _, _ = narrowed(allowed, low, high, yes, ~yes, _HALVINGS)
             # A corner of the box is the end of two edges.
