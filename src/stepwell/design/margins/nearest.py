@@ -265,11 +265,6 @@ class Aim:
     anchor: Parameter
     target: Sequence | None  # None for anything else than now
 
-    @property
-    def at_once(self) -> bool:
-        """Whether many displacements can be followed in one call."""
-        return not self.chain.elements and nominal(self.chain, 0) is not None
-
     def met(self, done: Sequence) -> bool:
         """Whether this is what is wanted."""
         return done != self.now if self.target is None else done == self.target
@@ -284,15 +279,13 @@ class Aim:
 
     def met_at_each(self, moves: Floats) -> Bools:
         """The same of (m, 2) displacements [m] at once, where that is possible."""
-        designs = nominal(self.chain, len(moves))
+        anchor, chain = self.anchor, self.chain
+        designs = nominal(chain, len(moves))
         assert designs is not None
-        self.anchor.put(designs, self.chain, np.array(self.anchor.value(self.chain)) + moves)
-        found = cycles_of(
-            lambda i: self.anchor.displaced(self.chain, moves[i]), len(moves), designs
-        )
-        done = map(self.met, found.sequences)
+        anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
+        found = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
         # A design without a number does nothing.
-        return np.array([*done, False])[np.maximum(found.number, -1)]
+        return np.array([*map(self.met, found.sequences), False])[np.maximum(found.number, -1)]
 
 
 def nearest(
@@ -309,15 +302,13 @@ def nearest(
     known, past, proved = None, None, False
     if forces is not None:
         known, proved = _in_closed_form(forces, aim.anchor, aim.target, ways)
+    if known is not None:
         # Where any other sequence will do, the closed form is proof enough.
-        if proved and aim.target is None:
-            return _proved(known)
-        if known is not None:
-            past = next(filter(aim.met_at, _just_past(known)), None)
-    method = Method.EXACT if proved else Method.SEARCH
-    within = ways.reach if known is None or past is None else known.distance
+        sure = proved and aim.target is None
+        past = next((at for at in _just_past(known) if sure or aim.met_at(at)), None)
     if not proved:
-        at_once = forces is None and aim.at_once
+        within = ways.reach if known is None or past is None else known.distance
+        at_once = forces is None and not aim.chain.elements and nominal(aim.chain, 0) is not None
         found = nearest_found(
             lambda u: aim.met_at(ways.frame @ u),
             ways,
@@ -327,24 +318,21 @@ def nearest(
             (lambda us: aim.met_at_each(us @ ways.frame.T)) if at_once else None,
         )
         if found is not None and float(np.linalg.norm(found)) < within:
-            move = ways.move(found)
-            return Nearest(float(np.linalg.norm(found)), move, move, method)
-    if known is None or past is None:
-        return Nearest(math.inf, (math.nan, math.nan), (math.nan, math.nan), method)
-    return Nearest(known.distance, _vec(known.move), _vec(past), method)
+            move = _vec(ways.frame @ found)
+            return Nearest(float(np.linalg.norm(found)), move, move, Method.SEARCH)
+    return _told(known, past, Method.EXACT if proved else Method.SEARCH)
 
 
 def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
     """The nearest displacement that changes anything; None where no closed form proves it."""
     known, proved = _in_closed_form(forces, anchor, None, ways)
-    return _proved(known) if proved else None
+    return _told(known, known and _just_past(known)[0], Method.EXACT) if proved else None
 
 
-def _proved(known: Place | None) -> Nearest:
-    if known is None:
-        nowhere = math.nan, math.nan
-        return Nearest(math.inf, nowhere, nowhere, Method.EXACT)
-    return Nearest(known.distance, _vec(known.move), _vec(_just_past(known)[0]), Method.EXACT)
+def _told(known: Place | None, past: Floats | None, method: Method) -> Nearest:
+    if known is None or past is None:
+        return Nearest(math.inf, (math.nan, math.nan), (math.nan, math.nan), method)
+    return Nearest(known.distance, _vec(known.move), _vec(past), method)
 
 
 def _just_past(known: Place) -> list[Floats]:
@@ -362,13 +350,11 @@ def _in_closed_form(
     """The nearest place, and whether the cell is proved concave all the way there."""
     assert anchor.cell is not None
     cell, sign = anchor.cell, 1 if anchor.part == "q" else -1
-    best: Place | None = None
+    best, far = None, ways.reach
     for conditions in _regions(forces, cell, target):
-        within = ways.reach if best is None else best.distance
-        place = nearest_place(forces.cells[cell], conditions, ways, sign, within)
-        if place is not None and (best is None or place.distance < best.distance):
-            best = place
-    far = ways.reach if best is None else best.distance
+        place = nearest_place(forces.cells[cell], conditions, ways, sign, far)
+        if place is not None and (best is None or place.distance < far):
+            best, far = place, place.distance
     # One cell alone goes where the actuator goes, whatever its force.
     return best, len(forces.cells) == 1 or ways.proved(forces.cells[cell], sign, far)
 

@@ -43,11 +43,6 @@ class Displacements:
         """1 on a line, 2 in the plane."""
         return self.frame.shape[1]
 
-    def move(self, u: Floats) -> tuple[float, float]:
-        """The displacement (x, y) [m] that belongs to u (n,)."""
-        x, y = self.frame @ u
-        return float(x), float(y)
-
     def proved(self, cell: Simple, sign: int, distance: float) -> bool:
         """Whether the cell is proved concave and taut at every displacement up to a distance."""
         if self.dimensions == 2:
