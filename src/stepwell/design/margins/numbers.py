@@ -72,7 +72,13 @@ def nearest_share(
     """
     assert number.cell is not None
     if forces is not None and number.part == "stiffness" and target is None:
-        return _nearest(_quotients(forces, number.cell))
+        quotients = [
+            (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
+            for n in forces.neighbours(number.cell)
+            if n.own * n.other > 0
+        ]
+        share, grows = min(quotients, key=lambda one: abs(one[0]), default=(math.nan, 1))
+        return NearestShare(share, share + math.copysign(_PAST, grows), Method.EXACT)
     if chain.elements and number.part in _OF_FORCES and are_relays(chain):
         return _among_relays(chain, number, target)
 
@@ -89,31 +95,24 @@ def nearest_share(
     return NearestShare(share, share, Method.SEARCH)
 
 
-def _nearest(found: list[tuple[float, int]]) -> NearestShare:
-    if not found:
-        return NearestShare(math.nan, math.nan, Method.EXACT)
-    share, grows = min(found, key=lambda one: abs(one[0]))
-    return NearestShare(share, share + math.copysign(_PAST, grows), Method.EXACT)
-
-
-def _quotients(forces: SortedChain, cell: int) -> list[tuple[float, int]]:
-    """Relative changes after which another force is reached, and whether k grows past them."""
-    return [
-        (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
-        for n in forces.neighbours(cell)
-        if n.own * n.other > 0
-    ]
-
-
 def _among_relays(chain: Chain, number: Parameter, target: str | None) -> NearestShare:
     """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
-    meetings = _meetings(chain, number)
-    least = -1.0
+    assert number.cell is not None
+    own, least = chain.cells[number.cell], -1.0
+    forces = switching_forces(chain)
+    rub = np.array([1.0, -1.0])
+    # By how much they change a share.
+    slope = forces - own.friction * rub
     if number.part == "friction":
-        assert number.cell is not None
-        own = chain.cells[number.cell]
+        slope = np.broadcast_to(own.largest_force * rub, forces.shape)
         least = -own.friction / own.largest_force
-    now = _by_forces(chain, switching_forces(chain))
+    elif number.part == "travel_scale":
+        slope = np.zeros_like(forces)
+    mine = Switches.of(chain.last_state).cell == number.cell
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = (forces[~mine][None] - forces[mine][:, None]) / slope[mine][:, None]
+    meetings = np.unique(at[np.isfinite(at)])
+    now = _by_forces(chain, forces)
     up = [0.0, *meetings[meetings > 0.0].tolist(), math.inf]
     down = [0.0, *meetings[meetings < 0.0][::-1].tolist(), least]
     stretches = [*pairwise(up), *pairwise(down)]
@@ -122,7 +121,7 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Neares
         if begin == end or (way < 0 and begin <= least):
             continue
         middle = begin + way * (1.0 if math.isinf(end) else abs(end - begin) / 2.0)
-        done = _by_forces(chain, _forces_at(chain, number, middle))
+        done = _by_forces(chain, forces + middle * np.where(mine[:, None], slope, 0.0))
         if done is None or (done == now if target is None else done != target):
             continue
         past = begin + way * min(_PAST, abs(middle - begin))
@@ -135,37 +134,6 @@ def _by_forces(chain: Chain, forces: Floats) -> str | None:
     return None if motion.tied[0] else motion.cycles()[0][0]
 
 
-def _parts(chain: Chain, number: Parameter) -> tuple[Floats, Floats]:
-    """(T, 2) switching forces where the number has not changed, and by how much they do a share."""
-    assert number.cell is not None
-    own = chain.cells[number.cell]
-    forces = switching_forces(chain)
-    mine = (Switches.of(chain.last_state).cell == number.cell)[:, None]
-    rub = np.array([1.0, -1.0])
-    if number.part == "friction":
-        slope = np.broadcast_to(own.largest_force * rub, forces.shape)
-    elif number.part == "travel_scale":
-        slope = np.zeros_like(forces)
-    else:
-        slope = forces - own.friction * rub
-    return forces, np.where(mine, slope, 0.0)
-
-
-def _forces_at(chain: Chain, number: Parameter, share: float) -> Floats:
-    forces, slope = _parts(chain, number)
-    return forces + share * slope
-
-
-def _meetings(chain: Chain, number: Parameter) -> Floats:
-    """Rising shares at which a switching force of the cell meets one of another."""
-    forces, slope = _parts(chain, number)
-    mine = Switches.of(chain.last_state).cell == number.cell
-    own, other = forces[mine], forces[~mine]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = (other[None] - own[:, None]) / slope[mine][:, None]
-    return np.unique(at[np.isfinite(at)])
-
-
 def _searched(
     does: Callable[[float], bool],
     chain: Chain,
@@ -176,14 +144,13 @@ def _searched(
 ) -> list[float]:
     """The first share found that does it, each way that one is nearer than what is known."""
     found: list[float] = []
-    least = math.inf
+    least, done = math.inf, 0
     tries = [(sign, _tries(chain, number, sign, finely)) for sign in (1, -1)]
-    total, done = sum(len(shares) for _, shares in tries), 0
     for sign, shares in tries:
         good = 0.0
         for share in shares:
             if progress is not None:
-                progress(done, total)
+                progress(done, sum(len(shares) for _, shares in tries))
             done += 1
             bad = sign * min(share, least)
             if does(bad):
@@ -198,11 +165,8 @@ def _searched(
 
 def _tries(chain: Chain, number: Parameter, sign: int, finely: bool) -> list[float]:
     """Rising sizes of shares to be asked, up or down."""
-    parts = (
-        [(k + 1) / _FINELY for k in range(_FINELY)]
-        if finely
-        else [0.5**k for k in reversed(range(_RATIOS))]
-    )
+    fine = [(k + 1) / _FINELY for k in range(_FINELY)]
+    parts = fine if finely else [0.5**k for k in reversed(range(_RATIOS))]
     if number.part != "friction":
         return [abs(_MOST ** (sign * part) - 1.0) for part in parts]
     assert number.cell is not None
