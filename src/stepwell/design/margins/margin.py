@@ -55,9 +55,8 @@ class Change(ByValue):
             return None
         if isinstance(self.past, tuple):
             return of_cell(self.chain, self.cell, "q").displaced(self.chain, self.past)
-        return numbers.changed_by(
-            self.chain, of_cell(self.chain, self.cell, self.parameter), self.past
-        )
+        number = of_cell(self.chain, self.cell, self.parameter)
+        return numbers.changed_by(self.chain, number, self.past)
 
     @cached_property
     def becomes(self) -> str:
@@ -138,9 +137,8 @@ class Margin(ByValue, Drawn):
         lines: list[str] = []
         for change in near[:_SHOWN]:
             becomes = change.becomes if len(self.chain) <= _SHORT else ""
-            lines.append(
-                f"{self.chain.names[change.cell]}: {change}" + (f" -> {becomes}" if becomes else "")
-            )
+            then = f" -> {becomes}" if becomes else ""
+            lines.append(f"{self.chain.names[change.cell]}: {change}{then}")
         if len(near) > _SHOWN:
             lines.append(f"and {len(near) - _SHOWN} more, less sensitive")
         if self.resolution:
@@ -151,16 +149,13 @@ class Margin(ByValue, Drawn):
         told: list[str] = []
         for parameter in dict.fromkeys(change.parameter for change in self.changes):
             least = float(np.min(self._distances(parameter)))
-            words = "anchors" if parameter == "anchor" else parameter.replace("_", " ")
-            far = (
-                f"{to_unit(least, 'mm'):.4g} mm"
-                if parameter == "anchor"
-                else f"{least * 100:.4g} %"
-            )
-            if math.isinf(least):
-                nowhere = f"more than {to_unit(self.reach, 'mm'):.4g} mm"
-                far = nowhere if parameter == "anchor" else f"no change of {words}"
-            told.append(f"{words} {far}")
+            if parameter == "anchor":
+                beyond = "more than " * math.isinf(least)
+                told.append(f"anchors {beyond}{to_unit(min(least, self.reach), 'mm'):.4g} mm")
+            else:
+                words = parameter.replace("_", " ")
+                far = f"no change of {words}" if math.isinf(least) else f"{least * 100:.4g} %"
+                told.append(f"{words} {far}")
         return f"Margin({self.method}: {', '.join(told)}, gap {self.gap:.3g})"
 
 
@@ -212,18 +207,23 @@ def _told(
     chain: Chain, forces: SortedChain | None, changes: list[Change], ways: Displacements
 ) -> Margin:
     travel, _, force = chain.measure.words
-    words = {
-        "anchor": f"anchors {resolution(ways, small=False)}",
-        "stiffness": f"stiffnesses {numbers.RESOLUTION}",
-        "force_scale": f"scales of {force} {numbers.RESOLUTION}",
-        "travel_scale": f"scales of {travel} {numbers.RESOLUTION}",
-        "friction": f"friction {numbers.RESOLUTION_OF_FRICTION.format(force=force)}",
+    parts = {
+        "stiffness": "stiffnesses",
+        "force_scale": f"scales of {force}",
+        "travel_scale": f"scales of {travel}",
+        "friction": "friction",
     }
+    words = {"anchor": f"anchors {resolution(ways, small=False)}"}
+    words |= {part: f"{name} {numbers.resolution(part, force)}" for part, name in parts.items()}
     searched = {change.parameter for change in changes if change.method is Method.SEARCH}
+    gap = math.nan
+    if forces is not None:
+        first = forces.cells[0]
+        gap = forces.smallest_gap() / (first.stiffness * first.lever)
     return Margin(
         chain,
         tuple(changes),
-        math.nan if forces is None else _relative_gap(forces),
+        gap,
         Method.SEARCH if searched else Method.EXACT,
         ways.reach,
         "; ".join(words[parameter] for parameter in words if parameter in searched),
@@ -234,8 +234,3 @@ def _parts(cell: Cell | Element) -> tuple[str, ...]:
     if isinstance(cell, Element):
         return "force_scale", "travel_scale", "friction"
     return "anchor", "stiffness"
-
-
-def _relative_gap(forces: SortedChain) -> float:
-    first = forces.cells[0]
-    return forces.smallest_gap() / (first.stiffness * first.lever)

@@ -27,14 +27,17 @@ _RESOLUTION = 1e-6  # where bisection stops
 _OF_FORCES = ("stiffness", "force_scale", "travel_scale", "friction")
 
 _THEN = f"then bisection to {_RESOLUTION * 100:g} %"
-RESOLUTION = f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
-RESOLUTION_OF_FRICTION = (
-    f"asked at {_RATIOS} sizes up to the largest {{force}} of the element, {_THEN}"
-)
 RESOLUTION_FINE = (
     f"asked at {_FINELY} values each way, up to {_MOST:g} times more and as much less, of friction "
     f"up to the largest force; what lies between them is not seen; {_THEN}"
 )
+
+
+def resolution(part: str, force: str) -> str:
+    """What a search of a number may miss, in words."""
+    if part == "friction":
+        return f"asked at {_RATIOS} sizes up to the largest {force} of the element, {_THEN}"
+    return f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
 
 
 class NearestShare(NamedTuple):

@@ -12,10 +12,10 @@ import numpy as np
 from stepwell import base, concave
 from stepwell.design.margins import nearest, numbers, search
 from stepwell.design.orders import checked_cycle
-from stepwell.design.parameters import Parameter, parameter
+from stepwell.design.parameters import parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
-from stepwell.mechanism import Band, Cell, Chain, Element, band_direction, band_length
+from stepwell.mechanism import Cell, Chain, Element, band_direction, band_length
 from stepwell.sequences import Sequence, cycle
 
 if TYPE_CHECKING:
@@ -53,23 +53,20 @@ class Resistance(base.ByValue):
         """Moving the anchors "p" or "q" of all bands of a cell by `displacement` (x, y) [m]."""
         fraction = np.linspace(0.0, 1.0, _POSITIONS)
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
-        force = np.zeros((_POSITIONS, _ANGLES))
-        work = np.zeros(2)
+        sin, cos = np.sin(theta), np.cos(theta)
+        force, work = np.zeros((_POSITIONS, _ANGLES)), np.zeros(2)
         # Moving p is moving d = q - p the other way.
         change = (1 if anchor == "q" else -1) * np.array(displacement)
+        away = np.linalg.norm(change) or 1.0
         for band in cell.bands:
-            force += _against(band, cell.lever, theta, fraction, change)
-            ends = (_lengths(band, cell.lever, theta[[0, -1]], part * change) for part in (0, 1))
-            before, after = (band.energy(length) for length in ends)
+            dx, dy = np.array(band.d)[:, None, None] + change[:, None, None] * fraction[:, None]
+            length = band_length(sin, cos, dx, dy, cell.lever)
+            x, y = band_direction(sin, cos, length, dx, dy, cell.lever)
+            force += band.tension(length) * (x * change[0] + y * change[1]) / away
+            before, after = band.energy(length[[0, -1]][:, [0, -1]])
             work += after - before
-        return cls(
-            fraction,
-            force[:, 0],
-            force[:, -1],
-            np.max(force, axis=1),
-            float(work[0]),
-            float(work[1]),
-        )
+        peak = np.max(force, axis=1)
+        return cls(fraction, force[:, 0], force[:, -1], peak, float(work[0]), float(work[1]))
 
     @classmethod
     def nowhere(cls) -> "Resistance":
@@ -95,50 +92,16 @@ class Resistance(base.ByValue):
         return f"Resistance({self})"
 
 
-def _lengths(band: Band, lever: float, theta: base.Floats, change: base.Floats) -> base.Floats:
-    dx, dy = np.array(band.d) + change
-    return band_length(np.sin(theta), np.cos(theta), dx, dy, lever)
-
-
-def _against(
-    band: Band, lever: float, theta: base.Floats, fraction: base.Floats, change: base.Floats
-) -> base.Floats:
-    """(m, angles) dE/dx [N], x the way gone along `change` (2,) in d."""
-    away = np.linalg.norm(change)
-    if away == 0:
-        return np.zeros((len(fraction), len(theta)))
-    sin, cos = np.sin(theta), np.cos(theta)
-    dx, dy = np.array(band.d)[:, None, None] + change[:, None, None] * fraction[:, None]
-    length = band_length(sin, cos, dx, dy, lever)
-    x, y = band_direction(sin, cos, length, dx, dy, lever)
-    return band.tension(length) * (x * change[0] + y * change[1]) / away
-
-
+_PUSH = "force against the displacement"
 # The way of the anchor, at every fraction of it.
 WAY: base.Schema = (
     base.Quantity("fraction", read="resistance.fraction"),
     base.Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
     base.Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
+    base.Quantity("force_0", "N", "at state 0", "resistance.force_0", doc=f"{_PUSH} at state 0"),
+    base.Quantity("force_1", "N", "at state 1", "resistance.force_1", doc=f"{_PUSH} at state 1"),
     base.Quantity(
-        "force_0",
-        "N",
-        "at state 0",
-        "resistance.force_0",
-        doc="force against the displacement at state 0",
-    ),
-    base.Quantity(
-        "force_1",
-        "N",
-        "at state 1",
-        "resistance.force_1",
-        doc="force against the displacement at state 1",
-    ),
-    base.Quantity(
-        "peak",
-        "N",
-        "largest",
-        "resistance.peak",
-        doc="largest force against the displacement over the travel",
+        "peak", "N", "largest", "resistance.peak", doc=f"largest {_PUSH} over the travel"
     ),
 )
 
@@ -298,11 +261,11 @@ def reprogram(
 
     All else as for `Chain.reprogram`.
     """
-    anchor = parameter(chain, by)
-    number = anchor.cell is not None and isinstance(chain.cells[anchor.cell], Element)
+    moved = parameter(chain, by)
+    number = moved.cell is not None and isinstance(chain.cells[moved.cell], Element)
     if number and (along is not None or one_way):
         raise base.InputError(f"by = {by!r} is a number, without a direction: leave `along` out.")
-    if not (anchor.is_anchor or number):
+    if not (moved.is_anchor or number):
         raise base.InputError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
@@ -313,64 +276,37 @@ def reprogram(
     if target is not None:
         wanted = Sequence.parse(checked_cycle(str(target), chain.last_state, "target"))
     before = cycle(chain).sequence
+    text = None if wanted is None else str(wanted)
+    after, method = None, Method.EXACT
     if number:
-        return _of_number(chain, wanted, anchor, before, progress)
-    if before == wanted:
-        found = nearest.Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
+        share = past = 0.0
+        if before != wanted:
+            asked = chain, None, str(before), moved, text, progress
+            share, past, method = numbers.nearest_share(*asked)
+        change = math.nan
+        if not math.isnan(share):
+            after, there = (numbers.changed_by(chain, moved, part) for part in (past, share))
+            change = float(moved.value(there)) - float(moved.value(chain))  # type: ignore[arg-type]
+        distance, reach = math.inf if math.isnan(change) else abs(change), math.inf
+        usual = numbers.resolution(moved.part, chain.measure.force)
+        missed = usual if wanted is None else numbers.RESOLUTION_FINE
     else:
-        forces = concave.SortedChain.of(chain)
-        found = nearest.nearest(nearest.Aim(chain, before, anchor, wanted), forces, ways, progress)
-    after = anchor.displaced(chain, found.past) if math.isfinite(found.distance) else None
+        distance, change, past, reach = 0.0, (0.0, 0.0), (0.0, 0.0), ways.reach
+        if before != wanted:
+            aim, forces = nearest.Aim(chain, before, moved, wanted), concave.SortedChain.of(chain)
+            distance, change, past, method = nearest.nearest(aim, forces, ways, progress)
+        after = moved.displaced(chain, past) if math.isfinite(distance) else None
+        missed = search.resolution(ways, wanted is not None)
     return Reprogramming(
         chain,
-        None if wanted is None else str(wanted),
-        anchor.name,
-        found.move,
-        found.distance,
-        ways.reach,
-        after,
-        str(before),
-        "" if after is None else str(cycle(after).sequence),
-        found.method,
-        search.resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
-    )
-
-
-def _of_number(
-    chain: Chain,
-    wanted: Sequence | None,
-    number: Parameter,
-    before: Sequence,
-    progress: Callable[[int, int], None] | None,
-) -> Reprogramming:
-    """The smallest change of a number of an element after which a chain does what is wanted."""
-    target = None if wanted is None else str(wanted)
-    share = past = 0.0
-    method = Method.EXACT
-    if before != wanted:
-        share, past, method = numbers.nearest_share(
-            chain, None, str(before), number, target, progress
-        )
-    after, change = None, math.nan
-    if not math.isnan(share):
-        after = numbers.changed_by(chain, number, past)
-        there, here = (
-            number.value(one) for one in (numbers.changed_by(chain, number, share), chain)
-        )
-        change = float(there) - float(here)  # type: ignore[arg-type]
-    usual = numbers.RESOLUTION_OF_FRICTION if number.part == "friction" else numbers.RESOLUTION
-    usual = usual.format(force=chain.measure.force)
-    usual = usual.format(force=chain.measure.force)
-    return Reprogramming(
-        chain,
-        target,
-        number.name,
+        text,
+        moved.name,
         change,
-        math.inf if math.isnan(change) else abs(change),
-        math.inf,
+        distance,
+        reach,
         after,
         str(before),
         "" if after is None else str(cycle(after).sequence),
         method,
-        (usual if wanted is None else numbers.RESOLUTION_FINE) if method is Method.SEARCH else "",
+        missed if method is Method.SEARCH else "",
     )
