@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -56,18 +56,17 @@ class Tolerances(base.ByValue):
     mobility: float = 1.0
 
     def __post_init__(self):
-        for field in fields(self):
-            value, least = float(getattr(self, field.name)), float(field.name == "mobility")
+        for name, unit in _UNITS.items():
+            value, least = float(getattr(self, name)), float(name == "mobility")
             if not least <= value < math.inf:
-                unit = _UNITS[field.name]
                 raise base.InputError(
-                    f"{field.name} = {value} [{unit}]: must be >= {least:g} and finite."
+                    f"{name} = {value} [{unit}]: must be >= {least:g} and finite."
                 )
-            if _UNITS[field.name] == "1" and value >= 0.25:
+            if unit == "1" and value >= 0.25:
                 raise base.InputError(
-                    f"{field.name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
+                    f"{name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
                 )
-            object.__setattr__(self, field.name, value)
+            object.__setattr__(self, name, value)
 
     def __repr__(self):
         travel = f", travel {self.travel:.3g}" if self.travel else ""
@@ -86,14 +85,13 @@ USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
 
 def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str = WAY) -> None:
     """Raise SlipError for tolerances above the travel [m] or friction far above the force [N]."""
-    found = [
-        slip
-        for name in ("anchor", "lever")
-        for slip in sizes.above(name, getattr(tolerances, name), travel)
-    ]
-    found += sizes.force("friction", tolerances.friction, force)
+    found = (
+        *sizes.above("anchor", tolerances.anchor, travel),
+        *sizes.above("lever", tolerances.lever, travel),
+        *sizes.force("friction", tolerances.friction, force),
+    )
     if found:
-        raise SlipError(tuple(found), way)
+        raise SlipError(found, way)
 
 
 def meet(tolerances: Tolerances, chain: Chain) -> None:
@@ -175,23 +173,19 @@ class Draws(base.ByValue):
         names, first, scale = self.chain.names, 0, self.scales
         for i, cell in enumerate(self.chain.cells):
             name = names[i] if names.count(names[i]) == 1 else i + 1
-            friction = ("friction", "friction", [6 * b + n + i])
             if isinstance(cell, Element):
-                parts = [
-                    ("force_scale", "stiffness", [scale]),
-                    ("travel_scale", "travel", [scale + 1]),
-                ]
+                own = ("force_scale", "stiffness", [scale]), ("travel_scale", "travel", [scale + 1])
                 scale += 2
             else:
                 bands = range(first, first + len(cell.bands))
                 first = bands.stop
-                parts = [
+                own = (
                     ("d", "anchor", [4 * band + k for band in bands for k in range(4)]),
                     ("stiffness", "stiffness", [4 * b + band for band in bands]),
                     ("rest_length", "rest_length", [5 * b + band for band in bands]),
                     ("lever", "lever", [6 * b + i]),
-                ]
-            for what, tolerance, columns in (*parts, friction):
+                )
+            for what, tolerance, columns in (*own, ("friction", "friction", [6 * b + n + i])):
                 if getattr(t, tolerance) > 0:
                     found[f"{name}.{what}"] = Part(i, what, tolerance, columns)
         return found
@@ -225,12 +219,9 @@ class Draws(base.ByValue):
     def chunks(self, n: int) -> Iterator[base.Floats]:
         """The first n samples in pieces (m, columns), each written over the one before."""
         rows = max(64, min(n, _AT_ONCE // self.columns))
-        space = np.empty((rows, self.columns))
-        streams = self._streams(0)
+        space, streams = np.empty((rows, self.columns)), self._streams(0)
         for first in range(0, n, rows):
-            piece = space[: min(rows, n - first)]
-            self._fill(piece, streams)
-            yield self.shaped(piece)
+            yield self._filled(space[: min(rows, n - first)], streams)
 
     def _streams(self, number: int) -> list[np.random.Generator]:
         """The two streams of random numbers, before those of mechanism `number`."""
@@ -241,11 +232,12 @@ class Draws(base.ByValue):
             found.append(np.random.Generator(stream))
         return found
 
-    def _fill(self, rows: base.Floats, streams: list[np.random.Generator]) -> None:
+    def _filled(self, rows: base.Floats, streams: list[np.random.Generator]) -> base.Floats:
         # Row by row from one stream: more samples, or other pieces, keep the first ones.
         halves = np.hsplit(rows, [self.mobilities])
         for columns, random in zip(halves, streams, strict=True):
             columns[:] = random.random(columns.shape)
+        return self.shaped(rows)
 
     def shaped(self, even: base.Floats) -> base.Floats:
         """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
@@ -280,15 +272,12 @@ class Draws(base.ByValue):
         forces = switching_forces(self.chain) - np.repeat(rub, steps)[:, None] * [1.0, -1.0]
         scale = 1.0 + t.stiffness * drawn[:, self.scales : self.mobilities : 2]
         rub = rub + t.friction * drawn[:, self.scales - n : self.scales]
-        return np.repeat(scale, steps, axis=1)[:, :, None] * forces + np.repeat(rub, steps, axis=1)[
-            :, :, None
-        ] * [1.0, -1.0]
+        scale, rub = (np.repeat(part, steps, axis=1)[:, :, None] for part in (scale, rub))
+        return scale * forces + rub * [1.0, -1.0]
 
     def sample(self, number: int) -> Chain:
         """Mechanism `number` of all, from 0, as in `chunks`; ValueError if it cannot be built."""
-        row = np.empty((1, self.columns))
-        self._fill(row, self._streams(number))
-        return self.built(self.shaped(row)[0])
+        return self.built(self._filled(np.empty((1, self.columns)), self._streams(number))[0])
 
     def designs(self, drawn: base.Floats) -> Designs | None:
         """The mechanisms of (m, columns) draws as numbers, the same that are `built` one by one.
@@ -326,8 +315,7 @@ class Draws(base.ByValue):
 
         def made(number: int, band: Band) -> Band:
             where = draw[4 * number : 4 * number + 4].tolist()
-            px, py = concave.in_disc(t.anchor, where[0], where[1])
-            qx, qy = concave.in_disc(t.anchor, where[2], where[3])
+            (px, py), (qx, qy) = (concave.in_disc(t.anchor, *one) for one in (where[:2], where[2:]))
             return replace(
                 band,
                 p=(band.p[0] + px, band.p[1] + py),
@@ -342,13 +330,14 @@ class Draws(base.ByValue):
             rub, mobility = cell.friction + t.friction * friction[i], cell.mobility * faster[i]
             if isinstance(cell, Element):
                 force, travel = next(scales)
-                scale = cell.force_scale * (1.0 + t.stiffness * force)
-                size = cell.travel_scale * (1.0 + t.travel * travel)
-                made_so = {"force_scale": scale, "travel_scale": size}
-                cells.append(replace(cell, **made_so, friction=rub, mobility=mobility))
-                continue
-            bands = tuple(made(first + j, band) for j, band in enumerate(cell.bands))
-            first += len(bands)
-            longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
-            cells.append(replace(cell, band=bands, lever=longer, friction=rub, mobility=mobility))
+                changed = {
+                    "force_scale": cell.force_scale * (1.0 + t.stiffness * force),
+                    "travel_scale": cell.travel_scale * (1.0 + t.travel * travel),
+                }
+            else:
+                bands = tuple(made(first + j, band) for j, band in enumerate(cell.bands))
+                first += len(bands)
+                longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
+                changed = {"band": bands, "lever": longer}
+            cells.append(replace(cell, **changed, friction=rub, mobility=mobility))
         return replace(self.chain, cells=tuple(cells))
