@@ -16,19 +16,8 @@ WAY = "If it is meant so, say unusual=True of a cell of the chain."
 
 _ACTUATOR = "actuator_stiffness"
 # What a cell has, and what an element has, with the unit; that of friction is a force's.
-_OF_CELL = {
-    "p": "m",
-    "q": "m",
-    "p.x": "m",
-    "p.y": "m",
-    "q.x": "m",
-    "q.y": "m",
-    "stiffness": "N/m",
-    "rest_length": "m",
-    "lever": "m",
-    "limit": "rad",
-    "friction": "",
-}
+_OF_CELL = dict.fromkeys(("p", "q", "p.x", "p.y", "q.x", "q.y"), "m")
+_OF_CELL |= {"stiffness": "N/m", "rest_length": "m", "lever": "m", "limit": "rad", "friction": ""}
 _OF_ELEMENT = {"force_scale": "1", "travel_scale": "1", "friction": ""}
 _PARTS = _OF_CELL | _OF_ELEMENT
 ANCHORS = ("p", "q")
@@ -72,10 +61,8 @@ class Parameter(ByValue):
         """Its value in a chain, in SI."""
         if self.cell is None:
             return chain.actuator_stiffness
-        cell = chain.cells[self.cell]
+        cell: Any = chain.cells[self.cell]
         anchor, _, axis = self.part.partition(".")
-        if isinstance(cell, Element):
-            return float(getattr(cell, self.part))
         if anchor in ANCHORS:
             place: Vec2 = getattr(cell.bands[0], anchor)
             return place[_AXES.index(axis)] if axis else place
@@ -97,23 +84,21 @@ class Parameter(ByValue):
         The same designs as `changed` makes one by one.
         """
         if self.cell is None:
-            drives = [drive_weights(replace(chain, actuator_stiffness=v)) for v in values.tolist()]
-            designs.drives[:] = drives
+            chains = (replace(chain, actuator_stiffness=value) for value in values.tolist())
+            designs.drives[:] = [*map(drive_weights, chains)]
             return
         cell = chain.levers[self.cell]
         first = int(designs.laws.band_first[self.cell])
-        cells, bands = (
-            designs.cells[:, self.cell],
-            designs.bands[:, first : first + len(cell.bands)],
-        )
+        cells = designs.cells[:, self.cell]
+        bands = designs.bands[:, first : first + len(cell.bands)]
         if self.part.partition(".")[0] in ANCHORS:
             self._put_anchors(bands, cell.bands, values)
         elif self.part in ("stiffness", "rest_length"):
             column = 2 + (self.part == "rest_length")
             old = [float(getattr(band, self.part)) for band in cell.bands]
+            # Bands that cannot be scaled are no design, and building it refuses them.
+            ratio = values / old[0] if old[0] else np.full(len(values), np.nan)
             for k, own in enumerate(old):
-                # Bands that cannot be scaled are no design, and building it refuses them.
-                ratio = values / old[0] if old[0] else np.full(len(values), np.nan)
                 bands[:, k, column] = values if own == old[0] else own * ratio
         elif self.part == "limit":
             cells[:, SIN_LIMIT] = [math.sin(value) for value in values.tolist()]
@@ -173,20 +158,17 @@ class Parameter(ByValue):
             return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
         return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
 
-    def _in_cell(self, cell: Cell | Element, value: float | Vec2) -> dict[str, Any]:
+    def _in_cell(self, cell: Any, value: float | Vec2) -> dict[str, Any]:
         """The field of a cell that changes, and what it changes to."""
         anchor, _, axis = self.part.partition(".")
-        if isinstance(cell, Element):
-            return {self.part: _number(self, value)}
-        if anchor in ANCHORS:
-            old: Vec2 = getattr(cell.bands[0], anchor)
-            if axis:
-                number = _number(self, value)
-                new = (number, old[1]) if axis == "x" else (old[0], number)
-            else:
-                new = _place(self, value)
-            return {"band": [_shifted(band, anchor, old, new) for band in cell.bands]}
+        if self.is_anchor:
+            new = _place(self, value)
+            return {"band": [_shifted(band, anchor, cell.bands[0], new) for band in cell.bands]}
         number = _number(self, value)
+        if axis:
+            x, y = getattr(cell.bands[0], anchor)
+            new = (number, y) if axis == "x" else (x, number)
+            return {"band": [_shifted(band, anchor, cell.bands[0], new) for band in cell.bands]}
         if self.part in ("stiffness", "rest_length"):
             return {"band": _scaled(cell.bands, self, number)}
         return {self.part: number}
@@ -219,7 +201,18 @@ def parameter(chain: Chain, name: str) -> Parameter:
             return _asked(chain, name, names.index(label), part)
         if label.isdecimal() and 1 <= int(label) <= len(names):
             return _asked(chain, name, int(label) - 1, part)
-    raise InputError(_unknown(chain, name))
+    numbered = (
+        f"{number}.{part}" for number, cell in enumerate(chain.cells, 1) for part in _parts(cell)
+    )
+    near = nearest_word(str(name), [*(one.name for one in parameters(chain)), *numbered])
+    guess = f" Did you mean {near!r}?" if near else ""
+    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(names[:_NAMED], 1))
+    more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
+    raise InputError(
+        f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
+        f"'<cell>.<what>' with <cell> one of {cells}{more}, and <what> one of "
+        f"{', '.join(dict.fromkeys(part for cell in chain.cells for part in _parts(cell)))}."
+    )
 
 
 def parameters(chain: Chain) -> tuple[Parameter, ...]:
@@ -254,29 +247,14 @@ def _asked(chain: Chain, name: str, cell: int, part: str) -> Parameter:
     )
 
 
-def _unknown(chain: Chain, name: str) -> str:
-    numbered = (
-        f"{number}.{part}" for number, cell in enumerate(chain.cells, 1) for part in _parts(cell)
-    )
-    known = [*(one.name for one in parameters(chain)), *numbered]
-    near = nearest_word(str(name), known)
-    guess = f" Did you mean {near!r}?" if near else ""
-    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED], 1))
-    more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
-    return (
-        f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
-        f"'<cell>.<what>' with <cell> one of {cells}{more}, and <what> one of "
-        f"{', '.join(dict.fromkeys(part for cell in chain.cells for part in _parts(cell)))}."
-    )
-
-
 def _number(of: Parameter, value: float | Vec2) -> float:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise InputError(f"{of.name} = {value!r}: must be a number [{of.unit}].") from None
+        number = math.nan
     if math.isnan(number):
-        raise InputError(f"{of.name} = {number}: must be a number [{of.unit}].")
+        text = value if isinstance(value, float) else repr(value)
+        raise InputError(f"{of.name} = {text}: must be a number [{of.unit}].")
     return number
 
 
@@ -288,13 +266,10 @@ def _place(of: Parameter, value: float | Vec2) -> Vec2:
         raise InputError(f"{of.name} = {value!r}: must be a place (x, y) [m].") from None
 
 
-def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
-    here: Vec2 = getattr(band, anchor)
+def _shifted(band: Band, anchor: str, first: Band, new: Vec2) -> Band:
+    moves = zip(getattr(band, anchor), getattr(first, anchor), new, strict=True)
     # The first band lands on the new place and not a rounding beside it.
-    x, y = (
-        there if spot == was else spot + (there - was)
-        for spot, was, there in zip(here, old, new, strict=True)
-    )
+    x, y = (there if spot == was else spot + (there - was) for spot, was, there in moves)
     return replace(band, **{anchor: (x, y)})
 
 
