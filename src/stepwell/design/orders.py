@@ -51,7 +51,6 @@ def is_state(state: str, last: str) -> bool:
 
 
 def _example(last: str) -> str:
-    """A full cycle, cell by cell and phase by phase."""
     steps = [cell for cell, digit in enumerate(last) for _ in range(int(digit))]
     state, states = [0] * len(last), ["0" * len(last)]
     for way, cell in product((1, -1), steps):
@@ -217,7 +216,6 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
 
 
 def _stepwise(target: set[str], n: int) -> bool:
-    """Whether states of the wanted ones lead from all cells at 0 to all at 1, one by one."""
     front = {"0" * n}
     for _ in range(n):
         more = {s[:i] + "1" + s[i + 1 :] for s in front for i in range(n) if s[i] == "0"}

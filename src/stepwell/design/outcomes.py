@@ -288,14 +288,17 @@ class Outcomes:
         self._numbers = {sequence: i for i, sequence in enumerate(self.sequences)}
         self._by_orders: dict[bytes, int] = {}
         self.turned = sorted({k.cell for k in parameters if k.cell is not None})
-        self.rows, self.columns, self._signs = self._places()
+        # Rows and columns of the numbers that the parameters change, and with which sign.
+        parts = [k.part.partition(".") for k in parameters]
+        places = ["xy".index(axis) if axis else _NUMBERS.get(one, 0) for one, _, axis in parts]
+        self.rows = np.array([k.cell or 0 for k in parameters], np.int64)
+        self.columns = np.array(places, np.int64)
+        self._signs = np.array([-1.0 if one == "p" else 1.0 for one, _, _ in parts])
         self._plain = {cell: self._row(cell) for cell in self.turned}
-        self.base = self._base()
-        self._varied = (
-            None
-            if self.base is None
-            else VariedCells(self.base, self.rows, self.columns, np.array(self.turned))
-        )
+        self.base, self._varied = self._base(), None
+        if self.base is not None:
+            turned = np.array(self.turned)
+            self._varied = VariedCells(self.base, self.rows, self.columns, turned)
 
     def design(self, values: Floats) -> Chain:
         """The chain at (x, y); ValueError where there is none."""
@@ -379,10 +382,9 @@ class Outcomes:
 
     def numbers(self, cell: int, values: Floats) -> Floats | None:
         """(m, 7) a cell whose parameters vary, a row as in `sweep`, if it has one linear band."""
-        row = self._plain[cell]
-        if row is None:
+        if self._plain[cell] is None:
             return None
-        rows, added = np.tile(row, (len(values), 1)), self.added(values)
+        rows, added = np.tile(self._plain[cell], (len(values), 1)), self.added(values)
         for k, parameter in enumerate(self.parameters):
             if parameter.cell == cell:
                 rows[:, self.columns[k]] += added[:, k]
@@ -418,21 +420,10 @@ class Outcomes:
             self.sequences.append(sequence)
         return self._numbers[sequence]
 
-    def _places(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-        """Rows and columns of the numbers that the parameters change, and with which sign."""
-        rows, columns, signs = np.zeros(2, np.int64), np.zeros(2, np.int64), np.ones(2)
-        for k, parameter in enumerate(self.parameters):
-            anchor, _, axis = parameter.part.partition(".")
-            rows[k] = parameter.cell if parameter.cell is not None else 0
-            columns[k] = "xy".index(axis) if axis else _NUMBERS.get(parameter.part, 0)
-            signs[k] = -1.0 if anchor == "p" else 1.0
-        return rows, columns, signs
-
     def _base(self) -> Floats | None:
         """(n, 7) the cells as numbers, the parameters left out; None where nothing is proved."""
-        if math.isfinite(self.chain.actuator_stiffness) or any(
-            k.cell is None for k in self.parameters
-        ):
+        of_actuator = any(k.cell is None for k in self.parameters)
+        if of_actuator or math.isfinite(self.chain.actuator_stiffness):
             return None
         base = np.empty((len(self.chain), FRICTION + 1))
         for i, cell in enumerate(self.chain.cells):

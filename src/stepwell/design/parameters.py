@@ -159,7 +159,6 @@ class Parameter(ByValue):
         return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
 
     def _in_cell(self, cell: Any, value: float | Vec2) -> dict[str, Any]:
-        """The field of a cell that changes, and what it changes to."""
         anchor, _, axis = self.part.partition(".")
         if self.is_anchor:
             new = _place(self, value)

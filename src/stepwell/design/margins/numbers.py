@@ -167,7 +167,6 @@ def _searched(
 
 
 def _tries(chain: Chain, number: Parameter, sign: int, finely: bool) -> list[float]:
-    """Rising sizes of shares to be asked, up or down."""
     fine = [(k + 1) / _FINELY for k in range(_FINELY)]
     parts = fine if finely else [0.5**k for k in reversed(range(_RATIOS))]
     if number.part != "friction":

@@ -297,7 +297,6 @@ def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]
 
 
 def _named(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> Chain:
-    """A chain of elements, those of one name numbered."""
     names = [cell.name for cell in cells]
     called = [
         cell.renamed(f"{name} {i + 1}" if name and names.count(name) > 1 else name)

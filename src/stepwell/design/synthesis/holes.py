@@ -131,21 +131,11 @@ def _best_ends(gap, allowed, add: bool, out):
 
 
 @leaf
-def _next_below(ranks, depth: int, rank: int) -> int:
-    """Of the placed cells the one with the next rank below, -1 where there is none."""
+def _next(ranks, depth: int, rank: int, way: int) -> int:
+    """Of the placed cells the one with the next rank above or below, -1 where there is none."""
     found = -1
     for k in range(depth):
-        if ranks[k] < rank and (found < 0 or ranks[k] > ranks[found]):
-            found = k
-    return found
-
-
-@leaf
-def _next_above(ranks, depth: int, rank: int) -> int:
-    """Of the placed cells the one with the next rank above, -1 where there is none."""
-    found = -1
-    for k in range(depth):
-        if ranks[k] > rank and (found < 0 or ranks[k] < ranks[found]):
+        if way * (ranks[k] - rank) > 0 and (found < 0 or way * (ranks[k] - ranks[found]) < 0):
             found = k
     return found
 
@@ -169,19 +159,19 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
     ranks, segments, edges, add = tables.ranks, tables.segments, tables.edges, tables.add
     rank = ranks[depth]
     # The placed cells next to it in F1, and what all other stretches between placed cells give.
-    below, above = _next_below(ranks, depth, rank), _next_above(ranks, depth, rank)
+    below, above = _next(ranks, depth, rank, -1), _next(ranks, depth, rank, 1)
     rest = 0.0 if add else np.inf
     for k in range(depth):
         # The stretch from k upwards, unless it is the one that is to be divided.
         at: int = ranks[k]
         own: int = picks[k]
         if k != below:
-            after = _next_above(ranks, depth, at)
+            after = _next(ranks, depth, at, 1)
             if after < 0:
                 rest = _with(rest, edges[1, at, own], add)
             else:
                 rest = _with(rest, segments[at, ranks[after], own, picks[after]], add)
-        if k != above and _next_below(ranks, depth, at) < 0:
+        if k != above and _next(ranks, depth, at, -1) < 0:
             rest = _with(rest, edges[0, at, own], add)
     for c in range(len(out)):
         out[c] = -np.inf

@@ -187,7 +187,6 @@ def design(
 def _of_elements(
     goal: ElementTarget, made: Scaled, allowed: Allowed, n: int | None, seed: int
 ) -> Design:
-    """A chain of elements that does it, as a design with its yield."""
     chain = made[0]
     result = cycle(chain)
     counted = _counted(goal.states, result, allowed.tolerances)
@@ -339,7 +338,6 @@ def _widest(
 
 
 def _standing(found: Attempt | None) -> str:
-    """What the motion of the drawing stands on."""
     if found is None:
         return "not all cells are proved concave, and the engine has followed the drawing"
     if found.rule.bends:

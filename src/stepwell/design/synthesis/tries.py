@@ -180,7 +180,6 @@ def _every(
 def _some(
     tables: list[list[Buildable]], settled: bool, most: int, rng: np.random.Generator
 ) -> Iterator[tuple[Buildable, ...]]:
-    """So many different choices at random."""
     seen: set[tuple[int, ...]] = set()
     for _ in range(20 * most):
         if len(seen) == most:

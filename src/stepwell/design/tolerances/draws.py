@@ -254,7 +254,6 @@ class Draws(base.ByValue):
         return even
 
     def _narrow(self, drawn: base.Floats) -> None:
-        """Leave of the spread of the part that is known its share."""
         _, _, tolerance, columns = self.parts[self.known]
         if tolerance == "anchor":
             # The first of two numbers is an area.

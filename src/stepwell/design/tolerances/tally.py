@@ -273,7 +273,6 @@ class Tally:
         return ask
 
     def _note(self, draw: Floats, does: str) -> None:
-        """Count what the engine says that the mechanism of a draw does."""
         self.by_engine += 1
         proved = True
         # A gap between forces tells what a mechanism does, and nothing of its mobilities.

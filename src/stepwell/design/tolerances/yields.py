@@ -235,7 +235,6 @@ def yields(
 def _states(
     chain: Chain, tolerances: draws.Tolerances, target: str | Iterable[str] | None
 ) -> frozenset[str] | None:
-    """The states wanted; None where a cycle is."""
     if target is None or isinstance(target, str):
         return None
     states = frozenset(str(state) for state in target)
