@@ -148,8 +148,7 @@ def parameter_map(
 
 def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[Chain, Axis, Axis]:
     """The chain with all bands of a cell at one anchor q, and q.x and q.y as parameters."""
-    number = _which(chain, cell)
-    cells = list(chain.cells)
+    number, cells = _which(chain, cell), list(chain.cells)
     one = cells[number]
     if isinstance(one, Element):
         name = chain.names[number]
@@ -209,10 +208,11 @@ def _scale(outcomes: Outcomes) -> tuple[float, str]:
     """k r [N] that gaps are compared with, of an element its largest force, and the cell's name."""
     chain = outcomes.chain
     stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
-    cell = chain.cells[stays]
-    if isinstance(cell, Element):
-        return cell.largest_force, chain.names[stays]
-    return cell.bands[0].stiffness * cell.lever, chain.names[stays]
+    cell, name = chain.cells[stays], chain.names[stays]
+    force = (
+        cell.largest_force if isinstance(cell, Element) else cell.bands[0].stiffness * cell.lever
+    )
+    return force, name
 
 
 def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Dataset:
@@ -223,36 +223,23 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
     scale, staying = _scale(outcomes)
     turned = " or ".join(chain.names[i] for i in outcomes.turned)
     impossible, unsolved = (int(np.sum(sequence == code)) for code in (IMPOSSIBLE, UNSOLVED))
-    about: dict[str, tuple[NDArray[np.generic], _Notes]] = {
-        "sequence": (
-            sequence,
-            _noted("states visited in a full cycle")
-            | _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32),
-        ),
-        "snap_loading": (
-            found.strokes[0],
-            _noted(f"{stroke} of the first snap while loading", unit),
-        ),
-        "snap_unloading": (
-            found.strokes[1],
-            _noted(f"{stroke} of the first snap while unloading", unit),
-        ),
-        "snaps_loading": (found.snaps[0], _noted("steps that snap while loading", "1")),
-        "snaps_unloading": (found.snaps[1], _noted("steps that snap while unloading", "1")),
-        "margin": (
-            found.gap / scale,
-            _noted("smallest gap between two F0 or two F1, over k r", "1")
-            | {"k_r_N": scale, "k_r_of": staying},
-        ),
-        "monostable": (found.monostable, _noted(f"{turned} is stable in one state only")),
-        "degenerate": (found.degenerate, _noted("design on a boundary: a tie decides")),
-    }
+    about: dict[str, tuple[NDArray[np.generic], _Notes]] = {}
     if len(chain) == 2:
         # The four pathways come first among the sequences, and OTHER after them.
         pathway = np.minimum(sequence, list(Pathway).index(Pathway.OTHER)).astype(np.int8)
-        words = [p.name.lower() for p in Pathway]
-        notes = _noted("order in which the cells load and unload") | _flags(words, np.int8)
-        about = {"pathway": (pathway, notes)} | about
+        notes = _flags([p.name.lower() for p in Pathway], np.int8)
+        about["pathway"] = pathway, _noted("order in which the cells load and unload") | notes
+    notes = _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32)
+    about["sequence"] = sequence, _noted("states visited in a full cycle") | notes
+    for way, at in zip(("loading", "unloading"), found.strokes, strict=True):
+        about[f"snap_{way}"] = at, _noted(f"{stroke} of the first snap while {way}", unit)
+    for way, count in zip(("loading", "unloading"), found.snaps, strict=True):
+        about[f"snaps_{way}"] = count, _noted(f"steps that snap while {way}", "1")
+    notes = {"k_r_N": scale, "k_r_of": staying}
+    words = "smallest gap between two F0 or two F1, over k r"
+    about["margin"] = found.gap / scale, _noted(words, "1") | notes
+    about["monostable"] = found.monostable, _noted(f"{turned} is stable in one state only")
+    about["degenerate"] = found.degenerate, _noted("design on a boundary: a tie decides")
     shape = (len(axes[1][1]), len(axes[0][1]))
     made = xr.Dataset(
         {name: (("y", "x"), field.reshape(shape), notes) for name, (field, notes) in about.items()},
@@ -280,9 +267,8 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
     return with_door(made)
 
 
-def _noted(name: str, unit: str | None = None) -> _Notes:
-    notes: _Notes = {"long_name": name}
-    return notes if unit is None else notes | {"units": unit}
+def _noted(name: str, unit: str = "") -> _Notes:
+    return {"long_name": name} | ({"units": unit} if unit else {})
 
 
 def _flags(words: list[str], kind: type[np.signedinteger]) -> _Notes:

@@ -91,9 +91,8 @@ class Design(ByValue, Drawn):
     @cached_property
     def robustness(self) -> Robustness | None:
         """How far all anchors, or all forces, may be off at once; None without a closed form."""
-        relays = bool(self.chain.elements) and are_relays(self.chain)
-        known = relays or SortedChain.of(self.chain) is not None
-        return robustness(self.chain) if known else None
+        relays = self.chain.elements and are_relays(self.chain)
+        return robustness(self.chain) if relays or SortedChain.of(self.chain) else None
 
     @property
     def assumptions(self) -> str:
@@ -107,24 +106,17 @@ class Design(ByValue, Drawn):
         force, factor = told_in(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
             if isinstance(cell, Element):
+                scales = f"force scale {cell.force_scale:.4g}, travel scale {cell.travel_scale:.4g}"
                 fields = ", ".join(
                     f"up {up * factor:.4g} {force}, down {down * factor:.4g} {force}"
                     for up, down in cell.fields
                 )
-                lines.append(
-                    f"{name}: force scale {cell.force_scale:.4g}, travel scale "
-                    f"{cell.travel_scale:.4g}: {fields}"
-                )
+                lines.append(f"{name}: {scales}: {fields}")
                 continue
-            (x, y), band = cell.bands[0].q, cell.bands[0]
-            px, py = band.p
-            inner = (
-                f"p ({to_unit(px, 'mm') + 0.0:.3f}, {to_unit(py, 'mm') + 0.0:.3f}) mm, "
-                if placed
-                else ""
-            )
+            band = cell.bands[0]
+            px, py, x, y = (f"{to_unit(part, 'mm') + 0.0:.3f}" for part in (*band.p, *band.q))
             lines.append(
-                f"{name}: {inner}q ({to_unit(x, 'mm'):.3f}, {to_unit(y, 'mm'):.3f}) mm, k "
+                f"{name}: {f'p ({px}, {py}) mm, ' * placed}q ({x}, {y}) mm, k "
                 f"{band.stiffness:.4g} N/m, ℓ0 {to_unit(band.rest_length, 'mm'):.4g} mm, r "
                 f"{to_unit(cell.lever, 'mm'):.4g} mm: F0 {cell.force_0:.4f} N, F1 "
                 f"{cell.force_1:.4f} N"
@@ -143,14 +135,11 @@ class Design(ByValue, Drawn):
     def __repr__(self):
         if self.chain.elements:
             scales = ", ".join(f"{cell.force_scale:.4g}" for cell in self.chain.elements)
-            share = self.yield_.share * 100
-            return f"Design({short(self.sequence)}: force scales {scales}, yield {share:.4g} %)"
-        places = ", ".join(
-            f"({to_unit(x, 'mm'):.4g}, {to_unit(y, 'mm'):.4g})" for x, y in self.anchors.tolist()
-        )
-        return (
-            f"Design({short(self.sequence)}: q {places} mm, yield {self.yield_.share * 100:.4g} %)"
-        )
+            made = f"force scales {scales}"
+        else:
+            places = to_unit(self.anchors, "mm").tolist()
+            made = f"q {', '.join(f'({x:.4g}, {y:.4g})' for x, y in places)} mm"
+        return f"Design({short(self.sequence)}: {made}, yield {self.yield_.share * 100:.4g} %)"
 
 
 class Impossible(Shown, StepwellError, ValueError):
