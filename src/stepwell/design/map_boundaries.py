@@ -36,10 +36,8 @@ def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[plane.Bou
         ways = (("loading", loading), ("unloading", unloading))
         words = ", ".join(f"{who} change places while {way}" for way, who in ways if who)
     kind = plane.BoundaryKind.PATHWAY
-    if not unloading:
-        kind = plane.BoundaryKind.LOADING_ORDER
-    elif not loading:
-        kind = plane.BoundaryKind.UNLOADING_ORDER
+    if not (loading and unloading):
+        kind = plane.BoundaryKind["LOADING_ORDER" if loading else "UNLOADING_ORDER"]
     return kind, f"{words}: {both}" if both else words
 
 
@@ -69,7 +67,9 @@ _SMOOTH = 2e-5  # of the axes: farthest that a chord may be from its curve
 _CUTS = 24  # halvings of a chord on which an exact curve ends
 _ASIDE = 1e-9  # of the axes: how far from a curve its two sides are looked at
 _SHORTEST = 100 * _ASIDE  # what is left of a curve between two others that cross there
-_STATES = {1: "one stable state", 2: "two stable states"}
+_SQUARE = plane.Box(0.0, 1.0, 0.0, 1.0)
+How = tuple[plane.Method, float]  # and farthest that a point is from its curve [of the axes]
+_SEARCHED = plane.Method.SEARCH, plane.RESOLVED
 
 
 def boundaries(
@@ -142,34 +142,25 @@ def parameter_boundaries(
             values[:, k] = np.interp(t[:, k], *axes[k])
         return values
 
-    def boundary(
-        kind: plane.BoundaryKind,
-        t: Floats,
-        changes: str,
-        error: float | None,
-        sides: tuple[str, str],
-    ) -> plane.Boundary:
-        method = plane.Method.SEARCH if error is None else plane.Method.EXACT
-        error = plane.RESOLVED if error is None else error
-        return plane.Boundary(kind, place(t), changes, method, error, names, units, sides)
-
     found: list[plane.Boundary] = []
-    grid = _square(search)
-    for (a, b), t, error in _orders(outcomes, place, grid, progress):
-        kind, changes = _change(outcomes, a, b)
+    grid = _SQUARE.grid(search)
+    for (a, b), t, how in _orders(outcomes, place, grid, progress):
         sides = outcomes.meaning(a), outcomes.meaning(b)
-        found.append(boundary(kind, t, changes, error, sides))
+        kind, changes = plane.BoundaryKind.PATHWAY, " | ".join(sides)
+        if min(a, b) >= 0:
+            kind, changes = between(outcomes.sequences[a], outcomes.sequences[b], chain.names)
+        found.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
     for cell in outcomes.turned:
-        for t, changes, error in _limits(outcomes, cell, place, grid):
-            sides = _STATES[1], _STATES[2]
-            found.append(boundary(plane.BoundaryKind.BISTABLE, t, changes, error, sides))
+        kind, sides = plane.BoundaryKind.BISTABLE, ("one stable state", "two stable states")
+        for t, changes, how in _limits(outcomes, cell, place, grid):
+            found.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
     return tuple(found)
 
 
 def _orders(
     outcomes: Outcomes, place: Place, grid: Floats, progress: Progress | None
-) -> list[tuple[tuple[int, int], Floats, float | None]]:
-    """Where the sequence changes: its numbers on both sides, points, and the error if exact."""
+) -> list[tuple[tuple[int, int], Floats, How]]:
+    """Where the sequence changes: its numbers on both sides, points, and how they were found."""
 
     def proved(t: Floats) -> Ints:
         return outcomes.closed_form(place(t)).sequence.astype(np.int64)
@@ -177,19 +168,19 @@ def _orders(
     def ask(t: Floats) -> Ints:
         return outcomes.label(place(t)).astype(np.int64)
 
-    found: list[tuple[tuple[int, int], Floats, float | None]] = []
+    found: list[tuple[tuple[int, int], Floats, How]] = []
     known = None
     if outcomes.base is not None:
         pairs, difference = _differences(outcomes, outcomes.base)
         exact = _Exact(lambda t: outcomes.forces(place(t)), pairs, difference, proved)
-        found += [(sides, points, error) for _, sides, points, error in exact.curves()]
+        found += [(sides, points, how) for _, sides, points, how in exact.curves()]
         known = exact.known
     nodes, shape = grid.reshape(-1, 2), grid.shape[:2]
     sure = outcomes.closed_form(place(nodes))
     unproved = (sure.sequence == UNSOLVED).reshape(shape)
     label = outcomes.label(place(nodes), progress, sure).astype(np.int64).reshape(shape)
     pieces = plane.searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
-    return found + [(sides, points, None) for sides, points in pieces]
+    return found + [(sides, points, _SEARCHED) for sides, points in pieces]
 
 
 def _differences(
@@ -216,8 +207,8 @@ def _differences(
 
 def _limits(
     outcomes: Outcomes, cell: int, place: Place, grid: Floats
-) -> list[tuple[Floats, str, float | None]]:
-    """Where a cell stops being bistable: points, what changes, and the error if exact."""
+) -> list[tuple[Floats, str, How]]:
+    """Where a cell stops being bistable: points, what changes, and how that was found."""
     nodes = place(grid.reshape(-1, 2))
     states = Stability(outcomes, cell, nodes)
 
@@ -226,12 +217,11 @@ def _limits(
 
     if states.words:
         exact = _Exact(lambda t: states.limits(place(t)), range(3), lambda at, k: at[:, k], ask)
-        return [(points, states.words[k], error) for k, _, points, error in exact.curves()]
+        return [(points, states.words[k], how) for k, _, points, how in exact.curves()]
     words = f"{outcomes.chain.names[cell]} has two stable states on one side, one on the other"
     label = states(nodes).reshape(grid.shape[:2])
-    return [
-        (points, words, None) for _, points in plane.searched(ask, grid, label, ignore=IMPOSSIBLE)
-    ]
+    found = plane.searched(ask, grid, label, ignore=IMPOSSIBLE)
+    return [(points, words, _SEARCHED) for _, points in found]
 
 
 class _Exact(Generic[K]):
@@ -252,13 +242,13 @@ class _Exact(Generic[K]):
         self._label = label
         self._levels: list[plane.LevelCurve] = []
 
-    def curves(self) -> list[tuple[K, tuple[int, int], Floats, float]]:
+    def curves(self) -> list[tuple[K, tuple[int, int], Floats, How]]:
         """Which function, the labels on both sides, points, and how far they are off at most.
 
         Each curve is cut where it meets another and where a label is not known.
         """
-        found: list[tuple[K, tuple[int, int], Floats, float]] = []
-        grid = _square(_GRID)
+        found: list[tuple[K, tuple[int, int], Floats, How]] = []
+        grid = _SQUARE.grid(_GRID)
         at = self._measure(grid.reshape(-1, 2))
         for k in self._kinds:
             level = plane.LevelCurve(lambda t, k=k: self._function(self._measure(t), k))
@@ -274,8 +264,8 @@ class _Exact(Generic[K]):
 
                 for code, points in plane.parted(smooth, sides, level.project, _CUTS):
                     if code >= 0 and np.max(np.ptp(points, axis=0)) > _SHORTEST:
-                        error = float(np.max(level.distance(points)))
-                        found.append((k, (code >> 32, code & 0xFFFFFFFF), points, error))
+                        how = plane.Method.EXACT, float(np.max(level.distance(points)))
+                        found.append((k, (code >> 32, code & 0xFFFFFFFF), points, how))
             self._levels.append(level)
         return found
 
@@ -301,15 +291,3 @@ def _extended(values: Floats) -> tuple[Floats, Floats]:
     first, last = (len(values) - 1) * np.diff(values)[[0, -1]]
     knots = np.concatenate([[-1.0], np.linspace(0.0, 1.0, len(values)), [2.0]])
     return knots, np.concatenate([[values[0] - first], values, [values[-1] + last]])
-
-
-def _square(nodes: int) -> Floats:
-    """(nodes, nodes, 2) places in the unit square, rows upward, columns to the right."""
-    line = np.linspace(0.0, 1.0, nodes)
-    return np.stack(np.meshgrid(line, line), axis=-1)
-
-
-def _change(outcomes: Outcomes, a: int, b: int) -> tuple[plane.BoundaryKind, str]:
-    if min(a, b) < 0:
-        return plane.BoundaryKind.PATHWAY, f"{outcomes.meaning(a)} | {outcomes.meaning(b)}"
-    return between(outcomes.sequences[a], outcomes.sequences[b], outcomes.chain.names)

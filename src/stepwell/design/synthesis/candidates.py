@@ -166,9 +166,8 @@ class Rule:
 
     def these(self, q: Floats, kind: Ints, radius: float = 0.0) -> Candidates:
         """(m,) kinds at (m, 2) places, one each, for which all the same holds."""
-        return joined(
-            [self._of_kind(q[i : i + 1], int(k), radius) for i, k in enumerate(kind.tolist())]
-        )
+        pairs = enumerate(kind.tolist())
+        return joined([self._of_kind(q[i : i + 1], k, radius) for i, k in pairs])
 
     def _of_kind(self, q: Floats, k: int, radius: float) -> Candidates:
         cell = self.kinds[k].cell
@@ -197,10 +196,8 @@ class Rule:
         if self.as_drawn:
             return certified(cell, self.differences(q))
         # A longer rest length makes the proof harder, as any displacement does.
-        longest = cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
-        return certified(
-            cell._replace(rest=longest), self.differences(q), 2.0 * self.tolerances.anchor
-        )
+        longest = cell._replace(rest=cell.rest * (1.0 + 4.0 * self.tolerances.rest_length))
+        return certified(longest, self.differences(q), 2.0 * self.tolerances.anchor)
 
     def end_forces(self, q: Floats, k: int) -> Floats:
         """F0 and F1 [N] of the k-th kind at (m, 2) places, (m, 2)."""
@@ -225,8 +222,7 @@ class Rule:
     def _proofs(self) -> list[AnchorProof]:
         box = self.looked_at
         corners = self.differences(np.array([[box.left, box.bottom], [box.right, box.top]]))
-        (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
-        d = Box(float(left), float(right), float(bottom), float(top))
+        d = Box(*np.sort(corners, axis=0).T.ravel().tolist())
         return [AnchorProof(kind.cell, d) for kind in self.kinds]
 
     def _tolerances(self, k: int) -> Tolerances:
@@ -244,8 +240,8 @@ class Rule:
         apart = differences(table)
         tie = TIED * float(np.max(np.abs(table.force), initial=0.0))
         if self.worst:
-            sure = np.minimum(self._radii(table, apart, tie), table.room)
-            sure = np.minimum(sure, table.room[:, None])
+            both = np.minimum(table.room, table.room[:, None])
+            sure = np.minimum(self._radii(table, apart, tie), both)
         else:
             sure = apart / self.combined(table.up.T[:, :, None], table.down.T[:, None, :])
         return np.where(apart > tie, sure, -np.inf)

@@ -181,13 +181,12 @@ class Search:
         self, now: Placement, offer: Offer, rounds: int, sure: float = _SURE
     ) -> tuple[Placement, int]:
         """Every cell in turn takes the best offer until a round moves none; how many rounds did."""
-        # Not by number, so that which cell is which changes nothing.
-        turn = list(self.orders.loading)
         # The same for all, or cells could follow each other round in circles.
         unit = self._unit(now, sure)
         for k in range(rounds):
-            moved = False
-            for i in turn:
+            before = now
+            # Not by number, so that which cell is which changes nothing.
+            for i in self.orders.loading[:: -1 if k % 2 else 1]:
                 offered = offer(i, now)
                 if not len(offered.q):
                     continue
@@ -199,10 +198,8 @@ class Search:
                     for column, value in zip(cells, offered, strict=True):
                         column[i] = value[best]
                     now = measured(self.rule, self.orders, cells)
-                    moved = True
-            if not moved:
+            if now is before:
                 return now, k
-            turn.reverse()
         return now, rounds
 
     def _unit(self, now: Placement, sure: float) -> float:
@@ -218,14 +215,11 @@ class Search:
         for end, order in enumerate(self.orders.rising):
             place = order.index(i)
             force, down, up = offered.force[:, end], offered.down[:, end], offered.up[:, end]
-            if place > 0:
-                j = order[place - 1]
-                gap = (force - cells.force[j, end]) / self.rule.combined(down, cells.up[j, end])
-                total += log_ndtr(gap / unit)
-            if place + 1 < len(order):
-                j = order[place + 1]
-                gap = (cells.force[j, end] - force) / self.rule.combined(cells.down[j, end], up)
-                total += log_ndtr(gap / unit)
+            for next_, sign, own, other in ((-1, 1.0, down, cells.up), (1, -1.0, up, cells.down)):
+                if 0 <= place + next_ < len(order):
+                    j = order[place + next_]
+                    near = self.rule.combined(own, other[j, end])
+                    total += log_ndtr(sign * (force - cells.force[j, end]) / near / unit)
         return total
 
     def refine(self, now: Placement, pitch: float) -> Placement:
