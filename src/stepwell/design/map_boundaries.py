@@ -99,26 +99,22 @@ def boundaries(
 def parameter_boundaries(
     chain: Chain, x: Axis, y: Axis, *, search: int = 61, progress: Progress | None = None
 ) -> tuple[plane.Boundary, ...]:
-    """The curves between the regions of a map over two parameters.
+    """The curves between the regions of a map over two parameters, then the limits of bistability.
 
     Where the closed form holds, the sequence changes exactly where two cells' F0 or F1 are equal,
     and those curves are returned, cut where they meet each other and where the proof ends.
     Elsewhere the general engine is asked on a coarser grid and every change between two
-    neighbouring nodes is bisected to 1e-9 of the axes; such curves end up to one grid step short
-    of a point where three regions meet, and features finer than that grid are not seen. So with
-    the limits within which the cells whose parameters vary are bistable: exact for one linear
-    band and no load.
+    neighbouring nodes is bisected to 1e-9 of the axes; such curves end up to one grid step short of
+    a point where three regions meet, and features finer than that grid are not seen. So with the
+    limits within which the cells whose parameters vary are bistable: exact for one linear band and
+    no load.
 
     Args:
         chain: any number of cells.
-        x, y: name and rising values of a parameter, two or more. The grid keeps their spacing:
+        x, y: name and two or more rising values of a parameter. The grid keeps their spacing:
             np.geomspace makes it logarithmic.
         search: nodes of that coarser grid each way.
         progress: called with (done, total) while the general engine works.
-
-    Returns:
-        The curves on which the sequence changes, each with the sequences on both sides and what
-        changes between them, then the limits of bistability.
 
     Raises:
         ValueError: no such parameter, values that do not rise or that it cannot have, or fewer

@@ -27,8 +27,7 @@ class MapView(Shown, Drawn):
     Args:
         dataset: what `transition_map` or `parameter_map` returns.
         boundaries: what `boundaries` or `parameter_boundaries` returns for the same axes.
-        designs: both parameters in SI of each design that is marked, by name; the first is the one
-            that was asked about.
+        designs: both parameters in SI of each marked design, by name; first the one asked about.
     """
 
     def __init__(
@@ -78,8 +77,7 @@ def transition_map(
 
     Args:
         chain: two cells or any other number.
-        cell: the one whose anchor moves, 0 for the innermost, or its name; all its bands go to
-            the same place.
+        cell: the one whose anchor moves, 0 for the innermost, or its name, with all its bands.
         x, y: (nx,), (ny,) rising places of its anchor q on the outer block [m].
         progress: called with (done, total) while the general engine works.
 
@@ -114,17 +112,15 @@ def parameter_map(
         pathway, int8, the same by the names of `Pathway`, for two cells only;
         snap_loading, snap_unloading, stroke [m] of the first snap, NaN where there is none;
         snaps_loading, snaps_unloading, steps from state to state in which the chain snaps
-        (a snap that is handed on from cell to cell counts once); -1 where there is no answer;
-        margin, smallest difference of two F0 or of two F1, over k r of the first cell that
-        stays as it is (of the innermost where none does): zero exactly on a boundary, infinite
-        for one cell, NaN where the general engine had to decide, as with elements;
+        (a snap handed on from cell to cell counts once); -1 where there is no answer;
+        margin, smallest difference of two F0 or of two F1, over k r of the first cell that stays as
+        it is (of the innermost where none does): zero exactly on a boundary, infinite for one cell,
+        NaN where the general engine had to decide, as with elements;
         monostable, whether a cell whose parameter varies is stable in one state only;
-        degenerate, whether the design sits on a boundary (margin below 1e-9, or the engine met
-        a tie).
+        degenerate, whether the design is on a boundary (margin below 1e-9, or a tie of the engine).
 
     Raises:
-        ValueError: no such parameter, values that do not rise or that it cannot have, or more
-            places than the limit.
+        ValueError: no such parameter, values that do not rise or that it cannot have, or too many.
         ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.

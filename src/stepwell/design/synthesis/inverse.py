@@ -80,28 +80,25 @@ def design(
     Args:
         sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
         states: all states that shall be in reach from all cells at 0, and no others, or "all".
-            For chains of up to eight cells the engine follows every branch, of the drawing and
-            of each mechanism made for the yield; `Design.reached` says whether that was done.
+            Of up to eight cells the engine follows every branch, of the drawing and of each
+            mechanism made for the yield; `Design.reached` says whether that was done.
         cells: how many, for states="all".
-        within: where the anchors that are free may be, for all cells or one for each; by default
-            the paper's box, in proportion to the largest lever, and its mirror image for p.
-        holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
-            round) the region [m]; None for anywhere.
+        within: where the free anchors may be, for all cells or one for each; by default the paper's
+            box, in proportion to the largest lever, and its mirror image for p.
+        holes: pitch of drilled holes, from the region's lower left corner [m]; None for anywhere.
         p, q: inner and outer anchor of every cell [m], where it is not free.
-        free: which anchors are placed: "q", "p", or "both", each p being the mirror image of q,
-            p = -q. Only q - p matters, so mirror images give all that two anchors give which may
-            be anywhere in a convex region and its mirror image.
+        free: which anchors are placed: "q", "p", or "both" with p = -q. Only q - p matters, so
+            mirror images give all that two anchors anywhere in a convex region and its image give.
         bands: those that can be had; where the law of one bends, as a measured one does, forces are
             looked at and the engine decides, and nothing is proved.
         lever: r, or several to choose from [m].
         limit: θc of every cell [rad].
-        equal_levers: whether all cells must have the same lever. If not, whether the order of
-            F0 and F1 decides is for the engine to say, and the next best is tried where it does
-            not.
+        equal_levers: whether all cells must have the same lever. If not, the engine says whether
+            the order of F0 and F1 decides, and the next best is tried where it does not.
         tolerances: how far what is built may be from the drawing.
         objective: "yield" for the largest share of mechanisms that work, "worst" for the largest
             displacement that all outer anchors may have at once, as `robustness` tells.
-        most_force: that the actuator has: no |F0| or |F1| is larger [N].
+        most_force: of the actuator: no |F0| or |F1| is larger [N].
         actuator_stiffness: K, infinite for a prescribed stroke, 0 for a prescribed force [N/m].
         elements: those that can be had, each as often as it is needed.
         force_scale, travel_scale: least and largest of each, times an element's own.

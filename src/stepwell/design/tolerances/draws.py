@@ -39,8 +39,8 @@ class Tolerances(base.ByValue):
         lever: every cell's lever is up to this much longer or shorter, evenly [m].
         friction: every cell's friction is up to this much more than drawn, evenly [N].
         travel: standard deviation of all travels of an element alike, normal, cut at four [1].
-        mobility: two cells that are drawn equally mobile are up to so many times apart: each is
-            drawn evenly on a scale of logarithms; 1 leaves them as drawn [1].
+        mobility: two cells drawn equally mobile are up to so many times apart: each is drawn evenly
+            on a scale of logarithms; 1 leaves them as drawn [1].
 
     Raises:
         ValueError: a value that is negative or not finite, a spread of a quarter or more, which
