@@ -15,18 +15,14 @@ _HOOKE = Linear()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stock(ByValue):
-    """A kind of band from a catalogue.
+    """A kind of band from a catalogue; ValueError for a value out of its range.
 
     Args:
         stiffness: k [N/m], > 0.
         rest_length: ℓ0 [m], >= 0.
-        spread: standard deviation of k from band to band over its mean [1]; None for the one
-            in the tolerances.
+        spread: standard deviation of k over its mean [1]; None for that of the tolerances.
         name: what the catalogue calls it.
         law: tension is `stiffness` times this shape of the extension, such as a measured Table.
-
-    Raises:
-        ValueError: a value out of its range.
 
     Source: the defaults are the paper's band, Kamp et al. 2024.
     """
@@ -80,11 +76,8 @@ class AnchorBox(Box):
     """A rectangle for the anchor q on a cell's outer block [m].
 
     Args:
-        left, right: least and largest x [m].
+        left, right: least and largest x [m], finite and in this order, or ValueError.
         bottom, top: least and largest y [m].
-
-    Raises:
-        ValueError: sides that are not finite, or not in order.
     """
 
     def __post_init__(self):
@@ -117,11 +110,8 @@ class AnchorPolygon(ByValue):
     """A polygon for the anchor q on a cell's outer block.
 
     Args:
-        corners: (m, 2) in order round it [m], three or more; the last is joined to the first.
-            Where it crosses itself, what it goes round twice is outside.
-
-    Raises:
-        ValueError: fewer corners, or corners in a line.
+        corners: (m, 2) in order round it [m]; the last is joined to the first. Where it crosses
+            itself, what it goes round twice is outside. ValueError for fewer than three, or a line.
     """
 
     corners: Sequence[tuple[float, float]]

@@ -24,19 +24,18 @@ class Sensitivities(ByValue):
 
     A part is "<cell>.d" (all anchors of its bands), "<cell>.stiffness", "<cell>.rest_length",
     "<cell>.lever" or "<cell>.friction", of an element "<cell>.force_scale", "<cell>.travel_scale"
-    or "<cell>.friction", with <cell> its name, or its number from 1 where names repeat; only
-    parts with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f being friction; of
+    or "<cell>.friction", with <cell> its name, or its number from 1 where names repeat; only parts
+    with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f being friction; of
     elements, of all their switching forces. It tells the order of cells whose force falls all the
-    way; of others it need not, and `agreed` says how well it did. F0 and F1 of a cell of one
-    linear band without a load are those of a taut band also where a mechanism has it slack.
+    way; of others it need not, and `agreed` says how well it did. F0 and F1 of a cell of one linear
+    band without a load are those of a taut band also where a mechanism has it slack.
 
     Attributes:
         parameters: (m,) the parts.
         first_order: (m,) share of the variance that goes when this part alone is made exact.
         total: (m,) share that stays when all others are made exact; more than `first_order`
             where the part acts together with others.
-        deviation: standard deviation of the smallest gap [N]; 0 where it does not vary, and
-            then all shares are 0.
+        deviation: standard deviation of the smallest gap [N]; 0, as all shares, if it is constant.
         points: mechanisms in each of the two base samples; with 4096 a share is good to about
             0.01, with 1024 to about 0.03.
         agreed: of how many mechanisms followed by the engine the gap is above zero exactly where
