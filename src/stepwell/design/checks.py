@@ -36,14 +36,9 @@ class Verdict(StrEnum):
 def judged(*, does_it: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
-    Args:
-        does_it: whether the drawing does what is wanted.
-        tied: whether it is a tie on its way.
-        interval: 95 % confidence interval of the share of those built that do it.
-
-    Returns:
-        `WONT` where the drawing does not do it, or the interval ends below one half; `WORKS` where
-        it does, without a tie, and the interval begins at 95 % or above; else `FRAGILE`.
+    `WONT` where the drawing, which may be a tie, does not do what is wanted, or the 95 % confidence
+    interval of the share of those built that do it ends below one half; `WORKS` where it does,
+    without a tie, and the interval begins at 95 % or above; else `FRAGILE`.
     """
     low, high = interval
     if not does_it or high < HALF:

@@ -30,16 +30,10 @@ class Run(ByValue):
 
     @classmethod
     def of(cls, chain: Chain, mobility_ratio: float | None = None) -> "Run":
-        """The run of a chain.
+        """The run of a chain, with landings checked for mobilities up to a ratio.
 
-        Args:
-            chain: the design.
-            mobility_ratio: landings are checked for mobilities up to this ratio; for up to 10, and
-                for up to 8 cells, by default.
-
-        Raises:
-            ValueError: a ratio that is not allowed.
-            StaticsError: the engine could not go on; its text says what to do.
+        By default up to 10, for up to 8 cells. ValueError for a ratio that is not allowed;
+        StaticsError where the engine could not go on.
         """
         motion = cycle(chain)
         path = motion.path

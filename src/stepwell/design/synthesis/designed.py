@@ -32,8 +32,7 @@ class Design(ByValue, Drawn):
             where there are holes all of them.
         holes: pitch of the drilled holes [m]; None where anchors may be anywhere.
         candidates: how many ways to build a cell were looked at first.
-        proved: whether no other choice of holes is better by the objective, of those where the
-            band is proved taut with falling force.
+        proved: whether no other choice of holes is better, of those where the cell is proved.
         method: what was searched, by which objective, and what of it is proved.
         standing: what is known of the cells.
     """
@@ -149,8 +148,8 @@ class Impossible(Shown, StepwellError, ValueError):
         target: as text.
         proved: True for a proof, which then covers all that is allowed, as it is drawn: no choice
             does it without a tie. False where something was not tried, and the text says what.
-        region: the pairs (F0, F1) [N] that a cell can have: closed curves round them, or all of
-            them where there are holes; empty where there are none, or none was looked at.
+        region: the pairs (F0, F1) [N] that a cell can have: closed curves round them, or with holes
+            all of them; empty where there are none, or none was looked at.
         largest_gap: the largest smallest gap between neighbours in the wanted orders of F0 and
             F1 that can be had, or was found where nothing is proved [N]: zero where two cells
             tie, less where they change places; NaN where there are no cells to compare.
