@@ -87,10 +87,8 @@ class RelayCycles:
 
     def cycles(self) -> tuple[list[str], Ints]:
         """The different cycles as texts, and (m,) the number of each chain's."""
-        rows = np.concatenate(
-            [self.order.reshape(len(self.order), -1), self.together.reshape(len(self.order), -1)],
-            axis=1,
-        )
+        m = len(self.order)
+        rows = np.hstack([self.order.reshape(m, -1), self.together.reshape(m, -1)])
         if not len(self.switches):
             return ["0" * self.switches.cells], np.zeros(len(rows), np.int64)
         _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
@@ -127,9 +125,13 @@ def are_relays(chain: Chain) -> bool:
 
 def relay_cycle(chain: Chain) -> str | None:
     """The full cycle of a chain by its switching forces; None where they do not decide, or tie."""
-    if not chain.elements or not are_relays(chain):
-        return None
-    motion = Switches.of(chain.last_state).motion(switching_forces(chain)[None])
+    relays = chain.elements and are_relays(chain)
+    return cycle_by(chain, switching_forces(chain)) if relays else None
+
+
+def cycle_by(chain: Chain, forces: Floats) -> str | None:
+    """The full cycle by (T, 2) switching forces that decide it; None where two of them tie."""
+    motion = Switches.of(chain.last_state).motion(forces[None])
     return None if motion.tied[0] else motion.cycles()[0][0]
 
 

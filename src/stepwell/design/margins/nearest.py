@@ -27,8 +27,7 @@ _NEARER = 1.0 - 1e-13  # what is nearer is not so by rounding alone
 _NUDGE = 1e-5  # of r, for the curvature
 
 
-@dataclass(frozen=True, eq=False)
-class Place:
+class Place(NamedTuple):
     """A displacement on the rim of the region in which conditions are met."""
 
     move: Floats  # (2,) of the anchor [m]

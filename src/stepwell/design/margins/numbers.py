@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, bisected
+from stepwell.base import bisected
 from stepwell.concave import SortedChain
 from stepwell.design.margins.nearest import sequence
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
-from stepwell.design.switches import Switches, are_relays, switching_forces
+from stepwell.design.switches import Switches, are_relays, cycle_by, switching_forces
 from stepwell.mechanism import Chain
 from stepwell.statics import StaticsError
 
@@ -115,7 +115,7 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Neares
     with np.errstate(divide="ignore", invalid="ignore"):
         at = (forces[~mine][None] - forces[mine][:, None]) / slope[mine][:, None]
     meetings = np.unique(at[np.isfinite(at)])
-    now = _by_forces(chain, forces)
+    now = cycle_by(chain, forces)
     up = [0.0, *meetings[meetings > 0.0].tolist(), math.inf]
     down = [0.0, *meetings[meetings < 0.0][::-1].tolist(), least]
     stretches = [*pairwise(up), *pairwise(down)]
@@ -124,17 +124,12 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Neares
         if begin == end or (way < 0 and begin <= least):
             continue
         middle = begin + way * (1.0 if math.isinf(end) else abs(end - begin) / 2.0)
-        done = _by_forces(chain, forces + middle * np.where(mine[:, None], slope, 0.0))
+        done = cycle_by(chain, forces + middle * np.where(mine[:, None], slope, 0.0))
         if done is None or (done == now if target is None else done != target):
             continue
         past = begin + way * min(_PAST, abs(middle - begin))
         return NearestShare(begin, past, Method.EXACT)
     return NearestShare(math.nan, math.nan, Method.EXACT)
-
-
-def _by_forces(chain: Chain, forces: Floats) -> str | None:
-    motion = Switches.of(chain.last_state).motion(forces[None])
-    return None if motion.tied[0] else motion.cycles()[0][0]
 
 
 def _searched(

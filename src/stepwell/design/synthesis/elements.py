@@ -7,7 +7,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Ints, told_in
+from stepwell.base import Floats, InputError, Ints, bisected, told_in
 from stepwell.design.orders import Wish, checked_cycle, of_states, orders_of, short
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
@@ -69,18 +69,11 @@ class Scales:
 
     def surest(self, least: float) -> tuple[tuple[float, ...] | None, float]:
         """The scales for which all forces may be off by most, if above a share, and that share."""
-        low, high = least, 1.0
-        scales, slack = self._best(low)
-        if scales is None or not slack > 0.0:
-            return None, low
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            found, slack = self._best(middle)
-            if found is not None and slack >= 0.0:
-                low, scales = middle, found
-            else:
-                high = middle
-        return tuple(scales.tolist()), low
+        if not self._best(least)[1] > 0.0:
+            return None, least
+        share, _ = bisected(lambda at: self._best(at)[1] >= 0.0, least, 1.0, _HALVINGS)
+        scales, _ = self._best(share)
+        return None if scales is None else tuple(scales.tolist()), share
 
     def _best(self, share: float) -> tuple[Floats | None, float]:
         """The scales with the largest smallest gap beyond a share of the forces, and that gap."""

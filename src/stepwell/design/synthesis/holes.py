@@ -1,6 +1,5 @@
 """The best choice among drilled holes, or the proof that there is none."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +23,7 @@ def fits(cells: int, candidates: int) -> bool:
     return small and candidates <= _MOST_CANDIDATES
 
 
-@dataclass(frozen=True, eq=False)
-class Selection:
+class Selection(NamedTuple):
     """What a search among candidates found."""
 
     picks: Ints  # (N,) number of the candidate of every cell; empty if none meets both orders

@@ -111,29 +111,6 @@ class Buildable(NamedTuple):
     concave: bool  # proved, as drawn
 
 
-@dataclass(frozen=True)
-class Tried:
-    """What came of trying choices of holes: the chains that do what is wanted."""
-
-    chains: tuple[Chain, ...]
-    open: int  # choices that no closed form decides
-    tried: int  # how many of them were followed
-    unanswered: int  # of how many of those the engine could not tell
-
-    @property
-    def all(self) -> bool:
-        """Whether there is none of which it is not known what it does."""
-        return self.tried == self.open and not self.unanswered
-
-    @property
-    def report(self) -> str:
-        """What was tried, in words."""
-        if self.all:
-            return f"all {self.open} choices that no closed form decides were run by the engine"
-        text = f"{self.tried} of {self.open} choices that no closed form decides were run"
-        return text + (f", {self.unanswered} of them without an answer" * (self.unanswered > 0))
-
-
 def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     """All ways to build a cell, those not proved concave first."""
     found: list[Buildable] = []
@@ -313,10 +290,14 @@ class Tries:
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         return attempts
 
-    def _tried(self, rules: list[Rule], holes: float, *, decided: bool) -> Tried:
+    def _tried(
+        self, rules: list[Rule], holes: float, *, decided: bool
+    ) -> tuple[list[Chain], bool, str]:
         """Follow every choice of holes that is left, or as many as take some seconds.
 
         `decided` if no choice of cells proved concave as drawn that share a full travel does it.
+        Returned are the chains that do it, whether it is known of all others that they do not, and
+        what was tried.
         """
         target, regions, before = self.target, self.regions, self._done
         alike, again = len(set(regions)) == 1, target.twins
@@ -349,7 +330,11 @@ class Tries:
                     these = [cells[k].cell for k in order]
                     title = f"Designed for {target.text}"
                     found.append(named(these, self.actuator_stiffness, title))
-        return Tried(tuple(found), left, done, unanswered)
+        choices = f"{left} choices that no closed form decides were run"
+        if done == left and not unanswered:
+            return found, True, f"all {choices} by the engine"
+        missed = f", {unanswered} of them without an answer" * (unanswered > 0)
+        return found, False, f"{done} of {choices}{missed}"
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that no closed form decides, and how it was found; raises Impossible for none."""
@@ -364,18 +349,18 @@ class Tries:
         if target.wish.never or (not target.wish.orders and target.states is None):
             raise self._refusal(placed, "", proved=target.wish.never)
         decided = placed.complete and target.states is None
-        found = self._tried(rules, self.holes, decided=decided)
-        if not found.chains:
-            raise self._refusal(placed, found.report, proved=found.all)
+        found, whole, report = self._tried(rules, self.holes, decided=decided)
+        if not found:
+            raise self._refusal(placed, report, proved=whole)
         counted = None if tolerances.friction else target.states
 
         def share(chain: Chain) -> float:
             return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
 
-        return max(found.chains[:_COMPARED], key=share), (
+        return max(found[:_COMPARED], key=share), (
             f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
-            f"concave does it; {found.report}, and {len(found.chains)} of them do it; the one of "
-            f"{min(len(found.chains), _COMPARED)} of these that works most often of {_MADE} built"
+            f"concave does it; {report}, and {len(found)} of them do it; the one of "
+            f"{min(len(found), _COMPARED)} of these that works most often of {_MADE} built"
         )
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
