@@ -205,10 +205,8 @@ def _scale(outcomes: Outcomes) -> tuple[float, str]:
     chain = outcomes.chain
     stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
     cell, name = chain.cells[stays], chain.names[stays]
-    force = (
-        cell.largest_force if isinstance(cell, Element) else cell.bands[0].stiffness * cell.lever
-    )
-    return force, name
+    own = cell.largest_force if isinstance(cell, Element) else cell.bands[0].stiffness * cell.lever
+    return own, name
 
 
 def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Dataset:

@@ -244,12 +244,10 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wis
     return Wish(tuple(found.values()), True, states)
 
 
-def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
-    if isinstance(states, str):
-        raise InputError(
-            f'states = {states!r}: must be "all" or a list such as ["00", "10", "11"].'
-        )
-    target = {str(state) for state in states}
+def _listed(given: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
+    if isinstance(given, str):
+        raise InputError(f'states = {given!r}: must be "all" or a list such as ["00", "10", "11"].')
+    target = {str(state) for state in given}
     n = len(next(iter(target), ""))
     if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in target):
         raise InputError(

@@ -130,19 +130,17 @@ class Parameter(ByValue):
 
     def values(self, values: ArrayLike, least: int) -> Floats:
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
-        array = np.array(values, float)
+        array, name = np.array(values, float), self.name
         if self.is_anchor:
-            raise InputError(
-                f"{self.name} is a place, not a number: take {self.name}.x or {self.name}.y."
-            )
+            raise InputError(f"{name} is a place, not a number: take {name}.x or {name}.y.")
         if array.ndim != 1 or len(array) < least or not np.all(np.isfinite(array)):
             raise InputError(
-                f"values of {self.name} have shape {array.shape}: must be {least} or more finite "
+                f"values of {name} have shape {array.shape}: must be {least} or more finite "
                 f"numbers in a row [{self.unit}], for example from np.linspace or np.geomspace."
             )
         if np.any(np.diff(array) <= 0):
             raise InputError(
-                f"values of {self.name} must rise from one to the next [{self.unit}]: sort them, "
+                f"values of {name} must rise from one to the next [{self.unit}]: sort them, "
                 f"drop repeats."
             )
         return array
@@ -200,9 +198,7 @@ def parameter(chain: Chain, name: str) -> Parameter:
             return _asked(chain, name, names.index(label), part)
         if label.isdecimal() and 1 <= int(label) <= len(names):
             return _asked(chain, name, int(label) - 1, part)
-    numbered = (
-        f"{number}.{part}" for number, cell in enumerate(chain.cells, 1) for part in _parts(cell)
-    )
+    numbered = (f"{i}.{part}" for i, cell in enumerate(chain.cells, 1) for part in _parts(cell))
     near = nearest_word(str(name), [*(one.name for one in parameters(chain)), *numbered])
     guess = f" Did you mean {near!r}?" if near else ""
     cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(names[:_NAMED], 1))
@@ -240,10 +236,8 @@ def _asked(chain: Chain, name: str, cell: int, part: str) -> Parameter:
     if part in has:
         return of_cell(chain, cell, part)
     is_element = isinstance(chain.cells[cell], Element)
-    what = "an element, a force law without levers or bands" if is_element else "no element"
-    raise InputError(
-        f"parameter {name!r}: {chain.names[cell]} is {what}, and has {', '.join(has)}."
-    )
+    one = "an element, a force law without levers or bands" if is_element else "no element"
+    raise InputError(f"parameter {name!r}: {chain.names[cell]} is {one}, and has {', '.join(has)}.")
 
 
 def _number(of: Parameter, value: float | Vec2) -> float:

@@ -37,10 +37,8 @@ class Run(ByValue):
         """
         motion = cycle(chain)
         path = motion.path
-        landings = (
-            path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
-        )
-        return cls(motion, margin(chain), landings)
+        checked = path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
+        return cls(motion, margin(chain), checked)
 
     @property
     def chain(self) -> Chain:

@@ -156,9 +156,8 @@ class Target:
         """What a chain does, by the engine."""
         result = cycle(chain)
         states, ties = (None, ()) if self.states is None else searched(chain)
-        return Seen(
-            result.sequence, states, bool(result.degenerate or ties), abs(result.peak_force)
-        )
+        tied = bool(result.degenerate or ties)
+        return Seen(result.sequence, states, tied, abs(result.peak_force))
 
     def fault(self, chain: Chain, orders: Orders | None) -> str:
         """What is wrong with a chain, by the engine; "" where it does what is wanted."""

@@ -92,17 +92,15 @@ class Resistance(base.ByValue):
         return f"Resistance({self})"
 
 
-_PUSH = "force against the displacement"
+_DOC = "force against the displacement"
 # The way of the anchor, at every fraction of it.
 WAY: base.Schema = (
     base.Quantity("fraction", read="resistance.fraction"),
     base.Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
     base.Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
-    base.Quantity("force_0", "N", "at state 0", "resistance.force_0", doc=f"{_PUSH} at state 0"),
-    base.Quantity("force_1", "N", "at state 1", "resistance.force_1", doc=f"{_PUSH} at state 1"),
-    base.Quantity(
-        "peak", "N", "largest", "resistance.peak", doc=f"largest {_PUSH} over the travel"
-    ),
+    base.Quantity("force_0", "N", "at state 0", "resistance.force_0", doc=f"{_DOC} at state 0"),
+    base.Quantity("force_1", "N", "at state 1", "resistance.force_1", doc=f"{_DOC} at state 1"),
+    base.Quantity("peak", "N", "largest", "resistance.peak", doc=f"largest {_DOC} over the travel"),
 )
 
 

@@ -133,10 +133,9 @@ def _rings(ways: Displacements, small: bool) -> list[tuple[float, int]]:
         return [(ways.reach * 0.5**k, _DIRECTIONS) for k in range(_DOUBLINGS, -1, -1)]
     steps = _STEPS[ways.dimensions]
     pitch = ways.reach / steps
-    close = [(pitch * 0.5**k, _DIRECTIONS) for k in range(_HALVES, 0, -1)]
-    return close + [
-        (k * pitch, max(_DIRECTIONS, math.ceil(2 * math.pi * k))) for k in range(1, steps + 1)
-    ]
+    close, far = range(_HALVES, 0, -1), range(1, steps + 1)
+    rings = [(pitch * 0.5**k, _DIRECTIONS) for k in close]
+    return rings + [(k * pitch, max(_DIRECTIONS, math.ceil(2 * math.pi * k))) for k in far]
 
 
 def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats:

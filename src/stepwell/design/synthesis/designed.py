@@ -215,9 +215,8 @@ def nothing_works(
                 largest = max(attempt.smallest_gap() for attempt in attempts)
                 how = f"a search from {nearest.candidates} {kind} and bands has not put"
                 found = "not a proof; the largest smallest gap found is"
-            first, second = (
-                " < ".join(str(cell + 1) for cell in order) for order in nearest.orders.rising
-            )
+            rising = nearest.orders.rising
+            first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (
                 f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
                 f"{to_unit(largest, 'mN'):.4g} mN, and more than {to_unit(needed, 'mN'):.2g} mN is "

@@ -81,13 +81,10 @@ class AnchorBox(Box):
     """
 
     def __post_init__(self):
-        sides = (("left", "right"), ("bottom", "top"))
-        for low, high in sides:
-            a, b = getattr(self, low), getattr(self, high)
+        for lo, hi in ("left", "right"), ("bottom", "top"):
+            a, b = getattr(self, lo), getattr(self, hi)
             if not (math.isfinite(a) and math.isfinite(b) and a < b):
-                raise InputError(
-                    f"{low} = {a} m, {high} = {b} m: must be finite, and {low} < {high}."
-                )
+                raise InputError(f"{lo} = {a} m, {hi} = {b} m: must be finite, and {lo} < {hi}.")
 
     @property
     def bounds(self) -> Box:

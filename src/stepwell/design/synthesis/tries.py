@@ -68,9 +68,8 @@ def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
     if attempt.best is None or attempt.holes is not None:
         return replace(attempt, tables=[])
     tables: list[Candidates] = []
-    for region, q, kind in zip(
-        attempt.regions, attempt.best.cells.q, attempt.best.cells.kind, strict=True
-    ):
+    best = attempt.best.cells
+    for region, q, kind in zip(attempt.regions, best.q, best.kind, strict=True):
         away = attempt.pitch * rng.uniform(0.01, 4.0, (_NEAR, 1)) * rng.standard_normal((_NEAR, 2))
         tables.append(attempt.rule.these(region.clamped(q + away), np.full(_NEAR, kind)))
     return replace(attempt, tables=tables, owner=tuple(range(len(tables))))

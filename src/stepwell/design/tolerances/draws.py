@@ -57,11 +57,9 @@ class Tolerances(base.ByValue):
 
     def __post_init__(self):
         for name, unit in _UNITS.items():
-            value, least = float(getattr(self, name)), float(name == "mobility")
-            if not least <= value < math.inf:
-                raise base.InputError(
-                    f"{name} = {value} [{unit}]: must be >= {least:g} and finite."
-                )
+            value, low = float(getattr(self, name)), float(name == "mobility")
+            if not low <= value < math.inf:
+                raise base.InputError(f"{name} = {value} [{unit}]: must be >= {low:g} and finite.")
             if unit == "1" and value >= 0.25:
                 raise base.InputError(
                     f"{name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
