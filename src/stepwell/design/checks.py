@@ -131,14 +131,8 @@ def measurement(found: Yield | Survival) -> Measurement | None:
     Each part in turn has only the tolerance that a scale and callipers leave of it, and the same
     mechanisms are counted again: a few to rank the parts, all of them for the first.
     """
-
-    def left_of(tolerance: str) -> float:
-        if tolerance == "friction":
-            return _OF_FRICTION
-        return min(1.0, getattr(MEASURED, tolerance) / getattr(found.tolerances, tolerance))
-
     parts = parts_of(found)
-    left = {name: left_of(part.tolerance) for name, part in parts.items()}
+    left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
     worth = [name for name in parts if left[name] < 1.0]
     if found.successes == found.samples or not worth:
         return None
@@ -151,6 +145,12 @@ def measurement(found: Yield | Survival) -> Measurement | None:
     cell, what, tolerance, _ = parts[best]
     now = getattr(found.tolerances, tolerance)
     return Measurement(cell, what, tolerance, now, now * left[best], found.share, after)
+
+
+def _left(tolerances: Tolerances, name: str) -> float:
+    if name == "friction":
+        return _OF_FRICTION
+    return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
 
 
 # How much is tried, in tolerances, until something breaks; and where bisection stops.
