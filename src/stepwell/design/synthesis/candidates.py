@@ -13,56 +13,11 @@ from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, far
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.region import Region, Stock
 from stepwell.design.tolerances.draws import Tolerances
-from stepwell.mechanism import Band, Cell, Linear, band_force, band_length, length_slope
+from stepwell.mechanism import Cell, Linear, band_force, band_length, length_slope
 
 # Places over the travel at which the force is looked at, and steps of the derivatives [1].
 LOOKS = 129
 _NUDGE = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Bent:
-    """A band with any law on a lever [m]; its anchors are not looked at."""
-
-    band: Band
-    lever: float
-    sin_limit: float
-
-    def ends(self, d: Floats) -> tuple[Floats, Floats]:
-        """F0 and F1 (m, 2) [N] at differences d (m, 2) [m], and their slopes (m, 2, 2) [N/m]."""
-        step = _NUDGE * self.lever
-        moves = step * np.eye(2)
-        slopes = [(self._forces(d + move) - self._forces(d - move)) / (2 * step) for move in moves]
-        return self._forces(d), np.stack(slopes, axis=2)
-
-    def falls(self, d: Floats) -> Bools:
-        """At which of (m, 2) differences [m] the band is taut and its force falls, (m,)."""
-        sine = np.linspace(-self.sin_limit, self.sin_limit, LOOKS)
-        force, length = self._at(sine, d)
-        taut = np.all(length > self.band.rest_length, axis=1)
-        return taut & np.all(np.diff(force, axis=1) < 0.0, axis=1)
-
-    def by_sizes(self, d: Floats) -> tuple[Floats, Floats]:
-        """∂F/∂ℓ0 and ∂F/∂r [N/m] of F0 and F1, (m, 2) each."""
-        step = _NUDGE * self.lever
-        rest = self.band.rest_length
-        longer, shorter = (
-            replace(self, band=replace(self.band, rest_length=one))._forces(d)
-            for one in (rest + step, max(rest - step, 0.0))
-        )
-        wide, narrow = (replace(self, lever=self.lever + one)._forces(d) for one in (step, -step))
-        return (longer - shorter) / (step + min(step, rest)), (wide - narrow) / (2 * step)
-
-    def _forces(self, d: Floats) -> Floats:
-        return self._at(np.array([-self.sin_limit, self.sin_limit]), d)[0]
-
-    def _at(self, sine: Floats, d: Floats) -> tuple[Floats, Floats]:
-        """Force [N] and length [m], (m, k) each, at k sines of the angle."""
-        cosine = np.sqrt(1.0 - sine**2)
-        dx, dy = d[:, :1], d[:, 1:]
-        length = band_length(sine, cosine, dx, dy, self.lever)
-        first = length_slope(sine, cosine, length, dx, dy)
-        return np.asarray(band_force(self.band.tension(length), first)), length
 
 
 class Candidates(NamedTuple):
@@ -107,25 +62,50 @@ class Kind:
         sine = math.sin(self.limit)
         return Simple(*nowhere, self.band.stiffness, self.band.rest_length, self.lever, sine)
 
-    @cached_property
-    def bent(self) -> Bent | None:
-        """The same by its law, where that bends; None where it is Hooke's and proofs hold."""
-        if isinstance(self.band.law, Linear):
-            return None
-        return Bent(self.band.between((0.0, 0.0), (1.0, 0.0)), self.lever, math.sin(self.limit))
+    @property
+    def bends(self) -> bool:
+        """Whether the law of the band does; where it is Hooke's, proofs hold."""
+        return not isinstance(self.band.law, Linear)
 
     def ends(self, d: Floats) -> tuple[Floats, Floats]:
-        """End forces (m, 2) [N] and their slopes by the anchor (m, 2, 2) [N/m]."""
-        if self.bent is not None:
-            return self.bent.ends(d)
-        out = np.array([end_force_field(self.cell, side, d) for side in SIDES])
-        return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
+        """End forces (m, 2) [N] at d (m, 2) [m] and their slopes by the anchor (m, 2, 2) [N/m]."""
+        if not self.bends:
+            out = np.array([end_force_field(self.cell, side, d) for side in SIDES])
+            return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
+        step = _NUDGE * self.lever
+        moves = step * np.eye(2)
+        slopes = [(self._forces(d + move) - self._forces(d - move)) / (2 * step) for move in moves]
+        return self._forces(d), np.stack(slopes, axis=2)
+
+    def falls(self, d: Floats) -> Bools:
+        """At which of (m, 2) differences [m] the band is taut and its force falls, (m,)."""
+        force, length = self._at(np.linspace(-self.cell.sin_limit, self.cell.sin_limit, LOOKS), d)
+        taut = np.all(length > self.band.rest_length, axis=1)
+        return taut & np.all(np.diff(force, axis=1) < 0.0, axis=1)
 
     def by_sizes(self, d: Floats) -> tuple[Floats, Floats]:
-        """How end forces change with ℓ0 and with r [N/m], (m, 2) each."""
-        if self.bent is not None:
-            return self.bent.by_sizes(d)
-        return slopes_by_sizes(self.cell, np.array(SIDES), d[:, :1], d[:, 1:])
+        """∂F/∂ℓ0 and ∂F/∂r [N/m] of F0 and F1, (m, 2) each."""
+        if not self.bends:
+            return slopes_by_sizes(self.cell, np.array(SIDES), d[:, :1], d[:, 1:])
+        step, rest = _NUDGE * self.lever, self.band.rest_length
+        longer, shorter = (
+            replace(self, band=replace(self.band, rest_length=one))._forces(d)
+            for one in (rest + step, max(rest - step, 0.0))
+        )
+        wide, narrow = (replace(self, lever=self.lever + one)._forces(d) for one in (step, -step))
+        return (longer - shorter) / (step + min(step, rest)), (wide - narrow) / (2 * step)
+
+    def _forces(self, d: Floats) -> Floats:
+        return self._at(np.array([-self.cell.sin_limit, self.cell.sin_limit]), d)[0]
+
+    def _at(self, sine: Floats, d: Floats) -> tuple[Floats, Floats]:
+        """Force [N] and length [m], (m, k) each, at k sines of the angle."""
+        cosine = np.sqrt(1.0 - sine**2)
+        dx, dy = d[:, :1], d[:, 1:]
+        length = band_length(sine, cosine, dx, dy, self.lever)
+        first = length_slope(sine, cosine, length, dx, dy)
+        tension = self.band.between((0.0, 0.0), (1.0, 0.0)).tension(length)
+        return np.asarray(band_force(tension, first)), length
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,10 +169,9 @@ class Rule:
 
     def proved(self, q: Floats, k: int) -> Bools:
         """At which of (m, 2) places the k-th kind is taut and concave; looked at, if it bends."""
-        kind = self.kinds[k]
-        if kind.bent is not None:
-            return kind.bent.falls(self.differences(q))
-        cell = kind.cell
+        cell = self.kinds[k].cell
+        if self.kinds[k].bends:
+            return self.kinds[k].falls(self.differences(q))
         if self.as_drawn:
             return certified(cell, self.differences(q))
         # A longer rest length makes the proof harder, as any displacement does.
@@ -216,7 +195,7 @@ class Rule:
     @property
     def bends(self) -> bool:
         """Whether the law of some band bends: then falling forces are looked at, not proved."""
-        return any(kind.bent is not None for kind in self.kinds)
+        return any(kind.bends for kind in self.kinds)
 
     @cached_property
     def _proofs(self) -> list[AnchorProof]:
