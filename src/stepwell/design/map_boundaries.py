@@ -79,7 +79,7 @@ def boundaries(
     x: ArrayLike,
     y: ArrayLike,
     search: int = 61,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> tuple[plane.Boundary, ...]:
     """The curves between the regions of a `transition_map`: `parameter_boundaries` of its anchor.
 
@@ -97,7 +97,7 @@ def boundaries(
 
 
 def parameter_boundaries(
-    chain: Chain, x: Axis, y: Axis, *, search: int = 61, progress: Progress | None = None
+    chain: Chain, x: Axis, y: Axis, *, search: int = 61, progress: Progress = None
 ) -> tuple[plane.Boundary, ...]:
     """The curves between the regions of a map over two parameters, then the limits of bistability.
 
@@ -154,7 +154,7 @@ def parameter_boundaries(
 
 
 def _orders(
-    outcomes: Outcomes, place: Place, grid: Floats, progress: Progress | None
+    outcomes: Outcomes, place: Place, grid: Floats, progress: Progress
 ) -> list[tuple[tuple[int, int], Floats, How]]:
     """Where the sequence changes: its numbers on both sides, points, and how they were found."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Drawn, Floats, InputError, Shown, __version__, need, require
-from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
+from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Progress, Stability
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
@@ -57,7 +57,6 @@ def with_door(dataset: xr.Dataset) -> xr.Dataset:
 
 Axis = tuple[str | Parameter, ArrayLike]
 Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
-Progress = Callable[[int, int], None]
 _Notes = dict[str, object]
 
 # Below this gap, in units of k r, no maker and no rounding error can tell the order.
@@ -66,12 +65,7 @@ _BYTES = 60  # of a place, on the way and in the result
 
 
 def transition_map(
-    chain: Chain,
-    cell: int | str = 1,
-    *,
-    x: ArrayLike,
-    y: ArrayLike,
-    progress: Progress | None = None,
+    chain: Chain, cell: int | str = 1, *, x: ArrayLike, y: ArrayLike, progress: Progress = None
 ) -> xr.Dataset:
     """What a chain does for every anchor q of one of its cells: `parameter_map` over that anchor.
 
@@ -90,9 +84,7 @@ def transition_map(
     return parameter_map(*anchor(chain, cell, x, y), progress=progress)
 
 
-def parameter_map(
-    chain: Chain, x: Axis, y: Axis, *, progress: Progress | None = None
-) -> xr.Dataset:
+def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) -> xr.Dataset:
     """What a chain does for every value of two of its parameters.
 
     Any two parameters of any cells or elements, of the actuator's stiffness or of friction; names

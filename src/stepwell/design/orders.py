@@ -119,25 +119,17 @@ class Orders:
     @property
     def states(self) -> tuple[str, ...]:
         """What can be reached from all cells at 0, by the number of cells at 1."""
-        n = len(self)
-        loads = {cell: k for k, cell in enumerate(self.loading)}
-        unloads = {cell: k for k, cell in enumerate(self.unloading)}
-        # A cell is at 1 only where all that load before it and unload after it are.
-        needs = [
-            {i for i in range(n) if loads[i] < loads[j] and unloads[i] > unloads[j]}
-            for j in range(n)
-        ]
         ideals = {frozenset[int]()}
-        for j in self.loading:
-            ideals |= {ideal | {j} for ideal in ideals if needs[j] <= ideal}
-        found = ["".join("01"[i in ideal] for i in range(n)) for ideal in ideals]
-        return by_cells_at_1(found)
+        for k, j in enumerate(self.loading):
+            # A cell is at 1 only where all that load before it and unload after it are.
+            needs = {*self.loading[:k]} & {*self.unloading[self.unloading.index(j) + 1 :]}
+            ideals |= {ideal | {j} for ideal in ideals if needs <= ideal}
+        return by_cells_at_1("".join("01"[i in one] for i in range(len(self))) for one in ideals)
 
     @property
     def count(self) -> int:
         """How many these states are, counted without listing them (theory page)."""
-        place = {cell: -k for k, cell in enumerate(self.unloading)}
-        return ideals((k, place[cell]) for k, cell in enumerate(self.loading))
+        return ideals((k, -self.unloading.index(cell)) for k, cell in enumerate(self.loading))
 
     @property
     def nested(self) -> bool:

@@ -88,9 +88,8 @@ def number_change(
     chain: Chain, forces: SortedChain | None, now: Sequence, cell: int, part: str
 ) -> Change:
     """The smallest change of a number of a cell, of all bands alike, that changes the sequence."""
-    found = numbers.nearest_share(chain, forces, str(now), of_cell(chain, cell, part))
-    far = math.inf if math.isnan(found.share) else abs(found.share)
-    return Change(chain, cell, part, far, found.share, found.past, found.method)
+    number = of_cell(chain, cell, part)
+    return Change(chain, cell, part, *numbers.nearest_share(chain, forces, str(now), number))
 
 
 # Printed lines, and the longest chain whose sequences are printed with them.

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import bisected
 from stepwell.concave import SortedChain
-from stepwell.design.margins.nearest import sequence
+from stepwell.design.margins.nearest import Nearest, sequence
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.switches import Switches, are_relays, cycle_by, switching_forces
@@ -40,14 +39,6 @@ def resolution(part: str, force: str) -> str:
     return f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
 
 
-class NearestShare(NamedTuple):
-    """The smallest change of a number, as a share of it; of friction, of the largest force."""
-
-    share: float  # signed; NaN where there is none
-    past: float  # a hair further, where the chain does it
-    method: Method
-
-
 def changed_by(chain: Chain, number: Parameter, share: float) -> Chain:
     """The chain with a number changed by a share of it; friction, by one of the largest force."""
     if number.part != "friction":
@@ -64,8 +55,10 @@ def nearest_share(
     number: Parameter,
     target: str | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> NearestShare:
+) -> Nearest:
     """The smallest change of a number of a cell after which a chain does what is wanted.
+
+    It is a share of the number, of friction one of the largest force, and NaN where there is none.
 
     In closed form F of one linear band is proportional to k, so the ratio of stiffness that reaches
     another force is a quotient; a force of the other sign, or zero, is never reached. So it is with
@@ -81,7 +74,7 @@ def nearest_share(
             if n.own * n.other > 0
         ]
         share, grows = min(quotients, key=lambda one: abs(one[0]), default=(math.nan, 1))
-        return NearestShare(share, share + math.copysign(_PAST, grows), Method.EXACT)
+        return _share(share, share + math.copysign(_PAST, grows), Method.EXACT)
     if chain.elements and number.part in _OF_FORCES and are_relays(chain):
         return _among_relays(chain, number, target)
 
@@ -95,10 +88,14 @@ def nearest_share(
 
     found = _searched(does, chain, number, finely=target is not None, progress=progress)
     share = min(found, key=abs, default=math.nan)
-    return NearestShare(share, share, Method.SEARCH)
+    return _share(share, share, Method.SEARCH)
 
 
-def _among_relays(chain: Chain, number: Parameter, target: str | None) -> NearestShare:
+def _share(share: float, past: float, method: Method) -> Nearest:
+    return Nearest(math.inf if math.isnan(share) else abs(share), share, past, method)
+
+
+def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Nearest:
     """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
     assert number.cell is not None
     own, least = chain.cells[number.cell], -1.0
@@ -128,8 +125,8 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Neares
         if done is None or (done == now if target is None else done != target):
             continue
         past = begin + way * min(_PAST, abs(middle - begin))
-        return NearestShare(begin, past, Method.EXACT)
-    return NearestShare(math.nan, math.nan, Method.EXACT)
+        return _share(begin, past, Method.EXACT)
+    return _share(math.nan, math.nan, Method.EXACT)
 
 
 def _searched(

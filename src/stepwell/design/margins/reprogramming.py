@@ -277,15 +277,14 @@ def reprogram(
     text = None if wanted is None else str(wanted)
     after, method = None, Method.EXACT
     if number:
-        share = past = 0.0
+        distance, change, past, reach = 0.0, 0.0, 0.0, math.inf
         if before != wanted:
             asked = chain, None, str(before), moved, text, progress
-            share, past, method = numbers.nearest_share(*asked)
-        change = math.nan
-        if not math.isnan(share):
-            after, there = (numbers.changed_by(chain, moved, part) for part in (past, share))
+            distance, change, past, method = numbers.nearest_share(*asked)
+        if math.isfinite(distance):
+            after, there = (numbers.changed_by(chain, moved, part) for part in (past, change))
             change = float(moved.value(there)) - float(moved.value(chain))  # type: ignore[arg-type]
-        distance, reach = math.inf if math.isnan(change) else abs(change), math.inf
+            distance = abs(change)
         usual = numbers.resolution(moved.part, chain.measure.force)
         missed = usual if wanted is None else numbers.RESOLUTION_FINE
     else:
