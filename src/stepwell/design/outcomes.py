@@ -333,10 +333,6 @@ class Outcomes:
         found.degenerate[:] = found.gap < tie
         return found
 
-    def proved(self, values: Floats) -> Bools:
-        """For which of (m, 2) values the closed form holds."""
-        return self.closed_form(values).sequence != UNSOLVED
-
     def ask(
         self, which: NDArray[np.intp], values: Floats, found: Found, progress: Progress = None
     ) -> None:
@@ -403,10 +399,9 @@ class Outcomes:
             for parameter, column in zip(self.parameters, values.T, strict=True):
                 parameter.put(designs, self.chain, column)
         found = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
-        own = np.array([self._number(sequence) for sequence in found.sequences], np.int32)
-        number = found.number.astype(np.int32)
-        number[number >= 0] = own[number[number >= 0]]
-        return number, found
+        # What has no number of its own is told by a negative one, which counts from the end.
+        numbers = [*map(self._number, found.sequences), UNSOLVED, IMPOSSIBLE]
+        return np.array(numbers, np.int32)[found.number], found
 
     def _of_orders(self, orders: Codes) -> int:
         key = orders.tobytes()

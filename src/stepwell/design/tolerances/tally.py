@@ -17,7 +17,7 @@ from stepwell.design.switches import Switches, are_relays, relay_cycle
 from stepwell.design.targets import landings_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.mechanism import Chain
-from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Sequence, cycle, cycles_of
+from stepwell.sequences import Sequence, cycle, cycles_of
 from stepwell.statics import Landing, StaticsError
 
 _LEVERS = "anchors, levers and friction evenly within their tolerance, k and ℓ0 normally"
@@ -142,10 +142,10 @@ def followed(
     if states is None and not forced:
         designs = draws.designs(drawn)
         found = cycles_of(lambda i: draws.built(drawn[i]), len(drawn), designs, progress)
-        texts = [*map(str, found.sequences)]
-        words = {IMPOSSIBLE: NOT_BUILT, UNSOLVED: NO_ANSWER}
+        # IMPOSSIBLE and UNSOLVED count from the end.
+        texts = [*map(str, found.sequences), NO_ANSWER, NOT_BUILT]
         for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
-            yield words[number] if number < 0 else TIED if tied else texts[number]
+            yield TIED if tied and number >= 0 else texts[number]
         return
     for done, draw in enumerate(drawn):
         if progress is not None:
