@@ -254,7 +254,8 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
 
 
 def _noted(name: str, unit: str = "") -> _Notes:
-    return {"long_name": name} | ({"units": unit} if unit else {})
+    notes: _Notes = {"long_name": name}
+    return notes | ({"units": unit} if unit else {})
 
 
 def _flags(words: list[str], kind: type[np.signedinteger]) -> _Notes:

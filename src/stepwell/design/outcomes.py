@@ -378,9 +378,10 @@ class Outcomes:
 
     def numbers(self, cell: int, values: Floats) -> Floats | None:
         """(m, 7) a cell whose parameters vary, a row as in `sweep`, if it has one linear band."""
-        if self._plain[cell] is None:
+        row = self._plain[cell]
+        if row is None:
             return None
-        rows, added = np.tile(self._plain[cell], (len(values), 1)), self.added(values)
+        rows, added = np.tile(row, (len(values), 1)), self.added(values)
         for k, parameter in enumerate(self.parameters):
             if parameter.cell == cell:
                 rows[:, self.columns[k]] += added[:, k]

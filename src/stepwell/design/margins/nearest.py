@@ -238,11 +238,11 @@ _PAST = (1e-8, 1e-9, 1e-10)
 
 
 class Nearest(NamedTuple):
-    """The nearest displacement, or share of a number, and one just past it."""
+    """The nearest displacement, and one just past it."""
 
-    distance: float  # its length [m], or [1]; infinite where none is within reach
-    move: Vec2 | float  # (dx, dy) of the anchor [m], or signed [1]; NaN for none
-    past: Vec2 | float  # where the chain does otherwise
+    distance: float  # its length [m]; infinite where none is within reach
+    move: Vec2  # (dx, dy) of the anchor [m]; NaN for none
+    past: Vec2  # where the chain does otherwise
     method: Method
 
 

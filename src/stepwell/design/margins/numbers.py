@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import bisected
 from stepwell.concave import SortedChain
-from stepwell.design.margins.nearest import Nearest, sequence
+from stepwell.design.margins.nearest import sequence
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.switches import Switches, are_relays, cycle_by, switching_forces
@@ -39,6 +39,10 @@ def resolution(part: str, force: str) -> str:
     return f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
 
 
+# How far a share of a number is from none, that share, the same a hair further, and the method.
+Share = tuple[float, float, float, Method]
+
+
 def changed_by(chain: Chain, number: Parameter, share: float) -> Chain:
     """The chain with a number changed by a share of it; friction, by one of the largest force."""
     if number.part != "friction":
@@ -55,7 +59,7 @@ def nearest_share(
     number: Parameter,
     target: str | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> Nearest:
+) -> Share:
     """The smallest change of a number of a cell after which a chain does what is wanted.
 
     It is a share of the number, of friction one of the largest force, and NaN where there is none.
@@ -91,11 +95,11 @@ def nearest_share(
     return _share(share, share, Method.SEARCH)
 
 
-def _share(share: float, past: float, method: Method) -> Nearest:
-    return Nearest(math.inf if math.isnan(share) else abs(share), share, past, method)
+def _share(share: float, past: float, method: Method) -> Share:
+    return math.inf if math.isnan(share) else abs(share), share, past, method
 
 
-def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Nearest:
+def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Share:
     """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
     assert number.cell is not None
     own, least = chain.cells[number.cell], -1.0
