@@ -184,8 +184,7 @@ def _differences(
 ) -> tuple[list[tuple[int, int, int]], Callable[[Floats, tuple[int, int, int]], Floats]]:
     """Which two forces may become equal, and their difference (m,) [N] of (m, c, 2) forces.
 
-    Forces F0 of two cells, one of which varies, and then their F1: (side, cell, other cell), the
-    cells that vary counted first.
+    Pairs are (side, cell, other cell), first of F0, the cells that vary counted first.
     """
     turned, n = outcomes.turned, len(outcomes.chain)
     stays = [i for i in range(n) if i not in turned]
@@ -223,8 +222,8 @@ def _limits(
 class _Exact(Generic[K]):
     """Curves on which one of several functions vanishes and across which a label changes.
 
-    `measure` gives (m, ...) numbers at (m, 2) places in the unit square, `function` of these that
-    of one kind, (m,), and `label` is negative where nothing is known.
+    A function is one of `measure`, (m, ...) at (m, 2) places of the unit square; labels below zero
+    are unknown.
     """
 
     def __init__(

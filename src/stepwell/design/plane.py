@@ -326,8 +326,7 @@ def searched(
 ) -> list[tuple[tuple[int, int], Floats]]:
     """Curves between unlike nodes, each point narrowed to `RESOLVED` on an edge of the grid.
 
-    Curves are followed where one end of the edge is `wanted`, none around `ignore`, and without the
-    (m, 2) points `known` to be on a curve that is there already.
+    Only where an end of the edge is `wanted`, not around `ignore`, without points that are `known`.
     """
 
     def centre(row: int, column: int) -> int:

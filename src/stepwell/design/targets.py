@@ -159,19 +159,14 @@ class Target:
         tied = bool(result.degenerate or ties)
         return Seen(result.sequence, states, tied, abs(result.peak_force))
 
-    def fault(self, chain: Chain, orders: Orders | None) -> str:
-        """What is wrong with a chain, by the engine; "" where it does what is wanted."""
+    def fault(self, chain: Chain, orders: Orders) -> str:
+        """What is wrong with a chain built for orders, by the engine; "" where all is as wanted."""
         try:
-            return short(self.misses(self.look(chain), orders))
+            seen = self.look(chain)
         except (StaticsError, ValueError) as failure:
             return str(failure)
-
-    def misses(self, seen: Seen, orders: Orders | None) -> str:
-        """What is wrong with what a chain built for these orders does; "" where it is as wanted."""
         if seen.tied:
             return "a tie"
-        if self.states is not None:
-            assert seen.states is not None
-            return unlike(seen.states, self.states)
-        assert orders is not None
-        return "" if seen.sequence == orders.sequence else str(seen.sequence)
+        if self.states is not None and seen.states is not None:
+            return short(unlike(seen.states, self.states))
+        return "" if seen.sequence == orders.sequence else short(str(seen.sequence))

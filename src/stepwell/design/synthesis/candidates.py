@@ -163,20 +163,16 @@ class Rule:
         return Candidates(q, np.full(len(q), k), force, down, up, room)
 
     def allowed(self, q: Floats, k: int) -> Bools:
-        """At which of (m, 2) places the k-th kind is proved and within the actuator's force."""
-        weak = np.all(np.abs(self.end_forces(q, k)) <= self.most_force, axis=1)
-        return self.proved(q, k) & weak
-
-    def proved(self, q: Floats, k: int) -> Bools:
-        """At which of (m, 2) places the k-th kind is taut and concave; looked at, if it bends."""
-        cell = self.kinds[k].cell
-        if self.kinds[k].bends:
-            return self.kinds[k].falls(self.differences(q))
+        """At which of (m, 2) places the k-th kind is weak enough, and proved or seen to fall."""
+        kind, d = self.kinds[k], self.differences(q)
+        weak = np.all(np.abs(kind.ends(d)[0]) <= self.most_force, axis=1)
+        if kind.bends:
+            return weak & kind.falls(d)
         if self.as_drawn:
-            return certified(cell, self.differences(q))
+            return weak & certified(kind.cell, d)
         # A longer rest length makes the proof harder, as any displacement does.
-        longest = cell._replace(rest=cell.rest * (1.0 + 4.0 * self.tolerances.rest_length))
-        return certified(longest, self.differences(q), 2.0 * self.tolerances.anchor)
+        rest = kind.cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
+        return weak & certified(kind.cell._replace(rest=rest), d, 2.0 * self.tolerances.anchor)
 
     def end_forces(self, q: Floats, k: int) -> Floats:
         """F0 and F1 [N] of the k-th kind at (m, 2) places, (m, 2)."""

@@ -83,10 +83,9 @@ class Counted(ByValue):
 
 @dataclass
 class RelayJudge:
-    """Judges many draws of one chain of elements under a prescribed force.
+    """Judges many draws of one chain of elements under a prescribed force, where they are relays.
 
-    There elements of one sheet are independent relays, whose switching forces grow and shrink with
-    all their forces, and with friction.
+    Their switching forces grow and shrink with all forces of an element, and with friction.
     """
 
     draws: Draws
@@ -186,19 +185,7 @@ def landings_on_the_way(
 
 
 class Tally:
-    """What the first n mechanisms of some draws do, counted against what is wanted.
-
-    Attributes:
-        states: that shall be reached and no others; None where the target cycle counts.
-        robust: the ratio of mobilities within which all landings on the way have to hold.
-        orders: (2, T) switches of that cycle; None where it is not one after the other.
-        judge: the closed form; None where there is none.
-        judged, by_engine: of how many it told the orders, and how many the engine followed.
-        proved: of how many successes no landing was only sampled: none that the closed form judged
-            hangs on the mobilities, whatever they are.
-        followed_well: of each that the engine followed, in order, whether it does.
-        wrong, narrowest: (2, T - 1) as `Judge` counts them, of those judged.
-    """
+    """What the first n mechanisms of some draws do, counted against what is wanted."""
 
     def __init__(
         self,
@@ -208,6 +195,8 @@ class Tally:
         robust: float | None = None,
     ):
         self.draws, self.orders = draws, orders_of(target)
+        # States that shall be reached and no others, or the target cycle counts; and for all
+        # mobilities within a ratio all landings on the way have to hold.
         self.states, self.robust = states, robust
         self._success = target if states is None else ""
         chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
@@ -220,9 +209,11 @@ class Tally:
             self.judge = DrawJudge.of(chain, draws.spread, some)
         elif len(chain.elements) == len(chain) and are_relays(chain):
             self.judge = RelayJudge(draws, target, self.orders)
+        # Successes are proved where no landing was only sampled: none that the closed form has
+        # judged hangs on the mobilities, whatever they are.
         self.successes = self.proved = self.judged = self.by_engine = 0
-        self.followed_well: list[bool] = []
-        self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)
+        self.followed_well: list[bool] = []  # of each that the engine followed, in order
+        self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)  # as `Judge` counts them
         self.narrowest = self.wrong.copy()
         self._told_apart = len(chain) <= _MOST_CELLS
         self._texts: Counter[str] = Counter()
