@@ -216,7 +216,6 @@ def _stepwise(target: set[str], n: int) -> bool:
 
 
 def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wish:
-    """The pairs of orders that agree on exactly this partial order."""
     clash = _clash(below)
     if clash is not None:
         a, b = clash

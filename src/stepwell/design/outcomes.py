@@ -44,8 +44,6 @@ class VariedCells(NamedTuple):
 
 @record
 class _Work(NamedTuple):
-    """What one design of n cells after another is written to."""
-
     cells: Floats  # (n, 7)
     force: Floats  # (2, n) F0 and -F1, which both fall in the order of motion
     full: Floats  # (n,) full travels

@@ -67,9 +67,8 @@ class Boundary(ByValue):
     """A curve in the plane of two parameters, across which the chain does something else.
 
     Attributes:
-        kind: what it separates.
+        kind, changes: what it separates, and what changes across it in words.
         points: (m, 2) along the curve, each column in the SI unit of its parameter.
-        changes: what changes across it, in words.
         method: exact (the closed form's own curve, where two F0 or two F1 are equal or a stop
             is left) or a search (bisection along the edges of a grid).
         error: farthest a point is from the curve, as a part of the axes.

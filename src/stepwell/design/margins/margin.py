@@ -31,8 +31,7 @@ class Change(ByValue):
         chain: the design as it is.
         cell: whose anchor or number it is, 0 the innermost.
         parameter: "anchor" (q on the outer block; moving p the opposite way is the same) or
-            "stiffness" (of all bands of the cell); of an element "force_scale", "travel_scale" or
-            "friction".
+            "stiffness" (of all bands); of an element "force_scale", "travel_scale" or "friction".
         distance: how far that is: [m], or the fraction of the number, of friction that of the
             element's largest force; infinite where nothing within reach changes the sequence.
         move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.

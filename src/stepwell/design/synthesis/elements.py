@@ -274,7 +274,6 @@ def _programmed(
 
 
 def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]]:
-    """For every cell the elements that have as many phases as are wanted of it."""
     sets = [
         [k for k, one in enumerate(elements) if len(one.phases) == int(digit) + 1]
         for digit in goal.last
@@ -305,7 +304,6 @@ def _at_random(
     stiffness: float,
     rng: np.random.Generator,
 ) -> Scaled | None:
-    """The surest of some random choices that do it by the engine; None where none does."""
     done: list[Chain] = []
     looked_at = 0
     while looked_at < _FOLLOWED // len(sets) and len(done) < _COMPARED:

@@ -250,7 +250,6 @@ def _counted(
 
 
 def _not_searched(target: Target, share: Yield) -> str:
-    """What is not known of the mechanisms that the yield counts."""
     if not target.by_states or share.states is not None:
         return ""
     why = unsearchable(share.chain, share.tolerances.friction)
@@ -323,7 +322,6 @@ def _round(regions: tuple[Region, ...]) -> Box:
 def _widest(
     found: Attempt | None, chain: Chain, bands: Sequence[Stock], tolerances: Tolerances
 ) -> Tolerances:
-    """The tolerances with the largest spread of the bands that were chosen."""
     if found is not None and found.best is not None:
         spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
     else:

@@ -64,7 +64,6 @@ def _does(target: Target, attempt: Attempt, actuator_stiffness: float) -> bool:
 
 
 def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
-    """The attempt with tables of places at random round its best ones, near and far."""
     if attempt.best is None or attempt.holes is not None:
         return replace(attempt, tables=[])
     tables: list[Candidates] = []
@@ -111,7 +110,6 @@ class Buildable(NamedTuple):
 
 
 def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
-    """All ways to build a cell, those not proved concave first."""
     found: list[Buildable] = []
     for x, y in region.clamped(lattice(region, holes)).tolist():
         for k in range(len(rule.kinds)):
@@ -138,7 +136,6 @@ def _count(tables: list[list[Buildable]], alike: bool, again: bool, settled: boo
 def _every(
     tables: list[list[Buildable]], alike: bool, again: bool, settled: bool
 ) -> Iterator[tuple[Buildable, ...]]:
-    """All choices, those of concave cells alone left out where they are settled."""
     if alike:
         every = (combinations_with_replacement if again else combinations)(tables[0], len(tables))
         # Those that are not proved concave come first, so one of them leads.
@@ -277,7 +274,6 @@ class Tries:
         return Placed(found, attempts, complete and not missed, missed, others)
 
     def _attempts(self, rules: list[Rule]) -> list[Attempt]:
-        """One for each rule and pair of orders, the first of them refined; the best first."""
         attempts: list[Attempt] = []
         for rule, orders in product(rules, self.target.wish.orders):
             self._tell()

@@ -213,6 +213,7 @@ def yields(
         samples = base.QUICKLY if states is None and tally.judge is not None else base.ONE_BY_ONE
     tally.count(samples, progress)
     listed = None if states is None else by_cells_at_1(states)
+    counted = {"chain": chain, "tolerances": tolerances, "samples": samples, "seed": seed}
     return Yield(
         sequence if listed is None else f"states {' '.join(listed)}",
         listed,
@@ -224,11 +225,8 @@ def yields(
         "; ".join(filter(None, _assumptions(tally, samples, drawing))),
         _sensitivities(tally, samples) if sensitivity else None,
         _advice(tally, sequence),
-        chain=chain,
-        tolerances=tolerances,
-        samples=samples,
-        seed=seed,
         successes=tally.successes,
+        **counted,
     )
 
 
