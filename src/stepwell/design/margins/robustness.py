@@ -76,15 +76,11 @@ class AnchorProof:
         grid = np.stack(np.meshgrid(x, y), axis=-1)
 
         yes = certified(cell, grid.reshape(-1, 2)).reshape(grid.shape[:2])
-        inside: list[Floats] = []
-        outside: list[Floats] = []
-        for a, b, p, q in (
-            (yes[:, :-1], yes[:, 1:], grid[:, :-1], grid[:, 1:]),
-            (yes[:-1], yes[1:], grid[:-1], grid[1:]),
-        ):
-            inside += [p[a & ~b], q[b & ~a]]
-            outside += [q[a & ~b], p[b & ~a]]
-        low, high = np.concatenate(inside), np.concatenate(outside)
+        edges: list[tuple[Floats, Floats]] = []
+        for held, at in ((yes, grid), (yes.T, grid.swapaxes(0, 1))):
+            leaves, enters = held[:-1] & ~held[1:], held[1:] & ~held[:-1]
+            edges += [(at[:-1][leaves], at[1:][leaves]), (at[1:][enters], at[:-1][enters])]
+        low, high = (np.concatenate(ends) for ends in zip(*edges, strict=True))
         held = np.ones(len(low), bool)
         low, _, _ = narrowed(partial(certified, cell), low, high, held, ~held, _HALVINGS)
         from scipy.spatial import KDTree

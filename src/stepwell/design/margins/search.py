@@ -168,17 +168,9 @@ def _behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Float
 
 def _arcs(hits: Bools) -> list[list[int]]:
     """Numbers of neighbouring places around a ring that do it, side by side."""
-    size = len(hits)
-    if hits.all():
-        return [list(range(size))]
-    first = int(np.argmin(hits))
-    arcs: list[list[int]] = []
-    for k in range(first, first + size):
-        if hits[k % size]:
-            if not hits[(k - 1) % size]:
-                arcs.append([])
-            arcs[-1].append(k % size)
-    return arcs
+    around = np.roll(np.arange(len(hits)), -int(np.argmin(hits)))
+    arcs = np.split(around, np.flatnonzero(np.diff(hits[around])) + 1)
+    return [arc.tolist() for arc in arcs if hits[arc[0]]]
 
 
 def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
