@@ -12,36 +12,30 @@ from stepwell.sequences import Sequence
 
 
 def checked_cycle(target: str, last: str, name: str = "target") -> str:
-    """A full cycle without its spaces; messages call it `name`.
+    """A full cycle such as "00>10>11>01>00" without its spaces; messages call it `name`.
 
-    Args:
-        target: such as "00>10>11>01>00".
-        last: the state with every cell in its last phase, such as "11".
-
-    Raises:
-        ValueError: a text that is none.
+    `last` is the state with every cell in its last phase. ValueError for a text that is no cycle.
     """
-    states = target.replace(" ", "").split(">")
-    first = "0" * len(last)
-    example = f"for example {short(_example(last))!r}"
-    for state in states:
-        if not is_state(state, last):
-            digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
-            raise InputError(
-                f"{name} = {short(target)!r}: state {short(state)!r} must be {len(last)} {digits}, "
-                f"one a cell, inner first, with > between states; {example}."
-            )
-    if states[0] != first or states[-1] != first or last not in states:
-        ends = ("at 0", "at 1") if set(last) == {"1"} else ("in their first phase", "in their last")
-        raise InputError(
-            f"{name} = {short(target)!r}: a full cycle begins and ends with all cells {ends[0]} "
-            f"and passes the state with all {ends[1]}; {example}."
+    states, two = target.replace(" ", "").split(">"), set(last) == {"1"}
+    wrong = next((state for state in states if not is_state(state, last)), None)
+    problem = ""
+    if wrong is not None:
+        digits = "characters 0 or 1" if two else f"digits up to {last}"
+        problem = (
+            f"state {short(wrong)!r} must be {len(last)} {digits}, one a cell, inner first, with > "
+            f"between states;"
         )
-    if any(a == b for a, b in pairwise(states)):
-        raise InputError(
-            f"{name} = {short(target)!r}: the same state twice in a row; name it once a visit, "
-            f"{example}."
+    elif {states[0], states[-1]} != {"0" * len(last)} or last not in states:
+        ends = ("at 0", "at 1") if two else ("in their first phase", "in their last")
+        problem = (
+            f"a full cycle begins and ends with all cells {ends[0]} and passes the state with all "
+            f"{ends[1]};"
         )
+    elif any(a == b for a, b in pairwise(states)):
+        problem = "the same state twice in a row; name it once a visit,"
+    if problem:
+        example = short(_example(last))
+        raise InputError(f"{name} = {short(target)!r}: {problem} for example {example!r}.")
     return ">".join(states)
 
 
