@@ -1,7 +1,7 @@
 """A design checked: will the real one do it, what breaks it first, and what to measure next."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
@@ -12,6 +12,7 @@ import numpy as np
 from stepwell import base
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
+from stepwell.design.parameters import Progress
 from stepwell.design.plane import Method
 from stepwell.design.synthesis.region import usual_box
 from stepwell.design.tolerances.draws import USUAL, Tolerances
@@ -281,7 +282,7 @@ def check(
     *,
     samples: int | None = None,
     seed: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Check:
     """Say whether the real one will do what is wanted, what breaks it, and what to measure next.
 
@@ -314,11 +315,7 @@ def check(
 
 
 def _of_program(
-    program: Program,
-    tolerances: Tolerances,
-    samples: int | None,
-    seed: int,
-    progress: Callable[[int, int], None] | None,
+    program: Program, tolerances: Tolerances, samples: int | None, seed: int, progress: Progress
 ) -> Check:
     chain, points = program.chain, program.turning_points
     start, target = program.start, program.target
@@ -331,16 +328,11 @@ def _of_program(
 
 
 def _told(
-    path: Path,
-    target: str,
-    does: str,
-    does_it: bool,
-    found: Yield | Survival,
-    killer: Change | None,
+    path: Path, target: str, does: str, does_it: bool, made: Yield | Survival, killer: Change | None
 ) -> Check:
     tied = bool(path.degenerate)
-    verdict = judged(does_it=does_it, tied=tied, interval=found.interval)
-    low, high = map(base.percent, found.interval)
+    verdict = judged(does_it=does_it, tied=tied, interval=made.interval)
+    low, high = map(base.percent, made.interval)
     if not does_it:
         reason = f"the drawing itself does {short(does)}"
     elif verdict is Verdict.WORKS:
@@ -349,13 +341,13 @@ def _told(
         reason = f"the drawing does it, but at most {high} of those built do"
     elif tied:
         reason = "the drawing is a tie: the model cannot tell which of two things it does"
-    elif found.share >= SURE:
+    elif made.share >= SURE:
         reason = f"too few were made to be sure: {low} to {high} of those built do it"
     else:
         reason = f"the drawing does it, but only {low} to {high} of those built do"
-    if killer is not None and len(found.chain) <= LONGEST_FOLLOWED:
+    if killer is not None and len(made.chain) <= LONGEST_FOLLOWED:
         # Found here, once: reports only read it.
         _ = killer.becomes
-    worth = measurement(found) if does_it and not tied else None
-    chain, odd = found.chain, oddities(found.chain, path)
-    return Check(chain, verdict, reason, target, does, does_it, path, found, killer, odd, worth)
+    worth = measurement(made) if does_it and not tied else None
+    chain, odd = made.chain, oddities(made.chain, path)
+    return Check(chain, verdict, reason, target, does, does_it, path, made, killer, odd, worth)

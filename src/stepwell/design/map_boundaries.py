@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from stepwell.base import Bools, Floats, InputError, Ints
 from stepwell.concave import Simple, end_forces
 from stepwell.design import plane
-from stepwell.design.maps import Axis, Progress, anchor, both, require_places
+from stepwell.design.maps import Axis, anchor, both, require_places
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcomes, Stability
+from stepwell.design.parameters import Progress
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence
 

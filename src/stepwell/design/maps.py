@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Drawn, Floats, InputError, Shown, __version__, need, require
-from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Progress, Stability
-from stepwell.design.parameters import WAY, Parameter, parameter, parameters
+from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
+from stepwell.design.parameters import WAY, Parameter, Progress, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
 

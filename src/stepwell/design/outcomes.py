@@ -1,7 +1,6 @@
 """What a chain does for any values of two of its parameters: closed form first, then the engine."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import NamedTuple, Self
@@ -20,7 +19,7 @@ from stepwell.concave import (
     simple,
     travel_at,
 )
-from stepwell.design.parameters import Parameter
+from stepwell.design.parameters import Parameter, Progress
 from stepwell.kernels import entry, in_blocks, leaf, record
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
@@ -236,8 +235,6 @@ def sort(order: Ints, force: Floats, side: int) -> bool:
         order[side, j] = c
     return moved
 
-
-Progress = Callable[[int, int], None] | None
 
 # Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
 TIED = -3

@@ -1,7 +1,6 @@
 """How far a design is from doing something else: the smallest change of one anchor or number."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -12,7 +11,7 @@ from stepwell.concave import SortedChain
 from stepwell.design.margins import numbers
 from stepwell.design.margins.nearest import Aim, nearest, nearest_proved, sequence
 from stepwell.design.margins.search import Displacements, resolution
-from stepwell.design.parameters import Parameter, of_cell
+from stepwell.design.parameters import Parameter, Progress, of_cell
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
 from stepwell.mechanism import Cell, Chain, Element
@@ -157,9 +156,7 @@ class Margin(ByValue, Drawn):
         return f"Margin({self.method}: {', '.join(told)}, gap {self.gap:.3g})"
 
 
-def margin(
-    chain: Chain, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
-) -> Margin:
+def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> Margin:
     """How far each anchor and each stiffness may change before the sequence does.
 
     All else as for `Chain.margin`.

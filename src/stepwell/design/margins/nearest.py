@@ -1,7 +1,6 @@
 """The nearest displacement of one anchor after which a chain does otherwise."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,7 +9,7 @@ import numpy as np
 from stepwell.base import Bools, Floats, Ints, Vec2
 from stepwell.concave import Neighbour, Simple, SortedChain, end_force, steepest
 from stepwell.design.margins.search import Displacements, nearest_found
-from stepwell.design.parameters import Parameter
+from stepwell.design.parameters import Parameter, Progress
 from stepwell.design.plane import Method
 from stepwell.design.switches import relay_cycle
 from stepwell.kernels import entry, leaf, record
@@ -288,10 +287,7 @@ class Aim:
 
 
 def nearest(
-    aim: Aim,
-    forces: SortedChain | None,
-    ways: Displacements,
-    progress: Callable[[int, int], None] | None = None,
+    aim: Aim, forces: SortedChain | None, ways: Displacements, progress: Progress = None
 ) -> Nearest:
     """The nearest displacement of an anchor after which the chain does what is wanted.
 

@@ -9,7 +9,7 @@ import numpy as np
 from stepwell.base import bisected
 from stepwell.concave import SortedChain
 from stepwell.design.margins.nearest import sequence
-from stepwell.design.parameters import Parameter
+from stepwell.design.parameters import Parameter, Progress
 from stepwell.design.plane import Method
 from stepwell.design.switches import Switches, are_relays, cycle_by, switching_forces
 from stepwell.mechanism import Chain
@@ -58,7 +58,7 @@ def nearest_share(
     now: str,
     number: Parameter,
     target: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Share:
     """The smallest change of a number of a cell after which a chain does what is wanted.
 
@@ -139,7 +139,7 @@ def _searched(
     number: Parameter,
     *,
     finely: bool,
-    progress: Callable[[int, int], None] | None,
+    progress: Progress,
 ) -> list[float]:
     """The first share found that does it, each way that one is nearer than what is known."""
     found: list[float] = []

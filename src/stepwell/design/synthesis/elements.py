@@ -1,7 +1,7 @@
 """Elements chosen, scaled and put in order so that their chain does what is wanted."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, bisected, told_in
 from stepwell.design.orders import Wish, checked_cycle, of_states, orders_of, short
+from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.targets import searched, unlike
@@ -91,8 +92,6 @@ class Scales:
         return np.asarray(found.x[:-1]), float(found.x[-1])
 
 
-Progress = Callable[[int, int], None]
-
 _MOST_CHOICES = 2000  # of shapes for all cells: some seconds
 # Of the best choices by switching forces, and at random: what the engine follows, in cells.
 _ASKED, _FOLLOWED = 24, 2400
@@ -157,6 +156,7 @@ class ElementTarget:
 # A chain that does it, how many choices of shapes were looked at, whether none is better, proved,
 # how it was found, and what is known of its motion.
 Scaled = tuple[Chain, int, bool, str, str]
+Sets = list[list[int]]  # for every cell the elements that it can be
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,11 +196,7 @@ class Allowed:
 
 
 def scaled(
-    goal: ElementTarget,
-    allowed: Allowed,
-    actuator_stiffness: float,
-    seed: int,
-    progress: Progress | None,
+    goal: ElementTarget, allowed: Allowed, actuator_stiffness: float, seed: int, progress: Progress
 ) -> Scaled:
     """The elements, their order along the chain and their scales that do what is wanted.
 
@@ -243,7 +239,7 @@ def _programmed(
     goal: ElementTarget,
     allowed: Allowed,
     choices: Sequence[tuple[int, ...]],
-    progress: Progress | None,
+    progress: Progress,
     *,
     best_only: bool,
 ) -> tuple[list[tuple[float, list[Element]]], float]:
@@ -298,11 +294,7 @@ def _named(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> C
 
 
 def _at_random(
-    goal: ElementTarget,
-    allowed: Allowed,
-    sets: list[list[int]],
-    stiffness: float,
-    rng: np.random.Generator,
+    goal: ElementTarget, allowed: Allowed, sets: Sets, stiffness: float, rng: np.random.Generator
 ) -> Scaled | None:
     done: list[Chain] = []
     looked_at = 0
@@ -337,12 +329,7 @@ def _at_random(
 
 
 def _impossible(
-    goal: ElementTarget,
-    allowed: Allowed,
-    sets: list[list[int]],
-    closest: float,
-    proved: bool,
-    choices: int,
+    goal: ElementTarget, allowed: Allowed, sets: Sets, closest: float, proved: bool, choices: int
 ) -> Impossible:
     elements, scale = allowed.elements, allowed.force_scale
     pair, scales = _clash(goal, allowed, sets), f"scales from {scale[0]:g} to {scale[1]:g}"
@@ -380,7 +367,7 @@ def _impossible(
     )
 
 
-def _clash(goal: ElementTarget, allowed: Allowed, sets: list[list[int]]) -> tuple[int, int] | None:
+def _clash(goal: ElementTarget, allowed: Allowed, sets: Sets) -> tuple[int, int] | None:
     """Two cells that cannot both have their places, whatever the others do; None where none."""
     if len(goal.orders) != 1:
         return None

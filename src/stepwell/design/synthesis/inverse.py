@@ -1,13 +1,14 @@
 """Anchors that make a chain do what is wanted."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError
 from stepwell.design.orders import Wish, by_cells_at_1, of_sequence, of_states, short
+from stepwell.design.parameters import Progress
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt
@@ -61,7 +62,7 @@ def design(
     unusual: bool = False,
     samples: int | None = None,
     seed: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Design:
     """Find anchors for a wanted cycle, or for a wanted set of states.
 

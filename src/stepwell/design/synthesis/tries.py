@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import combinations, combinations_with_replacement, permutations, product, takewhile
 from typing import NamedTuple
@@ -13,6 +13,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.concave import TIED, closed
+from stepwell.design.parameters import Progress
 from stepwell.design.synthesis.attempt import Attempt, look, named
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, nothing_works
@@ -229,7 +230,7 @@ class Tries:
     holes: float | None  # pitch [m]
     actuator_stiffness: float
     seed: int
-    progress: Callable[[int, int], None] | None
+    progress: Progress
     rules: int  # sets of bands and levers
     free: str = "q"  # which anchors are placed
     _done: int = field(default=0, init=False)

@@ -1,11 +1,12 @@
 """Whether a stroke program still ends where it should when the mechanism is not as drawn."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, require
+from stepwell.design.parameters import Progress
 from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, meet
 from stepwell.design.tolerances.tally import Counted, varied
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
@@ -58,7 +59,7 @@ def survival(
     start: str | None = None,
     samples: int | None = None,
     seed: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Survival:
     """Make a mechanism n times at random and run the same stroke program on each.
 
@@ -86,7 +87,7 @@ def count_ends(
     start: str,
     ends: str,
     n: int,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> int:
     """How many of the first n mechanisms a program brings where it should."""
     successes = 0

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -13,6 +13,7 @@ import numpy as np
 from stepwell.base import Bools, ByValue, Floats, Ints
 from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, Judged, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, short
+from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, are_relays, relay_cycle
 from stepwell.design.targets import landings_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws, Tolerances
@@ -126,15 +127,13 @@ NO_ANSWER = "no answer"
 ANOTHER = "another sequence"
 HANGS = "hangs on the mobilities"
 
+States = frozenset[str] | None  # that shall be reached; None for a cycle
 _MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
 _KEPT = 100  # outcomes told apart
 
 
 def followed(
-    draws: Draws,
-    drawn: Floats,
-    states: frozenset[str] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    draws: Draws, drawn: Floats, states: States = None, progress: Progress = None
 ) -> Iterator[str]:
     """What the mechanisms of (m, columns) draws do, by the engine: cycles, or what is unlike."""
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
@@ -152,7 +151,7 @@ def followed(
         yield _one(draws, draw, states)
 
 
-def _one(draws: Draws, draw: Floats, states: frozenset[str] | None) -> str:
+def _one(draws: Draws, draw: Floats, states: States) -> str:
     try:
         made = draws.built(draw)
     except ValueError:
@@ -171,7 +170,7 @@ def _one(draws: Draws, draw: Floats, states: frozenset[str] | None) -> str:
 
 
 def landings_on_the_way(
-    draws: Draws, draw: Floats, states: frozenset[str] | None, ratio: float
+    draws: Draws, draw: Floats, states: States, ratio: float
 ) -> Iterable[Landing]:
     """Whether snaps of the mechanism of one draw hold for all mobilities within a ratio.
 
@@ -188,11 +187,7 @@ class Tally:
     """What the first n mechanisms of some draws do, counted against what is wanted."""
 
     def __init__(
-        self,
-        draws: Draws,
-        target: str,
-        states: frozenset[str] | None = None,
-        robust: float | None = None,
+        self, draws: Draws, target: str, states: States = None, robust: float | None = None
     ):
         self.draws, self.orders = draws, orders_of(target)
         # States that shall be reached and no others, or the target cycle counts; and for all
@@ -219,7 +214,7 @@ class Tally:
         self._texts: Counter[str] = Counter()
         self._numbers: list[Ints] = [np.empty(0, np.int64)]
 
-    def count(self, n: int, progress: Callable[[int, int], None] | None) -> None:
+    def count(self, n: int, progress: Progress) -> None:
         """Count the first n; `progress` is called with (done, n)."""
         done = 0
         for drawn in self.draws.chunks(n):

@@ -1,7 +1,7 @@
 """The probability that a built mechanism does what it was designed for."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ import numpy as np
 
 from stepwell import base, sequences, statics
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
+from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
 from stepwell.design.tolerances import draws, survival
@@ -192,7 +193,7 @@ def yields(
     target: str | Iterable[str] | None = None,
     sensitivity: bool = False,
     robust: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Yield:
     """Make a mechanism n times at random within its tolerances and count those that work.
 
