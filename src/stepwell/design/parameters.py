@@ -216,9 +216,7 @@ def parameter(chain: Chain, name: str) -> Parameter:
 def parameters(chain: Chain) -> tuple[Parameter, ...]:
     """Every parameter of a chain, the actuator's last."""
     of_cells = (
-        of_cell(chain, number, part)
-        for number, cell in enumerate(chain.cells)
-        for part in _parts(cell)
+        of_cell(chain, i, part) for i, cell in enumerate(chain.cells) for part in _parts(cell)
     )
     return (*of_cells, Parameter(_ACTUATOR, None, _ACTUATOR, chain.measure))
 

@@ -134,12 +134,7 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Share:
 
 
 def _searched(
-    does: Callable[[float], bool],
-    chain: Chain,
-    number: Parameter,
-    *,
-    finely: bool,
-    progress: Progress,
+    does: Callable[[float], bool], chain: Chain, number: Parameter, finely: bool, progress: Progress
 ) -> list[float]:
     """The first share found that does it, each way that one is nearer than what is known."""
     found: list[float] = []

@@ -106,11 +106,8 @@ class Attempt:
         """The pairs (F0, F1) [N] that a cell can have: closed curves, or those of all holes."""
         if self.holes is not None:
             return tuple(table.force for table in self.tables)
-        return tuple(
-            curve
-            for region in dict.fromkeys(self.regions)
-            for curve in placement.outlines(self.rule, region)
-        )
+        different = dict.fromkeys(self.regions)
+        return tuple(curve for one in different for curve in placement.outlines(self.rule, one))
 
 
 def named(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain:

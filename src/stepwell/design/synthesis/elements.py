@@ -270,13 +270,11 @@ def _programmed(
 
 
 def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]]:
-    sets = [
-        [k for k, one in enumerate(elements) if len(one.phases) == int(digit) + 1]
-        for digit in goal.last
-    ]
+    phases = [len(one.phases) for one in elements]
+    sets = [[k for k, n in enumerate(phases) if n == int(digit) + 1] for digit in goal.last]
     for cell, fitting in enumerate(sets):
         if not fitting:
-            has = ", ".join(str(len(one.phases)) for one in elements)
+            has = ", ".join(map(str, phases))
             raise InputError(
                 f"{short(goal.text)}: cell {cell + 1} has {int(goal.last[cell]) + 1} phases there, "
                 f"and the elements have {has}: give an element with as many."
@@ -303,15 +301,15 @@ def _at_random(
         cells: list[Element] = []
         for fitting in sets:
             one = allowed.elements[int(rng.choice(fitting))]
-            force, travel = (
+            pull, way = (
                 float(np.exp(rng.uniform(*np.log(between))))
                 for between in (allowed.force_scale, allowed.travel_scale)
             )
-            scales = {
-                "force_scale": one.force_scale * force,
-                "travel_scale": one.travel_scale * travel,
-            }
-            cells.append(replace(one, **scales))
+            cells.append(
+                replace(
+                    one, force_scale=one.force_scale * pull, travel_scale=one.travel_scale * way
+                )
+            )
         chain = _named(goal, cells, stiffness)
         if goal.done_by(chain):
             done.append(chain)

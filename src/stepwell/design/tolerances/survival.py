@@ -82,12 +82,7 @@ def survival(
 
 
 def count_ends(
-    draws: Draws,
-    points: tuple[float, ...],
-    start: str,
-    ends: str,
-    n: int,
-    progress: Progress = None,
+    draws: Draws, points: tuple[float, ...], start: str, end: str, n: int, progress: Progress = None
 ) -> int:
     """How many of the first n mechanisms a program brings where it should."""
     successes = 0
@@ -95,7 +90,7 @@ def count_ends(
         if progress is not None:
             progress(number, n)
         with suppress(ValueError, StaticsError):
-            successes += ends_right(draws.sample(number), points, start, ends)
+            successes += ends_right(draws.sample(number), points, start, end)
     if progress is not None:
         progress(n, n)
     return successes
