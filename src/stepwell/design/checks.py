@@ -129,8 +129,8 @@ class Measurement(base.ByValue):
 def measurement(found: Yield | Survival) -> Measurement | None:
     """The part whose measurement raises a yield most; None where none is worth it.
 
-    Each part in turn has only the tolerance that a scale and callipers leave of it, and the same
-    mechanisms are counted again: a few to rank the parts, all of them for the first.
+    Each part in turn has only the tolerance that a scale and callipers leave of it, and a few of
+    the same mechanisms are counted again, and all of them for the best part.
     """
     parts = parts_of(found)
     left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}

@@ -181,10 +181,7 @@ Labels = NDArray[Any]
 def narrowed(
     ask: Callable[[Floats], Labels], a: Floats, b: Floats, at_a: Labels, at_b: Labels, steps: int
 ) -> tuple[Floats, Floats, Labels]:
-    """Both ends, (m, k), of m ways halved between unlike places, and the label at the second end.
-
-    `ask` gives labels (m,) of places: numbers, or whether they are inside something.
-    """
+    """Both ends, (m, k), of m ways halved between unlike places, and the second one's label."""
     for _ in range(steps if len(a) else 0):
         middle = (a + b) / 2
         label = ask(middle)
@@ -213,7 +210,7 @@ def parted(
 ) -> list[tuple[int, Floats]]:
     """The stretches of a polyline with one label each, cut where the label changes.
 
-    `ask` labels the curve's points beside (n, 2) points; `project` moves them onto the curve.
+    `ask` labels the curve's points beside (n, 2) points.
     """
     label = ask(points)
     turns = np.flatnonzero(label[1:] != label[:-1])

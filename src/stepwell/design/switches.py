@@ -15,10 +15,7 @@ from stepwell.mechanism import Cell, Chain, Element
 
 @dataclass(frozen=True, eq=False)
 class Switches:
-    """The switches of a chain, numbered cell by cell, inner first, and in a cell by rising phase.
-
-    Where every cell has two phases, as lever cells have, there is one of each cell.
-    """
+    """The switches of a chain, numbered cell by cell, inner first, and by rising phase."""
 
     cells: int  # how many there are
     cell: Ints  # (T,) whose it is

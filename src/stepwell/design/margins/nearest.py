@@ -291,7 +291,7 @@ def nearest(
 ) -> Nearest:
     """The nearest displacement of an anchor after which the chain does what is wanted.
 
-    In closed form where the proof that the cells are concave holds for every displacement up to it;
+    In closed form where the proof that cells are concave holds for every displacement up to it;
     else what the closed form says is checked, and a nearer one searched.
     """
     known, past, proved = None, None, False

@@ -48,8 +48,8 @@ def best_choice(
     orders through what is placed, each as if the other did not exist, and where that bound is no
     better than what is known already, or is -inf, nothing below is looked at.
 
-    `gap` (2, m, m) is what it is worth to have candidate a next below b, for F0 and F1, -inf where
-    that must not be, and `allowed` (N, m) which candidates each cell may take.
+    `gap` (2, m, m) is the worth of candidate a next below b, for F0 and F1, -inf where that must
+    not be, and `allowed` (N, m) which candidates each cell may take.
     """
     n, m = allowed.shape
     rising = np.array(orders.rising)

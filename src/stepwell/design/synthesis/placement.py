@@ -131,10 +131,7 @@ def shared(tables: list[Candidates], owner: tuple[int, ...]) -> Bools:
 def choose(
     rule: Rule, orders: Orders, tables: list[Candidates], owner: tuple[int, ...], most_nodes: int
 ) -> tuple[Placement | None, bool, int]:
-    """The best choice, whether no other is better or there is none, and how many nodes that took.
-
-    By complete search of tables of candidates, one for the `owner` of each cell.
-    """
+    """The best choice, whether none is better or there is none, and how many nodes that took."""
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
     table, allowed = joined(tables), shared(tables, owner)

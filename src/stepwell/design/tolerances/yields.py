@@ -69,8 +69,7 @@ class Yield(Counted, base.Drawn):
         share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
         target: the sequence of states of a full cycle; or "states", and those wanted.
-        states: those that shall be in reach from all cells at 0 and no others; None where the
-            cycle counts.
+        states: those that shall be in reach from all cells at 0 and no others; None for a cycle.
         successes: how many do it, without a tie.
         outcomes: what the others do, most frequent first: a sequence, or which states they reach
             beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
@@ -79,8 +78,7 @@ class Yield(Counted, base.Drawn):
         critical: the neighbours in the wanted order that are most often in the other order, or
             nearest to it; None where nothing was judged in closed form, or there is no such pair.
         by_engine: how many were followed by the general engine.
-        robust: the ratio of mobilities for which each has to do it; None where only those it has
-            count.
+        robust: the ratio of mobilities for which each has to do it; None for those it has.
         proved: how many of the successes do it for all of these by proof: the closed form asks for
             no mobility, and landings say for themselves. Of the others some landings were only
             sampled. None where `robust` is.
