@@ -93,9 +93,7 @@ class _Room(ModuleType):
     """A module that answers when it is called, since the room and its function share a name."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> "Design":
-        from stepwell.design.synthesis.inverse import design
-
-        return design(*args, **kwargs)
+        return self.design(*args, **kwargs)
 
 
 sys.modules[__name__].__class__ = _Room

@@ -59,8 +59,6 @@ def nearest_place(
 
 @record
 class _Search(NamedTuple):
-    """Conditions on the end forces of a cell, and displacements among which they are to be met."""
-
     side: Ints  # (m,) 0 for F0, 1 for F1
     force: Floats  # (m,) [N]
     up: Ints  # (m,) +1 to be above it, -1 below

@@ -244,9 +244,7 @@ class Rule:
         return out if sign > 0 else out.swapaxes(1, 2)
 
 
-def _deviations(
-    kind: Kind, d: Floats, force: Floats, slope: Floats, tolerances: Tolerances
-) -> Floats:
+def _deviations(kind: Kind, d: Floats, force: Floats, slope: Floats, t: Tolerances) -> Floats:
     """Standard deviations of F0 and F1 [N] to first order, (m, 2).
 
     A point anywhere in a disc of radius a has the variance a²/4 along each axis, and two such
@@ -254,10 +252,10 @@ def _deviations(
     """
     by_rest, by_lever = kind.by_sizes(d)
     variance = (
-        np.sum(slope * slope, axis=2) * tolerances.anchor**2 / 2
-        + (force * tolerances.stiffness) ** 2
-        + (by_rest * kind.band.rest_length * tolerances.rest_length) ** 2
-        + (by_lever * tolerances.lever) ** 2 / 3
-        + tolerances.friction**2 / 12
+        np.sum(slope * slope, axis=2) * t.anchor**2 / 2
+        + (force * t.stiffness) ** 2
+        + (by_rest * kind.band.rest_length * t.rest_length) ** 2
+        + (by_lever * t.lever) ** 2 / 3
+        + t.friction**2 / 12
     )
     return np.sqrt(variance)

@@ -229,11 +229,9 @@ def _wanted(
     return target, some if len(some) == target.cells else some * target.cells
 
 
-def _refuse_wish(
-    sequence: str | None, states: Iterable[str] | str | None, samples: int | None
-) -> None:
-    if samples is not None and samples < 1:
-        raise InputError(f"samples = {samples}: must be 1 mechanism or more.")
+def _refuse_wish(sequence: str | None, states: Iterable[str] | str | None, n: int | None) -> None:
+    if n is not None and n < 1:
+        raise InputError(f"samples = {n}: must be 1 mechanism or more.")
     if (sequence is None) == (states is None):
         raise InputError(
             'say what is wanted, a sequence or states: design("00>10>11>01>00") or '

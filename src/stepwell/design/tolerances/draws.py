@@ -222,7 +222,6 @@ class Draws(base.ByValue):
             yield self._filled(space[: min(rows, n - first)], streams)
 
     def _streams(self, number: int) -> list[np.random.Generator]:
-        """The two streams of random numbers, before those of mechanism `number`."""
         found: list[np.random.Generator] = []
         for seed, columns in (self.seed, self.mobilities), ((self.seed, 1), len(self.chain)):
             stream = np.random.PCG64(seed)

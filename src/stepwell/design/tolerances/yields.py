@@ -294,7 +294,6 @@ def _sensitivities(tally: Tally, n: int) -> Sensitivities:
 
 
 def _critical(tally: Tally) -> Critical | None:
-    """The pair most often in the other order; of several, the one most often the nearest."""
     if not tally.judged or tally.orders is None or not tally.wrong.size:
         return None
     wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
@@ -339,18 +338,13 @@ def _assumptions(tally: Tally, n: int, drawing: sequences.Cycle | None) -> Itera
     fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
     yield f"{made}; {fails}; {how}"
     if tally.robust is not None:
-        yield _whatever_mobilities(tally, tally.robust)
+        sampled = tally.successes - tally.proved
+        rest = f", and {sampled} had landings that were only sampled" * (sampled > 0)
+        proved = f": of {tally.proved} that is proved{rest}" * (tally.successes > 0)
+        ratio = f"up to {tally.robust:g} apart"
+        yield f"counted is what works for all mobilities of the cells {ratio}{proved}"
     yield draws.frictionless(tally.draws.tolerances, tally.draws.chain)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
-
-
-def _whatever_mobilities(tally: Tally, ratio: float) -> str:
-    told = f"counted is what works for all mobilities of the cells up to {ratio:g} apart"
-    if not tally.successes:
-        return told
-    sampled = tally.successes - tally.proved
-    rest = f", and {sampled} had landings that were only sampled" if sampled else ""
-    return f"{told}: of {tally.proved} that is proved{rest}"
 
 
 def parts_of(found: Yield | survival.Survival) -> dict[str, draws.Part]:
