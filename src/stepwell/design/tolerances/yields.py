@@ -294,6 +294,7 @@ def _sensitivities(tally: Tally, n: int) -> Sensitivities:
 
 
 def _critical(tally: Tally) -> Critical | None:
+    """The pair most often in the other order; of several, the one most often the nearest."""
     if not tally.judged or tally.orders is None or not tally.wrong.size:
         return None
     wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
