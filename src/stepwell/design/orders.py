@@ -163,7 +163,7 @@ class Wish:
     orders: tuple[Orders, ...]  # different ones; any will do
     complete: bool = True  # whether there are no others
     states: frozenset[str] | None = None  # those wanted, where they were listed
-    why: str = ""  # there are no orders, where there are none
+    why: str = ""  # why there are no orders, where there are none
     never: bool = False  # whether that forbids it to every chain, of whatever cells
     stepwise: bool = True  # whether states lead from all cells at 0 to all at 1, one by one
 

@@ -77,8 +77,8 @@ def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
     that gives travel back in a snap gives back less than that, and so never reaches its other
     stop), or where there are two cells, of which neither has to give back all it has.
 
-    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has F =
-    λ, two in transit with falling forces are unstable):
+    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
+    F = λ, two in transit with falling forces are unstable):
     - loading: cells leave 0 by ascending F0. Where cell j moves, λ = F_j(s) falls from F0_j, and
       the full cells hold their stops while F1 <= λ: for ever if F1_j is the largest, else up to
       F_j(s*) = F1_i for the largest F1_i of a full cell, at the stroke of all full cells and s*.
@@ -217,9 +217,7 @@ def numbers(cells: Floats, c: int) -> tuple[float, float, float]:
 
 @leaf
 def sort(order: Ints, force: Floats, side: int) -> bool:
-    """Put cells, mostly sorted, in ascending order of force, equal ones by number; whether any
-    moved.
-    """
+    """Sort mostly sorted cells by rising force, equal ones by number; whether any had to move."""
     moved = False
     for k in range(1, order.shape[1]):
         c = order[side, k]

@@ -114,7 +114,7 @@ class ElementTarget:
     complete: bool  # whether there are no others
     cycle: str  # the full cycle wanted; "" where states are
     states: frozenset[str] | None  # that shall be reached and no others; None for a cycle
-    why: str = ""  # there are no orders, where there are none
+    why: str = ""  # why there are no orders, where there are none
     never: bool = False  # whether that forbids it to every chain
 
     @classmethod
@@ -301,13 +301,13 @@ def _at_random(
         cells: list[Element] = []
         for fitting in sets:
             one = allowed.elements[int(rng.choice(fitting))]
-            pull, way = (
+            force, travel = (
                 float(np.exp(rng.uniform(*np.log(between))))
                 for between in (allowed.force_scale, allowed.travel_scale)
             )
             cells.append(
                 replace(
-                    one, force_scale=one.force_scale * pull, travel_scale=one.travel_scale * way
+                    one, force_scale=one.force_scale * force, travel_scale=one.travel_scale * travel
                 )
             )
         chain = _named(goal, cells, stiffness)
