@@ -110,7 +110,9 @@ def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
     kind = Kind(Stock(), 0.014, math.pi / 4)
 
     class Bent(Kind):
-        bends = True
+        @property
+        def bends(self):
+            return True
 
     bent = Bent(Stock(), 0.014, math.pi / 4)
     d = np.random.default_rng(1).uniform((0.01, -0.015), (0.03, 0.015), (40, 2))
