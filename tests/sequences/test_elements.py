@@ -29,7 +29,7 @@ from stepwell.sequences.exchange import (
 from stepwell.sequences.fields import from_switching_fields, preisach, switching_fields
 from stepwell.sequences.mesostates import Routes, atlas
 from stepwell.sequences.nodes import TransitionKind
-from stepwell.sequences.planning import _by_fields
+from stepwell.sequences.planning import _by_fields, _task
 from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
 
 WAYS = [(to_json, from_json), (to_graphml, from_graphml), (to_dot, from_dot)]
@@ -414,18 +414,16 @@ def test_a_vertex_of_elements_is_held_over_a_range_of_strokes():
 @pytest.mark.parametrize("name", ["three unlike peaks", "three phases", "stops and rising ends"])
 def test_the_plan_of_relays_is_as_short_as_a_search_under_a_force(name):
     chain = replace(chain_of(*CHAINS[name]), actuator_stiffness=0.0)
-    branches = Branches(chain)
     found = graph(chain)
     for start, to in itertools.permutations(found.vertices, 2):
-        origin = branches.vertex(start)
-        assert origin is not None
+        task = _task(chain, start, to)
         try:
             searched = chain.program(to, start=start)
         except Unreachable:
             with refuses(Unreachable, "smaller", "up", "down"):
-                _by_fields(branches, start, to, origin)
+                _by_fields(task)
             continue
-        planned = _by_fields(branches, start, to, origin)
+        planned = _by_fields(task)
         assert planned is not None and planned.method is ProgramMethod.RELAYS
         assert planned.strokes == searched.strokes and planned.arrives == to
 
@@ -434,9 +432,7 @@ def test_where_a_phase_is_passed_by_relays_do_not_plan():
     chain = replace(chain_of(SKIPS, LATE), actuator_stiffness=0.0)
     fields = relays(chain)
     assert fields is not None and fields.skips
-    branches = Branches(chain)
-    origin = branches.vertex("00")
-    assert origin is not None and _by_fields(branches, "00", "11", origin) is None
+    assert _by_fields(_task(chain, "00", "11")) is None
     # Phase 1 is held on the way down only.
     assert chain.program("10").strokes == 2
 

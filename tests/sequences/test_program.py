@@ -18,7 +18,7 @@ from stepwell.sequences import Unreachable, graph
 from stepwell.sequences.branches import Branches, reach
 from stepwell.sequences.cycles import sequence_of
 from stepwell.sequences.passages import order_kept
-from stepwell.sequences.planning import _by_fields
+from stepwell.sequences.planning import _by_fields, _task
 from stepwell.statics import EventKind, StaticsError
 
 
@@ -178,10 +178,7 @@ def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(see
     fields = ordered(chain, leaders=True)
     ideals = [s for s in states(cells) if is_ideal(s, fields.up, fields.down)]
     start, to = random.choice(ideals, 2)
-    branches = Branches(chain)
-    place = branches.vertex(str(start))
-    assert place is not None
-    planned = _by_fields(branches, str(start), str(to), place)
+    planned = _by_fields(_task(chain, str(start), str(to)))
     searched = chain.program(str(to), start=str(start))
     assert planned is not None and planned.shortest
     assert planned.strokes == searched.strokes
@@ -337,10 +334,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
     assert (program.strokes, len(plan.states)) == (2, 3)
     assert program.shortest
     # So what is planned from the fields is not called the shortest.
-    branches = Branches(chain)
-    place = branches.vertex("000")
-    assert place is not None
-    planned = _by_fields(branches, "000", "011", place)
+    planned = _by_fields(_task(chain, "000", "011"))
     assert planned is not None and planned.strokes == 3 and not planned.shortest
 
 

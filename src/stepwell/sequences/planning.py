@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
-from typing import NamedTuple
 
 from stepwell.base import InputError, amount, bisected
 from stepwell.concave import Relays, fewest_strokes, relays
@@ -22,21 +21,36 @@ _MOST_PLACES = 4000
 # Places closer than this share of all that can be travelled and driven are not both tried.
 _SAME = 1e-4
 
+Progress = Callable[[int, int], None]
 
-def search_with_friction(
-    branches: Branches,
-    start: str,
-    target: str,
-    origin: tuple[Configuration, float],
-    progress: Callable[[int, int], None] | None,
-    robust: float | None,
-) -> Program:
-    """The first program found, fewest turns first; as `sequences.program`."""
-    chain = branches.chain
+
+@dataclass(frozen=True)
+class _Task:
+    """What is asked of a search, and where the chain stands at the start."""
+
+    branches: Branches
+    start: str
+    target: str
+    place: Configuration
+    drive: float
+    progress: Progress
+    robust: float | None = None
+
+    def solved(
+        self, turns: tuple[Turn, ...], ends: tuple[float, float], how: ProgramMethod, shortest: bool
+    ) -> Program:
+        """The program with these turns and drives at its end."""
+        asked = self.branches.chain, self.start, self.target, self.drive
+        return Program(*asked, turns, *ends, how, shortest, self.place, self.robust)
+
+
+def _by_trying(task: _Task) -> Program:
+    """The first program with friction that is found, fewest turns first."""
+    branches, chain = task.branches, task.branches.chain
     least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
-    waiting: deque[tuple[Configuration, float, int, tuple[float, ...]]] = deque()
-    for direction in (+1, -1):
-        waiting.append((*origin, direction, ()))
+    waiting: deque[tuple[Configuration, float, int, tuple[float, ...]]] = deque(
+        (task.place, task.drive, direction, ()) for direction in (+1, -1)
+    )
     seen: set[tuple[int, ...]] = set()
     while waiting and len(seen) < _MOST_PLACES:
         place, drive, direction, turns = waiting.popleft()
@@ -45,13 +59,11 @@ def search_with_friction(
         if key in seen:
             continue
         seen.add(key)
-        if progress is not None:
-            progress(len(seen), _MOST_PLACES)
+        task.progress(len(seen), _MOST_PLACES)
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
-            if section.state == target:
+            if section.state == task.target:
                 low, high = sorted(section.drive)
-                wish = _Wish(start, target, robust)
-                found = _widened(branches, wish, origin, turns, (low, high))
+                found = _widened(task, turns, (low, high))
                 if found is not None:
                     return found
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
@@ -59,7 +71,7 @@ def search_with_friction(
                 stopped = path(chain, [drive, middle], start=place).end_configuration
                 waiting.append((stopped, middle, -direction, (*turns, middle)))
     raise Unreachable(
-        f"no program from {start} to {target} was found: {len(seen)} places with up to "
+        f"no program from {task.start} to {task.target} was found: {len(seen)} places with up to "
         f"{_MOST_TURNS} turns were tried, turning in the middle of every smooth part. With "
         f"friction that is a search and no proof; without friction the answer would be certain.",
         proved=False,
@@ -75,34 +87,20 @@ def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> l
         return []
 
 
-class _Wish(NamedTuple):
-    """From where to where, and within which ratio of mobilities its landings have to hold."""
-
-    start: str
-    target: str
-    robust: float | None
-
-
-def _widened(
-    branches: Branches,
-    wish: _Wish,
-    origin: tuple[Configuration, float],
-    turns: tuple[float, ...],
-    ends: tuple[float, float],
-) -> Program | None:
+def _widened(task: _Task, turns: tuple[float, ...], ends: tuple[float, float]) -> Program | None:
     """The program, each window bisected with the other turns where they are.
 
     None where one of its landings hangs on the mobilities.
     """
-    chain, (start, target, robust) = branches.chain, wish
-    points = [origin[1], *turns, sum(ends) / 2]
+    chain, robust = task.branches.chain, task.robust
+    points = [task.drive, *turns, sum(ends) / 2]
 
     def works(k: int, drive: float) -> bool:
         try:
-            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=origin[0])
+            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=task.place)
         except (StaticsError, ValueError):
             return False
-        arrives = state_of(chain.stretches, found.end_configuration) == target
+        arrives = state_of(chain.stretches, found.end_configuration) == task.target
         return arrives and (robust is None or all(x.holds for x in found.landings(robust)))
 
     if robust is not None and not works(0, points[0]):
@@ -111,7 +109,7 @@ def _widened(
     for k in range(1, len(points) - 1):
         rises = points[k] > points[k - 1]
         inner = max(points[k - 1], points[k + 1]) if rises else min(points[k - 1], points[k + 1])
-        outer = branches.range[1] if rises else branches.range[0]
+        outer = task.branches.range[rises]
         # The drive furthest towards each of the two at which the turn still works.
         low, high = sorted(
             far if works(k, far) else bisected(partial(works, k), points[k], far, 30)[0]
@@ -119,17 +117,13 @@ def _widened(
         )
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
-    method = ProgramMethod.FRICTION
-    found = chain, start, target, origin[1], tuple(windows), *ends, method, False, origin[0]
-    return Program(*found, robust)
+    return task.solved(tuple(windows), ends, ProgramMethod.FRICTION, False)
 
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
 # Branches after which a search gives up without an answer.
 _MOST_BRANCHES = 20_000
-
-Progress = Callable[[int, int], None]
 
 
 def program(
@@ -157,37 +151,32 @@ def program(
 def _planned(
     chain: Chain, start: str, target: str, robust: float | None, progress: Progress | None
 ) -> Program:
-    branches = Branches(chain)
-    origin = _origin(branches, start, target)
+    task = _task(chain, start, target, progress)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
-    by_fields = None if rubbed else partial(_by_fields, branches, start, target, origin)
-    search = search_with_friction if rubbed else _by_branches
-    found = by_fields() if by_fields and len(chain) > _LOOKED_AT else None
-    found = found or search(branches, start, target, origin, progress, None)
-    if robust is None:
-        return found
-    found = replace(found, robust=robust)
+    search = _by_trying if rubbed else _by_branches
+    found = _by_fields(task) if not rubbed and len(chain) > _LOOKED_AT else None
+    found = replace(found or search(task), robust=robust)
     if found.hangs is None:
         return found
-    turned = by_fields(robust) if by_fields else None
+    task = replace(task, robust=robust)
+    turned = None if rubbed else _by_fields(task)
     if turned is not None:
-        shortest = found.shortest and turned.strokes == found.strokes
-        return replace(turned, shortest=shortest)
+        return replace(turned, shortest=found.shortest and turned.strokes == found.strokes)
     try:
-        return search(branches, start, target, origin, progress, robust)
+        return search(task)
     except Unreachable as why:
         text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
         raise Unreachable(text, proved=why.proved) from None
 
 
-def _origin(branches: Branches, start: str, target: str) -> tuple[Configuration, float]:
-    """Where the chain stands at the start, and the drive there, if it can stand in both states."""
+def _task(chain: Chain, start: str, target: str, progress: Progress | None = None) -> _Task:
+    branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:
-        raise InputError(f"start: {_unstable(branches.chain, start)}")
+        raise InputError(f"start: {_unstable(chain, start)}")
     if branches.vertex(target) is None:
-        raise Unreachable(_unstable(branches.chain, target), proved=True)
-    return origin
+        raise Unreachable(_unstable(chain, target), proved=True)
+    return _Task(branches, start, target, *origin, progress or (lambda done, known: None))
 
 
 _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
@@ -223,13 +212,7 @@ def _unstable(chain: Chain, state: str) -> str:
     )
 
 
-def _by_fields(
-    branches: Branches,
-    start: str,
-    target: str,
-    origin: tuple[Configuration, float],
-    robust: float | None = None,
-) -> Program | None:
+def _by_fields(task: _Task) -> Program | None:
     """The plan of relays, aimed by one run a stroke; None where it may not or does not hold.
 
     Under a prescribed stroke one that is to be `robust` turns past vertices only. Which cell is
@@ -237,16 +220,16 @@ def _by_fields(
 
     Source: theory page, "Stroke programs" (a).
     """
-    chain = branches.chain
+    chain, robust = task.branches.chain, task.robust
     fields = relays(chain)
     if fields is None or fields.skips:
         return None
     by_force = chain.actuator_stiffness == 0
     if not by_force:
         rigid = fields.equal and math.isinf(chain.actuator_stiffness)
-        if not rigid or fewest_strokes(fields, "0" * len(chain), start).blocked is not None:
+        if not rigid or fewest_strokes(fields, "0" * len(chain), task.start).blocked is not None:
             return None
-    plan = fewest_strokes(fields, start, target)
+    plan = fewest_strokes(fields, task.start, task.target)
     if plan.blocked is not None and robust is not None:
         return None
     # Under a prescribed force relays are what the cells are.
@@ -255,14 +238,14 @@ def _by_fields(
         if not order.only_ideals:
             return None
         why = _why_blocked(chain, fields, plan.blocked)
-        raise Unreachable(f"no program leads from {start} to {target}: {why}", proved=True)
-    aimed = _aimed(branches, origin, plan.states, past=robust is not None)
+        text = f"no program leads from {task.start} to {task.target}: {why}"
+        raise Unreachable(text, proved=True)
+    aimed = _aimed(task, plan.states)
     if aimed is None:
         return None
     method = ProgramMethod.RELAYS if chain.elements else ProgramMethod.FIELDS
     method = method if robust is None else ProgramMethod.VERTICES
-    found = chain, start, target, origin[1], *aimed, method, order.leaders_win, origin[0]
-    return Program(*found, robust)
+    return task.solved(*aimed, method, order.leaders_win)
 
 
 def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
@@ -280,36 +263,32 @@ def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
 
 
 def _aimed(
-    branches: Branches,
-    origin: tuple[Configuration, float],
-    states: tuple[str, ...],
-    *,
-    past: bool = False,
-) -> tuple[tuple[Turn, ...], float, float] | None:
+    task: _Task, states: tuple[str, ...]
+) -> tuple[tuple[Turn, ...], tuple[float, float]] | None:
     """Windows for turning at each of these states in turn; None where one is not on the way.
 
-    With `past` they begin at the state and not after the snap before it.
+    For a robust program they begin at the state and not after the snap before it.
     """
-    place, drive = origin
+    branches, place, drive = task.branches, task.place, task.drive
     turns: list[Turn] = []
     low = high = drive
     for state in states:
         now = state_of(branches.chain.stretches, place)
         rises = sum(map(int, state)) > sum(map(int, now))
-        end = branches.range[1] if rises else branches.range[0]
-        for passage in passages_of(path(branches.chain, [drive, end], start=place)):
+        run = path(branches.chain, [drive, branches.range[rises]], start=place)
+        for passage in passages_of(run):
             section = next((one for one in passage.sections if one.state == state), None)
             if section is not None:
                 break
         else:
             return None
-        begin = section if past else passage.sections[0]
+        begin = passage.sections[0] if task.robust is None else section
         first, last = sorted((begin.drive[0], passage.sections[-1].drive[1]))
         low, high = sorted(section.drive)
         vertices = tuple(p.state for p in passage.sections if "-" not in p.state)
         turns.append(Turn((first + last) / 2, first, last, vertices))
         place, drive = section.place[0], section.drive[0]
-    return tuple(turns[:-1]), low, high
+    return tuple(turns[:-1]), (low, high)
 
 
 @dataclass(frozen=True)
@@ -328,19 +307,12 @@ class _Reached:
         return len(self.turns), -min((turn.slack for turn in self.turns), default=math.inf)
 
 
-def _by_branches(
-    branches: Branches,
-    start: str,
-    target: str,
-    origin: tuple[Configuration, float],
-    progress: Progress | None,
-    robust: float | None,
-) -> Program:
-    first = branches.at(*origin)
+def _by_branches(task: _Task) -> Program:
+    branches, start, target = task.branches, task.start, task.target
+    first = branches.at(task.place, task.drive)
     if start == target:
-        here = branches[first].sections[branches[first].find(target, origin[1])]
-        found = branches.chain, start, target, origin[1], (), *here.drive
-        return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
+        here = branches[first].sections[branches[first].find(target, task.drive)]
+        return task.solved((), here.drive, ProgramMethod.BRANCHES, not branches.ties)
     order = count()
     heap: list[tuple[tuple[int, float], int, _Reached]] = []
 
@@ -348,7 +320,7 @@ def _by_branches(
         heapq.heappush(heap, (reached.cost, next(order), reached))
 
     for direction in (+1, -1):
-        push(_Reached(first, direction, origin[1], (), can_turn=False))
+        push(_Reached(first, direction, task.drive, (), can_turn=False))
     seen: set[tuple[int, int, bool, int]] = set()
     looked: set[int] = set()
     while heap:
@@ -359,12 +331,10 @@ def _by_branches(
             continue
         seen.add(key)
         looked.add(reached.branch)
-        if progress is not None:
-            progress(len(looked), len(branches))
+        task.progress(len(looked), len(branches))
         end = _end(branches, reached, target)
         if end is not None:
-            found = branches.chain, start, target, origin[1], reached.turns, *end
-            return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
+            return task.solved(reached.turns, end, ProgramMethod.BRANCHES, not branches.ties)
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
                 f"no program from {start} to {target} with {len(reached.turns)} turns or fewer, "
@@ -374,8 +344,8 @@ def _by_branches(
         if reached.can_turn:
             push(_turned(branches, reached))
         end_of = reached.branch, reached.direction
-        exit_ = branches.exit(*end_of)
-        if exit_ is not None and (robust is None or branches.landing(*end_of, robust).holds):
+        exit_, ratio = branches.exit(*end_of), task.robust
+        if exit_ is not None and (ratio is None or branches.landing(*end_of, ratio).holds):
             push(replace(reached, branch=exit_.branch, entry=exit_.snap.drive[1], can_turn=True))
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(
@@ -389,17 +359,11 @@ def _by_branches(
 def _turned(branches: Branches, reached: _Reached) -> _Reached:
     """Where a search is after turning back on its branch."""
     branch = branches[reached.branch]
-    low, high = (
-        (reached.entry, branch.high) if reached.direction > 0 else (branch.low, reached.entry)
-    )
+    rises = reached.direction > 0
+    low, high = (reached.entry, branch.high) if rises else (branch.low, reached.entry)
     turn = Turn((low + high) / 2, low, high, branch.vertices)
-    return replace(
-        reached,
-        direction=-reached.direction,
-        entry=turn.drive,
-        turns=(*reached.turns, turn),
-        can_turn=False,
-    )
+    turns = *reached.turns, turn
+    return _Reached(reached.branch, -reached.direction, turn.drive, turns, can_turn=False)
 
 
 def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, float] | None:
@@ -416,8 +380,8 @@ def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, flo
 
 def _why(branches: Branches, target: str) -> str:
     """The order of fields that forbids a state, where there is one; or why nothing is proved."""
-    if branches.ties:
-        tie = next(iter(branches.ties))
+    tie = next(iter(branches.ties), None)
+    if tie is not None:
         return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
     chain = branches.chain
     fields = relays(chain)
