@@ -1,7 +1,7 @@
 """Graphs of relays: of chains under a force, and of the switching fields of others."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
@@ -12,7 +12,7 @@ from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences import branches, transition_graph
-from stepwell.sequences.nodes import Digits, StateNodes, States, Transition, TransitionKind
+from stepwell.sequences.nodes import StateNodes, States, Transition, TransitionKind
 from stepwell.statics import problem_of, travel_in
 
 
@@ -28,13 +28,7 @@ def preisach(
     which stood before, feel nothing of it; so there are no avalanches, and where it stands the
     state does.
 
-    Args:
-        chain: under force control.
-        fields: its (A, B).
-        start: a state, to list what can be reached from it; None lists all states that stand.
-
-    Raises:
-        ValueError: a start in which the chain cannot stand, or too many reached states.
+    `fields` holds (A, B); without a `start` all states that stand are listed.
 
     Source: Preisach 1935; Terzi and Mungan 2020; that these chains are relays under a prescribed
     force: theory page, "Preisach limit".
@@ -46,8 +40,8 @@ def preisach(
     up[fields.cell, fields.step] = fields.up
     down[fields.cell, fields.step + 1] = fields.down
     low, high = branches.Branches(chain).range
-    falls = _Flips.of(chain, travels, states, down, -1, low)
-    rises = _Flips.of(chain, travels, states, up, +1, high)
+    falls = _Flips(travels, states, down, -1, low)
+    rises = _Flips(travels, states, up, +1, high)
     both = falls, rises
     if start is None:
         codes, first = np.arange(states.count), [flips.first_of_all() for flips in both]
@@ -60,7 +54,8 @@ def preisach(
         codes, low, high = codes[stands], low[stands], high[stands]
         first = [one[stands] for one in first]
     nodes = StateNodes(states, codes, low, high, travels.shown)
-    target, number = np.full((2, 2, len(nodes)), -1, _narrow(len(nodes)))
+    narrow = np.int32 if len(nodes) < 1 << 31 else np.int64
+    target, number = np.full((2, 2, len(nodes)), -1, narrow)
     for row, (flips, one) in enumerate(zip(both, first, strict=True)):
         goes = one < len(flips.ways)
         target[row, goes] = nodes.numbers((codes + flips.shift[one])[goes])
@@ -73,17 +68,17 @@ def preisach(
     )
 
 
-def _narrow(count: int) -> type[np.signedinteger[Any]]:
-    """The type of numbers below a count, of which there are very many."""
-    return np.int32 if count < 1 << 31 else np.int64
-
-
 class Travels:
-    """Travels of the cells of a chain in their phases, by force."""
+    """Travels and energies of the cells of a chain in their phases, by force."""
 
     def __init__(self, chain: Chain):
-        self._problem, self._stretches = problem_of(chain), chain.stretches
+        self._cells, self._problem, self._stretches = (
+            chain.cells,
+            problem_of(chain),
+            chain.stretches,
+        )
         self._known: dict[tuple[int, int, float], float] = {}
+        self._heat: dict[tuple[int, int, int], float] = {}
 
     def at(self, cell: int, phase: int, force: float) -> float:
         """Travel [m] of one cell at a force [N]."""
@@ -93,61 +88,57 @@ class Travels:
             self._known[key] = travel_in(self._problem, cell, stretch, force)
         return self._known[key]
 
-    def shown(self, phases: tuple[int, ...], force: float) -> tuple[float, tuple[float, ...]]:
+    def shown(self, phases: Sequence[int], force: float) -> tuple[float, tuple[float, ...]]:
         """The force [N] again, and the travels [m] of all cells in these phases at it."""
         return force, tuple(self.at(cell, phase, force) for cell, phase in enumerate(phases))
 
-    def of(self, digits: Digits, force: Floats) -> Floats:
-        """(S, N) travels [m] in these phases, (S, N), at these forces, (S,) [N]."""
-        rows = zip(digits.tolist(), force.tolist(), strict=True)
-        return np.array([self.shown(tuple(phases), at)[1] for phases, at in rows])
+    def heat(self, switch: tuple[int, int, int], force: float) -> float:
+        """Heat [J] of a cell's switch on its own, as (cell, phase before, after), at its force."""
+        if switch not in self._heat:
+            i, phase, target = switch
+            cell, a, b = self._cells[i], self.at(i, phase, force), self.at(i, target, force)
+            self._heat[switch] = force * (b - a) - (
+                _energy(cell, target, b) - _energy(cell, phase, a)
+            )
+        return self._heat[switch]
 
 
-@dataclass(frozen=True, eq=False)
+def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
+    if isinstance(cell, Element):
+        return float(cell.energy_at(travel))
+    return float(cell.energy(cell.limit if phase else -cell.limit))
+
+
 class _Flips:
-    """What every cell does all by itself as the force goes one way; none feels the others.
+    """What every cell does on its own as the force goes one way; none feels the others.
 
-    Flips are numbered in the order in which the force comes to them; one more stands for none.
-
-    Attributes:
-        ways: the flips.
-        force: (K + 1,) at which each happens [N]; where the drive ends for none.
-        shift: (K + 1,) how many states further on each leads.
-        rank: by cell, (P,) the number of the flip with which it leaves each of its phases.
-        states: of the chain.
+    Flips are numbered in the order in which the force comes to them; one more stands for none, at
+    the `end` of the drive. `fields` (N, P) are the forces at which a cell leaves each phase this
+    way. `shift` is how many states further on each flip leads, and `rank` of every cell the number
+    of the flip with which it leaves each of its phases.
     """
 
-    ways: tuple[Transition, ...]
-    force: Floats
-    shift: Ints
-    rank: tuple[Ints, ...]
-    states: States
-
-    @classmethod
-    def of(
-        cls, chain: Chain, travels: Travels, states: States, fields: Floats, way: int, end: float
-    ) -> "_Flips":
-        """`fields` are the forces at which a cell leaves each phase this way, (N, P)."""
+    def __init__(self, travels: Travels, states: States, fields: Floats, way: int, end: float):
         cells, phases = np.nonzero(np.isfinite(fields))
         # Of two that tie the inner cell goes first.
         order = np.argsort(way * fields[cells, phases], kind="stable")
         cells, phases = cells[order].tolist(), phases[order].tolist()
         # Looked up for every state, so as narrow as they can be.
         kind = np.min_scalar_type(len(cells))
-        rank = [np.full(size, len(cells), kind) for size in states.sizes]
-        ways: list[Transition] = []
+        self.states, self.rank = states, [np.full(size, len(cells), kind) for size in states.sizes]
+        self.ways: list[Transition] = []
         shift: list[int] = []
         for number, (cell, phase) in enumerate(zip(cells, phases, strict=True)):
             force, target = float(fields[cell, phase]), phase + way
             # At this force it would leave these phases too.
             while way * (fields[cell, target] - force) < 0:
                 target += way
-            heat = heat_of(chain, travels, (cell, phase, target), force)
-            ways.append(Transition(TransitionKind.SNAP, way, force, (cell,), heat))
+            heat = travels.heat((cell, phase, target), force)
+            self.ways.append(Transition(TransitionKind.SNAP, way, force, (cell,), heat))
             shift.append((target - phase) * states.weights[cell])
-            rank[cell][phase] = number
-        forces = np.array([*(one.drive for one in ways), end])
-        return cls(tuple(ways), forces, np.array([*shift, 0]), tuple(rank), states)
+            self.rank[cell][phase] = number
+        self.force = np.array([*(one.drive for one in self.ways), end])
+        self.shift = np.array([*shift, 0])
 
     def first_of_all(self) -> Ints:
         """(S,) the number of the first flip from every state."""
@@ -172,35 +163,13 @@ def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: s
         transition_graph.require_as_many(
             len(seen), "relays", "the reached states are as many as those of"
         )
-        after = np.unique(
-            np.concatenate([front + flips.shift[flips.first_of(front)] for flips in both])
-        )
+        steps = [front + flips.shift[flips.first_of(front)] for flips in both]
+        after = np.unique(np.concatenate(steps))
         place = np.minimum(np.searchsorted(seen, after), len(seen) - 1)
         front = after[seen[place] != after]
         # Two rising runs, which this kind of sort merges.
         seen = np.sort(np.concatenate([seen, front]), kind="stable")
     return seen
-
-
-def heat_of(chain: Chain, travels: Travels, switch: tuple[int, int, int], force: float) -> float:
-    """Energy [J] that a cell turns into heat as it goes from a phase to another, all by itself.
-
-    Args:
-        chain: whose cell it is.
-        travels: of its cells.
-        switch: numbers of the cell, of the phase it leaves and of the one it lands in.
-        force: at which it goes [N].
-    """
-    i, phase, target = switch
-    cell, (a, b) = chain.cells[i], (travels.at(i, k, force) for k in (phase, target))
-    return force * (b - a) - (_energy(cell, target, b) - _energy(cell, phase, a))
-
-
-def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
-    """Energy [J] of a cell in a phase."""
-    if isinstance(cell, Element):
-        return float(cell.energy_at(travel))
-    return float(cell.energy(cell.limit if phase else -cell.limit))
 
 
 # Fields closer than this share of the largest are equal, as in the engine.
@@ -220,8 +189,7 @@ def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
         (2^N, N) array [N under force control, m behind a spring]. Rows are states in the order of
         itertools.product([0, 1], repeat=N), the inner cell first. `[state][i]` is the drive at
         which cell i leaves its phase while the others stay in theirs: its up field if it is at 0,
-        its down field if it is at 1. Rows of states in which the chain cannot stand are filled in
-        by the same formula:
+        its down field if it is at 1; the same formula holds in states that are no equilibrium:
 
             F0_i or F1_i under force control,   Σ S_j + F/K behind a spring K, j the cells at 1
 
@@ -270,8 +238,11 @@ def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
     if stiffness == 0:
         return let_go
     travels = Travels(chain)
-    columns = [np.sum(travels.of(digits, force), axis=1) for force in let_go.T]
-    return np.column_stack(columns) + let_go / stiffness
+    sums = [
+        np.sum([travels.shown(state, force)[1] for force in row], axis=1)
+        for state, row in zip(digits.tolist(), let_go.tolist(), strict=True)
+    ]
+    return np.array(sums) + let_go / stiffness
 
 
 def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> transition_graph.TransitionGraph:
@@ -282,18 +253,16 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> transition_gr
     in the new state, it flips too at the same drive, and so on: an avalanche.
 
     Args:
-        fields: (2^N, N) in the order that `switching_fields` tells.
+        fields: (2^N, N) in the order of `switching_fields`.
         unit: of the fields: "N", "m", that of another measure, or nothing for bare numbers.
 
     Returns:
-        A graph whose nodes are the states that stand at some drive. It knows no chain, no travels
-        and no energies (`graph.chain` is None, `released` is NaN).
+        A graph of the states that stand at some drive, without a chain (None), travels and
+        energies (NaN).
 
     Raises:
         ValueError: another shape, a number that is not finite, two fields that tie, an avalanche
-            in which two cells are past their field at once (a race), or one without end (a loop):
-            the rule decides none of these.
-
+            in which two cells are past their field at once (a race), or one without end (a loop).
     Source: van Hecke 2021, Phys. Rev. E 104, 054608; Teunisse and van Hecke 2025.
     """
     fields = _checked(fields)

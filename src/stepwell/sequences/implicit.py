@@ -7,24 +7,21 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
 from itertools import islice
+from typing import Any
 
 from stepwell import concave, mechanism, statics
 from stepwell.base import ByValue, InputError, require
 from stepwell.sequences import passages, transition_graph
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
-from stepwell.sequences.fields import Travels, heat_of
-from stepwell.sequences.nodes import Node, Transition, TransitionKind
+from stepwell.sequences.fields import Travels
+from stepwell.sequences.nodes import Node, States, Transition, TransitionKind
 
 
 class ByBranches:
-    """Nodes and the ways between them; each branch is followed once and remembered.
-
-    Args:
-        chain: no friction.
-    """
+    """Nodes and the ways between them; each branch is followed once and remembered."""
 
     method = "every branch that was asked for followed to both ends by the engine"
-    # Nobody counts these but by following every branch.
+    # These are only counted by following every branch.
     transitions = gardens = sub_loops = None
 
     def __init__(self, chain: mechanism.Chain):
@@ -73,9 +70,7 @@ class ByBranches:
             )
         place = self._branches.vertex(checked_state(self.chain, "state", label))
         if place is None:
-            raise InputError(
-                f"state = {label!r}: is no equilibrium: {transition_graph.overdrawn(self.chain)}."
-            )
+            raise InputError(transition_graph.no_equilibrium(self.chain, "state", label))
         number = self._branches.at(*place)
         found = number, self._branches[number].find(label, place[1])
         self._label(found)
@@ -86,25 +81,24 @@ class ByBranches:
             number, k = section
             state = self._branches[number].sections[k].state
             self._sharing[state] += 1
-            count = self._sharing[state]
-            label = state if count == 1 else f"{state}#{count}"
+            label = state if self._sharing[state] == 1 else f"{state}#{self._sharing[state]}"
             self._labels[section], self._sections[label] = label, section
         return self._labels[section]
 
 
 def _ideals(fields: concave.Relays) -> int | None:
-    known = concave.switches(concave.levels(fields.windows, fields.slip))
-    return None if known is None else concave.ideals(known)
+    return _counted(concave.ideals, concave.levels(fields.windows, fields.slip))
+
+
+def _counted(count: Callable[[Any], int], levels: Any) -> int | None:
+    known = concave.switches(levels)
+    return None if known is None else count(known)
 
 
 class ByFields:
     """Windows of states and ways between them; every vertex is a branch of its own.
 
     Cells whose fields tie leave together: each goes its own way at the same force.
-
-    Args:
-        chain: under force control.
-        fields: of its cells.
     """
 
     method = "switching fields: cells under a prescribed force do not feel each other"
@@ -119,8 +113,7 @@ class ByFields:
         }
         self._travels = Travels(chain)
         self._ends = Branches(chain).range
-        self._last = chain.last_state
-        self._heat: dict[tuple[int, int, int], float] = {}
+        self._states = States([len(cell) for cell in self._windows])
 
     @cached_property
     def standing(self) -> int:
@@ -140,14 +133,12 @@ class ByFields:
     @cached_property
     def reached(self) -> int | None:
         """How many states are reached from the first one; None where a cell passes a phase by."""
-        relays = concave.switches(self._levels)
-        return None if relays is None else concave.ideals(relays)
+        return _counted(concave.ideals, self._levels)
 
     @cached_property
     def sub_loops(self) -> int | None:
         """How many sub-loops are reached from the first state; None likewise."""
-        relays = concave.switches(self._levels)
-        return None if relays is None else concave.sub_loops(relays)
+        return _counted(concave.sub_loops, self._levels)
 
     def node(self, label: str) -> Node:
         """The state as a node."""
@@ -155,13 +146,9 @@ class ByFields:
         own = [cell[k] for cell, k in zip(self._windows, phases, strict=True)]
         low = max(max(low for low, _ in own), self._ends[0])
         high = min(min(high for _, high in own), self._ends[1])
-        begin, end = (
-            tuple(self._travels.at(i, k, force) for i, k in enumerate(phases))
-            for force in (low, high)
-        )
-        number = 0
-        for cell, k in zip(self._windows, phases, strict=True):
-            number = number * len(cell) + k
+        begin, end = (self._travels.shown(phases, force)[1] for force in (low, high))
+        number = self._states.code(label)
+        assert number is not None
         return Node(label, label, low, high, low, high, begin, end, number)
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
@@ -178,32 +165,20 @@ class ByFields:
         after, heat = list(phases), []
         for i, force in zip(leave, drives, strict=True):
             after[i] = ways[i][phases[i]]
-            heat.append(self._released(i, phases[i], after[i], force))
+            heat.append(self._travels.heat((i, phases[i], after[i]), force))
         drive = min(drives) if direction > 0 else max(drives)
         snap = Transition(TransitionKind.SNAP, direction, drive, leave, math.fsum(heat))
         return "".join(map(str, after)), snap
 
     def _phases(self, label: str) -> tuple[int, ...]:
-        if not self._is_state(label):
+        # What checks a state for messages looks at every curve of the chain.
+        if self._states.code(label) is None:
             checked_state(self.chain, "state", label)
         phases = tuple(map(int, label))
         own = [cell[k] for cell, k in zip(self._levels, phases, strict=True)]
         if max(low for low, _ in own) > min(high for _, high in own):
-            raise InputError(
-                f"state = {label!r}: is no equilibrium: {transition_graph.overdrawn(self.chain)}."
-            )
+            raise InputError(transition_graph.no_equilibrium(self.chain, "state", label))
         return phases
-
-    def _is_state(self, label: str) -> bool:
-        # What checks a state for messages looks at every curve of the chain.
-        digits = zip(label, self._last, strict=True)
-        return len(label) == len(self._last) and all("0" <= a <= b for a, b in digits)
-
-    def _released(self, cell: int, phase: int, target: int, force: float) -> float:
-        key = cell, phase, target
-        if key not in self._heat:
-            self._heat[key] = heat_of(self.chain, self._travels, key, force)
-        return self._heat[key]
 
 
 Way = tuple[str, Transition] | None
@@ -253,10 +228,7 @@ class ImplicitGraph(ByValue):
     come to later are numbered: "0-1#2".
 
     Args:
-        chain: with the actuator that drives it; no friction.
-
-    Raises:
-        ValueError: friction.
+        chain: with the actuator that drives it; friction raises ValueError.
 
     Source: Preisach 1935; Terzi and Mungan 2020; the counts are ours where the theory page says so
     ("Transition graphs", "Relays").
@@ -301,10 +273,9 @@ class ImplicitGraph(ByValue):
 
     @property
     def ties(self) -> tuple[statics.Tie, ...]:
-        """Where the model cannot tell two outcomes apart, as far as branches were followed.
+        """Degenerate events of the branches that were followed.
 
-        Cells whose fields tie under a force are none: they leave together, and where they arrive no
-        order tells.
+        Cells whose fields tie under a force are none: they leave together, in any order.
         """
         return self._ways.ties
 
@@ -337,9 +308,9 @@ class ImplicitGraph(ByValue):
     def reached_count(self) -> int | None:
         """How many of these vertices can be reached from `zero`, itself included.
 
-        None where that is not known: a cell that can pass a phase of its own by, and under a stroke
-        or a spring all but concave cells of one full travel of which one full cycle of a rigid
-        actuator proves it. That cycle is run by the engine when this is asked.
+        None where that is not known: where a cell can pass a phase of its own by, and under a
+        stroke or a spring, unless the engine, which runs a full cycle for it, proves the count: for
+        concave cells of one full travel and a rigid actuator.
         """
         return self._ways.reached
 
@@ -356,12 +327,11 @@ class ImplicitGraph(ByValue):
     def node(self, label: str) -> Node:
         """Where a node stands: its window of the drive, forces and travels.
 
-        Under a force the number of its branch is that of the state among all, counted from 0 with
-        the innermost cell as the first digit.
+        Under a force its branch is the number of its state among all, from 0, with the innermost
+        cell as the first digit.
 
         Raises:
-            ValueError: a state that the chain cannot have, in which it cannot stand, or with cells
-                in transit and not come to yet.
+            ValueError: no state of the chain, no equilibrium, or in transit and not come to yet.
         """
         return self._ways.node(label)
 
@@ -383,15 +353,10 @@ class ImplicitGraph(ByValue):
         return self.transition(label, -1)
 
     def stroke(self, label: str, direction: int) -> Iterator[tuple[str, Transition]]:
-        """Where the drive's rise (+1) or fall (-1) leads from a node, until the drive ends.
+        """Nodes to which the drive's rise (+1) or fall (-1) leads, and what happens on the way.
 
-        From `zero` up, and down again from where that ends, it goes round the main loop.
-
-        Yields:
-            One node after the other, by label, and what happened on the way there.
-
-        Raises:
-            ValueError, StaticsError: as for `transition`.
+        From `zero` up, and down again from where that ends, it goes round the main loop. Raises as
+        `transition` does.
         """
         while (way := self.transition(label, direction)) is not None:
             label = way[0]
@@ -404,16 +369,7 @@ class ImplicitGraph(ByValue):
         most: int = 24,
         progress: Callable[[int, int], None] | None = None,
     ) -> Walked:
-        """The first nodes of `walk`, each with where it leads.
-
-        Args:
-            start: label to begin with; all cells at 0 by default.
-            most: nodes after which it ends.
-            progress: called with (done, most) nodes.
-
-        Raises:
-            ValueError: as for `walk`.
-        """
+        """The first nodes of `walk`, each with where it leads; `progress` gets (done, most)."""
         start = self.zero if start is None else start
         steps: list[Step] = []
         for node in self.walk(start, most=most):
@@ -428,9 +384,6 @@ class ImplicitGraph(ByValue):
         Args:
             start: label to begin with; all cells at 0 by default.
             most: nodes after which it ends. If fewer come, they are all.
-
-        Yields:
-            Each node once, as soon as it is come to.
 
         Raises:
             ValueError: as for `node`, or more than the limit of nodes.
@@ -474,9 +427,8 @@ class ImplicitGraph(ByValue):
         }
         known = {name: shown_count(count) for name, count in counts.items() if count is not None}
         if self.by_fields:
-            up = self._order(self.zero, +1)
-            down = self._order(self.chain.last_state, -1)
-            known = {"main loop, up": up, "main loop, down": down} | known
+            ways = (("up", self.zero, +1), ("down", self.chain.last_state, -1))
+            known = {f"main loop, {name}": self._order(*way) for name, *way in ways} | known
             known |= {"return-point memory": "holds", "avalanches": "none"}
         lost = ", ".join(name for name, count in counts.items() if count is None)
         if lost:

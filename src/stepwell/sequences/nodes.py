@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import accumulate
+from operator import mul
 from typing import overload
 
 import numpy as np
@@ -92,23 +94,19 @@ Digits = NDArray[np.uint8]
 
 
 class Nodes(Sequence[Node]):
-    """Nodes by number, their labels, and the drives between which they exist.
-
-    Attributes:
-        low, high: (R,) drives between which each node exists.
-    """
+    """Nodes by number, their labels, and the drives between which they exist."""
 
     low: Floats
     high: Floats
 
     @cached_property
     def branch(self) -> Ints:
-        """(R,) number of the branch on which each node lies."""
-        raise NotImplementedError
+        """(R,) number of the branch on which each node lies: its own, if not said otherwise."""
+        return np.arange(len(self))
 
     def label(self, number: int) -> str:
         """What a node is called."""
-        raise NotImplementedError
+        return self.labels(np.array([number]))[0]
 
     def find(self, label: str) -> int | None:
         """Number of the node of that label; None where there is none."""
@@ -116,7 +114,7 @@ class Nodes(Sequence[Node]):
 
     def labels(self, numbers: Ints) -> list[str]:
         """What these nodes are called."""
-        return list(map(self.label, numbers.tolist()))
+        raise NotImplementedError
 
     def phases(self, numbers: Ints) -> Digits:
         """(V, N) the phase of every cell of these vertices."""
@@ -156,11 +154,7 @@ class Nodes(Sequence[Node]):
 
 
 class HeldNodes(Nodes):
-    """Nodes that are values already.
-
-    Args:
-        nodes: each with a label of its own.
-    """
+    """Nodes that are values already, each with a label of its own."""
 
     def __init__(self, nodes: Sequence[Node]):
         self._nodes = tuple(nodes)
@@ -173,9 +167,9 @@ class HeldNodes(Nodes):
         """(R,) number of the branch on which each node lies."""
         return np.array([node.branch for node in self._nodes], int)
 
-    def label(self, number: int) -> str:
-        """What a node is called."""
-        return self._nodes[number].label
+    def labels(self, numbers: Ints) -> list[str]:
+        """What these nodes are called."""
+        return [self._nodes[number].label for number in numbers.tolist()]
 
     def find(self, label: str) -> int | None:
         """Number of the node of that label; None where there is none."""
@@ -191,13 +185,9 @@ class HeldNodes(Nodes):
     @cached_property
     def vertices(self) -> Ints:
         """Numbers of the nodes with every cell in a phase, by the sum of their phases."""
-        found = [number for number, node in enumerate(self._nodes) if node.is_vertex]
-
-        def place(number: int) -> tuple[int, str]:
-            node = self._nodes[number]
-            return node.level, node.label[::-1]
-
-        return np.array(sorted(found, key=place), int)
+        numbered = enumerate(self._nodes)
+        found = sorted((x.level, x.label[::-1], k) for k, x in numbered if x.is_vertex)
+        return np.array([number for *_, number in found], int)
 
     def _node(self, number: int) -> Node:
         return self._nodes[number]
@@ -208,26 +198,10 @@ At = Callable[[tuple[int, ...], float], tuple[float, tuple[float, ...]]]
 
 
 class StateNodes(Nodes):
-    """Vertices alone, one of each state; a state is a number whose digits are phases.
-
-    Args:
-        states: how states are counted.
-        codes: (R,) rising, the states that stand.
-        low, high: (R,) drives between which each stands.
-        at: what a node shows beside them.
-    """
+    """Vertices alone, one of each state; `codes` are the states that stand, rising."""
 
     def __init__(self, states: "States", codes: Ints, low: Floats, high: Floats, at: At):
         self.states, self.codes, self.low, self.high, self._at = states, codes, low, high, at
-
-    @cached_property
-    def branch(self) -> Ints:
-        """(R,) number of the branch on which each node lies."""
-        return np.arange(len(self))
-
-    def label(self, number: int) -> str:
-        """What a node is called."""
-        return self.states.labels(self.codes[number : number + 1])[0]
 
     def labels(self, numbers: Ints) -> list[str]:
         """What these nodes are called."""
@@ -273,15 +247,14 @@ class StateNodes(Nodes):
 class States:
     """All states of a chain, counted from 0 with the innermost cell as the first digit.
 
-    Args:
-        sizes: how many phases each cell has.
+    `sizes` are how many phases each cell has.
     """
 
     def __init__(self, sizes: Sequence[int]):
         self.sizes = tuple(sizes)
         self.count = math.prod(self.sizes)
         # How many states further on the one is in which a cell is in its next phase.
-        self.weights = [math.prod(self.sizes[i + 1 :]) for i in range(len(self.sizes))]
+        self.weights = [*accumulate(self.sizes[:0:-1], mul, initial=1)][::-1]
 
     def digit(self, codes: Ints, cell: int) -> Ints:
         """(S,) the phase of a cell in each of these states."""

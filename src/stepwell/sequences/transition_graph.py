@@ -138,11 +138,7 @@ class TransitionGraph(ByValue, Drawn):
         return nx.freeze(found)
 
     def node(self, label: str) -> Node:
-        """The node of that label.
-
-        Raises:
-            KeyError: there is none.
-        """
+        """The node of that label; KeyError if there is none."""
         return self.nodes[self._find(label)]
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
@@ -190,11 +186,7 @@ class TransitionGraph(ByValue, Drawn):
         return state if state in self else f"{state}#1"
 
     def reachable(self, start: str | None = None) -> frozenset[str]:
-        """Labels of all nodes that the actuator can bring the chain to from a node.
-
-        Args:
-            start: its label; all cells at 0 by default.
-        """
+        """Labels of all nodes to which the actuator can bring the chain from one, or from all-0."""
         number = self.nodes.find(self.zero if start is None else start)
         if number is None:
             return frozenset()
@@ -272,7 +264,6 @@ def graph(
 def _standing(
     branches: Branches, states: list[str], progress: Callable[[int, int], None] | None
 ) -> list[int]:
-    """The branches of those of the states in which the chain can stand."""
     found: list[int] = []
     for done, state in enumerate(states):
         if progress is not None:
@@ -304,11 +295,7 @@ def _as_cells(count: int) -> int:
 
 
 def require_as_many(count: int, limit: str, what: str) -> None:
-    """Refuse more states than a limited number of cells of two phases has.
-
-    Raises:
-        ValueError: too many; the text says what else to ask.
-    """
+    """Refuse more states than a limited number of cells of two phases has."""
     cells = _as_cells(count)
     if cells > most(limit):
         raise InputError(
@@ -320,37 +307,32 @@ def require_as_many(count: int, limit: str, what: str) -> None:
 
 def no_start(chain: Chain, start: str) -> str:
     """What is wrong with a start in which a chain cannot stand."""
-    return (
-        f"start = {start!r}: is no equilibrium: {overdrawn(chain)}. Start from another "
-        f"state, or leave start out to see all."
-    )
+    why = no_equilibrium(chain, "start", start)
+    return f"{why} Start from another state, or leave start out to see all."
 
 
-def overdrawn(chain: Chain) -> str:
-    """Why a state is no equilibrium."""
+def no_equilibrium(chain: Chain, name: str, state: str) -> str:
+    """What is wrong with a state in which a chain cannot stand."""
+    why = "a cell at 1 pushes harder than one at 0 holds"
     if chain.elements:
-        return "no one force keeps every cell in its phase"
-    return "a cell at 1 pushes harder than one at 0 holds"
+        why = "no one force keeps every cell in its phase"
+    return f"{name} = {state!r}: is no equilibrium: {why}."
 
 
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
-    """The branches as a graph."""
-    chain = branches.chain
-    names = _labels(branches, numbers)
+    names, ties = _labels(branches, numbers), tuple(branches.ties)
+    places = {number: place for place, number in enumerate(numbers)}
     nodes = [
-        node_of(names[number, k], section, place)
-        for place, number in enumerate(numbers)
-        for k, section in enumerate(branches[number].sections)
+        node_of(name, branches[number].sections[k], places[number])
+        for (number, k), name in names.items()
     ]
-    ways: list[tuple[str, str, Transition]] = []
-    for number in numbers:
-        for k in range(len(branches[number].sections)):
-            for direction in (+1, -1):
-                way = way_on(branches, number, k, direction)
-                if way is not None:
-                    ways.append((names[number, k], names[way[0]], way[1]))
-    method = "every branch followed to both ends by the engine"
-    ties = tuple(branches.ties)
+    ways = [
+        (name, names[way[0]], way[1])
+        for section, name in names.items()
+        for direction in (+1, -1)
+        if (way := way_on(branches, *section, direction)) is not None
+    ]
+    chain, method = branches.chain, "every branch followed to both ends by the engine"
     return TransitionGraph.of(nodes, ways, **about(chain), ties=ties, start=start, method=method)
 
 
@@ -362,16 +344,7 @@ def node_of(label: str, section: SmoothRun, branch: int) -> Node:
 def way_on(
     branches: Branches, number: int, k: int, direction: int
 ) -> tuple[tuple[int, int], Transition] | None:
-    """Where the drive leads from a section of a branch; None where it ends.
-
-    Args:
-        branches: of a chain.
-        number, k: of the branch, and of the section on it.
-        direction: +1 where the drive rises, -1 where it falls.
-
-    Returns:
-        Numbers of branch and section, and what happens on the way there.
-    """
+    """Branch and section to which the drive leads from section k of a branch, and what happens."""
     sections = branches[number].sections
     beside = k + direction
     if 0 <= beside < len(sections):
@@ -407,7 +380,7 @@ def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str
     for state, sharing in places.items():
         for count, (_, number, k) in enumerate(sorted(sharing), 1):
             labels[number, k] = state if len(sharing) == 1 else f"{state}#{count}"
-    return labels
+    return dict(sorted(labels.items()))
 
 
 def _changed(snap: Segment, before: str, after: str) -> tuple[int, ...]:
