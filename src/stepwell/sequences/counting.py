@@ -18,8 +18,8 @@ class Accumulator(ByValue):
     Attributes:
         low, high: the extremes of the cycle [m, or the graph's unit].
         direction: +1 if each cycle begins at `low` and goes up first, -1 if at `high`.
-        states: labels of the nodes on which the chain stands at the beginning and after each
-            cycle, up to the first that comes again.
+        states: labels of the nodes at the beginning and after each cycle, up to the first that
+            comes again.
         transient: cycles until it stands somewhere for the second time in a rhythm.
         period: cycles in that rhythm; 1 if every further cycle is alike.
         slack: how far either extreme may be off for the same to happen.
@@ -47,11 +47,9 @@ class Accumulator(ByValue):
         return self.turns + pair * cycles
 
     def __repr__(self):
-        return (
-            f"Accumulator({'>'.join(self.states)}, drive {number(self.low)} to "
-            f"{number(self.high)}, "
-            f"transient {self.transient}, period {self.period})"
-        )
+        drives, rhythm = f"{number(self.low)} to {number(self.high)}", f"period {self.period}"
+        states = ">".join(self.states)
+        return f"Accumulator({states}, drive {drives}, transient {self.transient}, {rhythm})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,12 +73,8 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
     """Try all cycles between all extremes, from every branch that can be reached.
 
     What a cycle does changes only where an extreme passes an end of a branch. So one extreme
-    between every two neighbouring ends stands for all.
-
-    Args:
-        atlas: the branches.
-        routes: from all cells at 0.
-        by_hand: also from branches that only a hand can set.
+    between every two neighbouring ends stands for all. `routes` are from all cells at 0; with
+    `by_hand` it also begins on branches that only a hand can set.
     """
     numbers = np.arange(len(routes.reached)) if by_hand else np.flatnonzero(routes.reached)
     branches = atlas.mesostates.among(numbers)
@@ -96,21 +90,17 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
             begin, end = direction * float(low.mean()), direction * float(high.mean())
             slack = float(min(np.ptp(low), np.ptp(high))) / 2
             states = tuple(atlas.label_at(int(numbers[b]), begin) for b in orbit)
-            transient = orbit.index(orbit[-1])
-            period = len(orbit) - 1 - transient
-            first = int(numbers[orbit[0]])
+            transient, first = orbit.index(orbit[-1]), int(numbers[orbit[0]])
+            rhythm = transient, len(orbit) - 1 - transient
             hand = not routes.reached[first]
             turns = (begin,) if hand else routes.turns(first, begin)
             ends = min(begin, end), max(begin, end)
-            found.append(
-                Accumulator(*ends, direction, states, transient, period, slack, hand, turns)
-            )
+            found.append(Accumulator(*ends, direction, states, *rhythm, slack, hand, turns))
     found.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
     return Counting(tuple(found), exhaustive)
 
 
 def _gaps(branches: Mesostates) -> Floats:
-    """(K, 2) from every end of a branch to the next one."""
     ends = np.unique(np.concatenate([branches.low, branches.high]))
     pairs = np.column_stack([ends[:-1], ends[1:]])
     return pairs[np.diff(ends) > branches.slip]

@@ -21,8 +21,7 @@ class Loop(ByValue):
     Attributes:
         low, high: the least range of the drive that goes round it [m, or the graph's unit]: the
             drives at which ν falls back to μ, and μ's rise arrives at ν.
-        up: labels of the nodes that the rise passes, from where the chain lands on μ to where it
-            lands on ν.
+        up: labels of the nodes passed by the rise from its landing on μ to its landing on ν.
         down: the same for the fall, from ν to μ.
 
     Source: Mungan and Terzi 2019, "The structure of state transition graphs in systems with
@@ -50,8 +49,7 @@ class Loop(ByValue):
 
 def main_loop(atlas: BranchAtlas) -> Loop:
     """From all cells at 0 up to where the drive ends, and back."""
-    nodes = atlas.graph.nodes
-    zero = nodes.find(atlas.graph.zero)
+    zero = atlas.graph.nodes.find(atlas.graph.zero)
     assert zero is not None
     up = atlas.following(zero, +1)
     down = atlas.following(up[-1], -1)
@@ -81,9 +79,8 @@ def loop_of(atlas: BranchAtlas, low: int, high: int) -> Loop:
     onto_low = _landing(atlas, high, low, -1)
     up = [*takewhile(lambda node: node != onto_high, atlas.following(onto_low, +1)), onto_high]
     down = [*takewhile(lambda node: node != onto_low, atlas.following(onto_high, -1)), onto_low]
-    branch_of = atlas.branch_of
-    last_up = next(node for node in reversed(up) if branch_of[node] != high)
-    last_down = next(node for node in reversed(down) if branch_of[node] != low)
+    last_up = next(node for node in reversed(up) if atlas.branch_of[node] != high)
+    last_down = next(node for node in reversed(down) if atlas.branch_of[node] != low)
     return _loop(atlas, last_down, last_up, up, down)
 
 
@@ -104,9 +101,9 @@ def _landing(atlas: BranchAtlas, start: int, goal: int, direction: int) -> int:
 class Latch(ByValue):
     """Nodes that lead to each other, and the ways out of them, from which none leads back.
 
-    Whatever can be reached from all cells at 0 can be brought back to it by letting the drive
-    down, so it holds no latch; one leaves a state that was set by hand. (An actuator that never
-    goes all the way down may latch more. That is read off the drives of the transitions.)
+    All that is reached from all cells at 0 is brought back to it by letting the drive down, so it
+    holds no latch; one leaves a state that was set by hand. (An actuator that never goes all the
+    way down may latch more. That is read off the drives of the transitions.)
 
     Attributes:
         nodes: labels of those left for ever.
@@ -125,12 +122,7 @@ class Latch(ByValue):
 
 
 def latches(graph: TransitionGraph, groups: Ints) -> tuple[Latch, ...]:
-    """All latches, one for each set of nodes that is left.
-
-    Args:
-        graph: what is read.
-        groups: of its nodes, by `groups_of`.
-    """
+    """All latches, one for each set of nodes that is left; `groups` as of `groups_of`."""
     leaves = (graph.target >= 0) & (groups[graph.target] != groups)
     ways: dict[int, list[tuple[str, str, Transition]]] = {}
     # Of each node first where the rise leads, then the fall.
@@ -151,8 +143,7 @@ def groups_of(graph: TransitionGraph) -> Ints:
     from scipy.sparse.csgraph import connected_components
 
     row, begin = np.nonzero(graph.target >= 0)
-    ends = begin, graph.target[row, begin]
-    size = len(graph)
+    ends, size = (begin, graph.target[row, begin]), len(graph)
     leads = csr_array((np.ones(len(begin), np.int8), ends), (size, size))
     return connected_components(leads, connection="strong")[1].astype(int)
 
@@ -181,8 +172,8 @@ class Forgetting(ByValue):
     and never passed `before`, where it had turned earlier; yet it stood at `later` then.
 
     Attributes:
-        turns: all turning points from the drive's lower end, with all cells at 0; the last four
-            are before, at, excursion, at [m, or the graph's unit].
+        turns: turning points [m, or the graph's unit] from the drive's lower end, with all cells
+            at 0; the last four are before, at, excursion, at.
         first, later: labels of the nodes.
     """
 
@@ -216,8 +207,8 @@ class ReturnPointMemory(ByValue):
 
     It has if for any drives u0 ≤ u' ≤ u: a chain that rises from u0 to u, falls to u' and
     rises to u again is as it was when it first came to u, from wherever it stood at u0; and the
-    same for falling drives. Excursions within excursions then do nothing either, since the
-    innermost can be left out first.
+    same for falling drives. Then excursions within excursions do nothing either: the innermost
+    can be left out first.
 
     Attributes:
         witness: how it fails; None where it holds.
@@ -291,10 +282,8 @@ def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
 
 def _alike(atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
     """Whether two branches meet in one vertex there: a tie sends what follows different ways."""
-    at = direction * _turning(branches, lapse)
-    first, later = (
-        atlas.graph.node(atlas.label_at(number, at)).state for number in (lapse.first, lapse.later)
-    )
+    at, ends = direction * _turning(branches, lapse), (lapse.first, lapse.later)
+    first, later = (atlas.graph.node(atlas.label_at(number, at)).state for number in ends)
     return first == later and "-" not in first
 
 
@@ -359,8 +348,7 @@ class Scrambling(ByValue):
         direction: +1 where both have a phase to rise to and the drive rises, -1 where both have one
             to fall to and it falls; with two phases each, both are at 0 or both at 1.
         i_first, j_first: vertices from which i flips before j, and j before i.
-        reachable: whether both vertices can be reached from all cells at 0; if not, at least one
-            has to be set by hand.
+        reachable: whether both can be reached from all cells at 0, without setting one by hand.
 
     Source: Bense and van Hecke 2021, PNAS 118, e2111436118; van Hecke 2021, Phys. Rev. E 104,
     054608.
@@ -382,12 +370,8 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
     """Every scrambled pair of flips once, with states that can be reached if any are.
 
     A vertex tells the order of what flips on the way to the next one, against everything that
-    could have and did not.
-
-    Args:
-        graph: what is read.
-        reached: numbers of the vertices that can be reached from all cells at 0.
-        others: of those that cannot.
+    could have and did not. `reached` are the vertices that can be reached from all cells at 0,
+    `others` those that cannot.
     """
     vertices = np.concatenate([reached, others])
     last = np.max(graph.nodes.phases(vertices), axis=0).astype(int)
@@ -404,23 +388,15 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
             scrambled = before & before.T & ~known
             known = known | scrambled
             for i, j in np.argwhere(np.triu(scrambled)).tolist():
-                i_first, j_first = (
-                    graph.nodes.label(order.example(part, *pair)) for pair in ((i, j), (j, i))
-                )
-                cells = int(cell[i]), int(cell[j])
-                found.append(Scrambling(cells, direction, i_first, j_first, reachable))
+                examples = [order.example(part, i, j), order.example(part, j, i)]
+                cells, labels = (int(cell[i]), int(cell[j])), map(graph.nodes.label, examples)
+                found.append(Scrambling(cells, direction, *labels, reachable))
     return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
 class _Order:
-    """Which flips are on the way from a vertex to the next, and which could be but wait.
-
-    Attributes:
-        graph: what is read.
-        cell, step: (M,) the flips.
-        direction: of the drive.
-    """
+    """Which of M flips, out of `step` of `cell`, are on the way from a vertex, and which wait."""
 
     graph: TransitionGraph
     cell: Ints
@@ -458,6 +434,6 @@ class _Order:
         # With no vertex to come nothing flips.
         after = np.where(after < 0, vertices, after)
         here, there = (nodes.phases(one)[:, self.cell] for one in (vertices, after))
-        ready = here == (self.step if self.direction > 0 else self.step + 1)
-        flips = ready & ((there > self.step) if self.direction > 0 else (there <= self.step))
+        ready = here == self.step + (self.direction < 0)
+        flips = ready & ((there > self.step) == (self.direction > 0))
         return flips, ready & ~flips

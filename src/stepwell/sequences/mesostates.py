@@ -69,25 +69,16 @@ class Mesostates:
         """These branches alone, renumbered; nothing may lead out of them."""
         place = np.full(len(self) + 1, -1)
         place[numbers] = np.arange(len(numbers))
-        return Mesostates(
-            self.low[numbers],
-            self.high[numbers],
-            place[self.rise[numbers]],
-            place[self.fall[numbers]],
-            self.slip,
-        )
+        rise, fall = place[self.rise[numbers]], place[self.fall[numbers]]
+        return Mesostates(self.low[numbers], self.high[numbers], rise, fall, self.slip)
 
 
 @dataclass(frozen=True, eq=False)
 class BranchAtlas:
-    """A graph, its branches, and which nodes lie on which; all by number.
+    """A graph, its R nodes and B branches, by number.
 
-    Attributes:
-        graph: what was drawn.
-        mesostates: the branches.
-        on: (R,) the nodes, branch after branch and on each by rising drive.
-        first: (B + 1,) those of branch b are on[first[b]] .. on[first[b + 1]].
-        branch_of: (R,) the branch of each node.
+    `on` are the nodes, branch after branch and on each by rising drive; those of branch b are
+    on[first[b]] .. on[first[b + 1]].
     """
 
     graph: TransitionGraph
@@ -134,8 +125,7 @@ def atlas(graph: TransitionGraph) -> BranchAtlas:
     heads = np.flatnonzero(head)
     heads = heads[np.argsort(nodes.branch[heads], kind="stable")]
     branch_of, place = np.full(size, -1), np.zeros(size, int)
-    here, own = heads, np.arange(len(heads))
-    last, height = heads.copy(), 0
+    here, own, last, height = heads, np.arange(len(heads)), heads.copy(), 0
     while len(here):
         branch_of[here], place[here], last[own] = own, height, here
         goes = above[here] >= 0
@@ -155,12 +145,7 @@ def atlas(graph: TransitionGraph) -> BranchAtlas:
 
 
 class Routes:
-    """The way with fewest snaps from one branch to every other that can be reached.
-
-    Args:
-        mesostates: all branches.
-        start: where the drive stands at its lower end.
-    """
+    """The way with fewest snaps from one branch, where the drive begins, to all it can reach."""
 
     def __init__(self, mesostates: Mesostates, start: int):
         self.mesostates = mesostates
@@ -207,6 +192,5 @@ class Routes:
         return tuple(points)
 
     def _middle(self, number: int, way: int, entered: float) -> float:
-        """Where to turn on a branch that was entered there."""
         end = self.mesostates.high if way > 0 else self.mesostates.low
         return (entered + float(end[number])) / 2

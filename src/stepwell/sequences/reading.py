@@ -39,8 +39,8 @@ class MemoryReading(ByValue, Drawn):
     """What a transition graph says about a machine, in terms that the literature uses.
 
     A *branch* here is all that the chain goes through to and fro without a snap; under force
-    control that is one vertex. It is what Mungan et al. (2019) call a mesostate, and what they
-    say of states and of the drive's maps U and D holds for branches.
+    control that is one vertex. Mungan et al. (2019) call it a mesostate; what they show for states
+    and the drive's maps U and D holds for branches.
 
     Attributes:
         graph: what was read.
@@ -49,12 +49,11 @@ class MemoryReading(ByValue, Drawn):
         sub_loops: the other loops that can be reached from all cells at 0; None where there are
             more than `MOST_LOOPS` (Mungan and Terzi 2019).
         sub_loop_count: how many they are.
-        garden_of_eden: vertices that no other vertex leads to, so that only a hand can set them.
-            None where the graph began with one state only, and so does not know all (the term in
-            this field: Bense and van Hecke 2021).
+        garden_of_eden: vertices to which no other leads, so that only a hand can set them (Bense
+            and van Hecke 2021); None where the graph began with one state, and so does not know.
         unreachable: vertices of the graph that cannot be reached from all cells at 0.
-        return_point_memory: whether turning points are remembered, for everything that can be
-            reached from all cells at 0 (Sethna et al. 1993).
+        return_point_memory: whether what is reached from all cells at 0 remembers turning points
+            (Sethna et al. 1993).
         scrambling: pairs of cells that flip in either order (van Hecke 2021).
         counting: cycles of the drive that take two or more to come into a rhythm (Kwakernaak and
             van Hecke 2023), from what can be reached from all cells at 0, and, in whole graphs of
@@ -90,12 +89,51 @@ class MemoryReading(ByValue, Drawn):
     @property
     def summary(self) -> str:
         """How large the graph is, in a line."""
-        return _summary(self)
+        graph = self.graph
+        return (
+            f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices "
+            f"on {self.branches} branches"
+        )
 
     @property
     def facts(self) -> dict[str, str]:
         """What the graph has of each thing that the field has a name for, in words."""
-        return _facts(self)
+        graph, names, counted = self.graph, self.graph.names, self.counting
+        loops, gardens = self.sub_loops, self.garden_of_eden
+        sub_loops = f"{self.sub_loop_count}"
+        if loops is not None:
+            sub_loops = f"{sub_loops}: {_listed(map(str, loops))}" if loops else _listed([])
+        lapse, memory = self.return_point_memory.witness, "holds"
+        if lapse is not None:
+            way = drives_text(graph.unit, lapse.turns, " → ")
+            then, later = lapse.first, lapse.later
+            memory = f"fails: {way} stands at {then} when first there and at {later} later"
+        scrambled = (
+            f"{names[s.cells[0]]} {'up' if s.direction > 0 else 'down'} before {names[s.cells[1]]} "
+            f"from {s.i_first}, after it from {s.j_first}{'' if s.reachable else _BY_HAND}"
+            for s in self.scrambling
+        )
+        counts = (
+            f"{'>'.join(a.states)} in cycles of {drives_text(graph.unit, (a.low, a.high))}"
+            f"{_BY_HAND if a.by_hand else ''}"
+            for a in counted.accumulators
+        )
+        part = "" if counted.exhaustive else " (searched in part)"
+        eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
+        ways = (f"{a}>{b}" for latch in self.latches for a, b, _ in latch.ways)
+        found = {
+            "main loop": str(self.main_loop),
+            "sub-loops": sub_loops,
+            "Garden of Eden": eden,
+            "not from all at 0": _listed(self.unreachable),
+            "return-point memory": memory,
+            "scrambling": _listed(scrambled),
+            "accumulators": f"{_listed(counts)}{part}",
+            "latches": _listed(ways),
+        }
+        if graph.ties:
+            found["ties"] = f"{len(graph.ties)}, so other ways are possible"
+        return found
 
     def __str__(self):
         found = (f"{name:<21}{text}" for name, text in self.facts.items())
@@ -103,14 +141,10 @@ class MemoryReading(ByValue, Drawn):
 
 
 def read_memory(graph: TransitionGraph) -> MemoryReading:
-    """Recognise in a graph what the field has names for.
+    """Recognise in a graph, of any chain or of switching fields, what the field has names for.
 
-    Args:
-        graph: of any chain, or of switching fields.
-
-    Returns:
-        The reading. All of it is exact, except that accumulators are searched for in part where
-        extremes and branches are too many (`reading.counting.exhaustive`).
+    All of it is exact, except that accumulators are searched for in part where extremes and
+    branches are too many (`reading.counting.exhaustive`).
     """
     drawn = atlas(graph)
     routes = Routes(drawn.mesostates, drawn.bottom)
@@ -140,53 +174,6 @@ def _counting(drawn: BranchAtlas, routes: Routes, remembers: bool) -> Counting:
     if remembers and not by_hand:
         return Counting((), True)
     return counting(drawn, routes, by_hand=by_hand)
-
-
-def _summary(reading: MemoryReading) -> str:
-    graph = reading.graph
-    return (
-        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices on "
-        f"{reading.branches} branches"
-    )
-
-
-def _facts(reading: MemoryReading) -> dict[str, str]:
-    """What was looked for, by its name."""
-    graph, names, counted = reading.graph, reading.graph.names, reading.counting
-    loops, gardens = reading.sub_loops, reading.garden_of_eden
-    sub_loops = f"{reading.sub_loop_count}"
-    if loops is not None:
-        sub_loops = f"{sub_loops}: {_listed(map(str, loops))}" if loops else _listed([])
-    lapse, memory = reading.return_point_memory.witness, "holds"
-    if lapse is not None:
-        way = drives_text(graph.unit, lapse.turns, " → ")
-        memory = f"fails: {way} stands at {lapse.first} when first there and at {lapse.later} later"
-    scrambled = (
-        f"{names[s.cells[0]]} {'up' if s.direction > 0 else 'down'} before {names[s.cells[1]]} "
-        f"from {s.i_first}, after it from {s.j_first}{'' if s.reachable else _BY_HAND}"
-        for s in reading.scrambling
-    )
-    counts = (
-        f"{'>'.join(a.states)} in cycles of {drives_text(graph.unit, (a.low, a.high))}"
-        f"{_BY_HAND if a.by_hand else ''}"
-        for a in counted.accumulators
-    )
-    part = "" if counted.exhaustive else " (searched in part)"
-    eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
-    ways = (f"{a}>{b}" for latch in reading.latches for a, b, _ in latch.ways)
-    found = {
-        "main loop": str(reading.main_loop),
-        "sub-loops": sub_loops,
-        "Garden of Eden": eden,
-        "not from all at 0": _listed(reading.unreachable),
-        "return-point memory": memory,
-        "scrambling": _listed(scrambled),
-        "accumulators": f"{_listed(counts)}{part}",
-        "latches": _listed(ways),
-    }
-    if graph.ties:
-        found["ties"] = f"{len(graph.ties)}, so other ways are possible"
-    return found
 
 
 def _listed(items: Iterable[str]) -> str:
