@@ -73,10 +73,7 @@ class Exit:
 class Branch:
     """Parts in rising order of the drive.
 
-    Attributes:
-        sections: the parts.
-        begin: where the chain stood when the branch was found.
-        drive: the drive there [m], or [N] under force control.
+    When it was found the chain stood at `begin`, at that drive [m, or N under force control].
     """
 
     sections: tuple[SmoothRun, ...]
@@ -113,10 +110,6 @@ def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float
 
     A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that
     fold back may be longer in an earlier phase than in a later one.
-
-    Args:
-        chain: what is driven.
-        known: the problem that it sets, where it is at hand.
     """
     low, high = statics.drive_range(chain, known)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
@@ -126,14 +119,10 @@ def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float
 
 
 def drive_slip(span: float, stroke: float) -> float:
-    """Drives closer than this are one place.
+    """Drives closer than this are one place, in a span of drives.
 
     Behind a soft spring the drive goes far to change the force a little, and what tells one
-    place from another is still no more than a stroke.
-
-    Args:
-        span: of all drives [m], or [N] under force control.
-        stroke: with every cell at 1 [m], as far as the drive contains it; 0 under force control.
+    place from another is still no more than a stroke (0 under force control, where it has none).
     """
     return max(_SAME * (stroke or span), _ROUNDING * span)
 
@@ -141,8 +130,7 @@ def drive_slip(span: float, stroke: float) -> float:
 class Branches:
     """The branches of one chain, each followed when it is first asked for.
 
-    Args:
-        chain: no friction: with it a chain that turns back does not go the way it came.
+    The chain has no friction: with it a chain that turns back does not go the way it came.
     """
 
     def __init__(self, chain: Chain):
@@ -186,8 +174,7 @@ class Branches:
             self._branches.append(branch)
             for section in branch.sections:
                 self._where.setdefault(section.state, []).append(number)
-            self._after[number, +1] = after_up
-            self._after[number, -1] = after_down
+            self._after |= {(number, +1): after_up, (number, -1): after_down}
         return number
 
     def exit(self, number: int, direction: int) -> Exit | None:
@@ -210,9 +197,8 @@ class Branches:
             branch, onto = self[number], self[exit_.branch]
             # Past this snap, and not as far as the next.
             past = (exit_.snap.drive[1] + (onto.high if direction > 0 else onto.low)) / 2.0
-            found = statics.path(self.chain, [branch.drive, past], start=branch.begin).landings(
-                ratio
-            )
+            run = statics.path(self.chain, [branch.drive, past], start=branch.begin)
+            found = run.landings(ratio)
             self._landings[key] = next((one for one in found if not one.holds), found[0])
         return self._landings[key]
 
@@ -229,9 +215,6 @@ class Branches:
         """Every branch that can be reached from these, themselves included.
 
         `progress` is called with (followed, known) branches.
-
-        Raises:
-            ValueError: more branches than the limit.
         """
         seen, waiting, limit = set(numbers), list(numbers), most("branches")
         while waiting:
@@ -294,25 +277,24 @@ class Branches:
     ) -> tuple[Passage, After]:
         key = self._key(place, drive, direction)
         if key not in self._passages:
-            end = self.range[1] if direction > 0 else self.range[0]
-            found = statics.path(self.chain, [drive, end], start=place)
+            found = statics.path(self.chain, [drive, self.range[direction > 0]], start=place)
             self._keep(found, direction)
         return self._passages[key]
 
     def _keep(self, found: statics.Path, direction: int) -> None:
         """Write down every passage of a run: the later ones begin where a snap ended."""
-        for tie in found.degenerate:
-            self.ties.setdefault(tie)
+        self.ties |= dict.fromkeys(found.degenerate)
         passages = passages_of(found)
         for passage, following in zip(passages, [*passages[1:], None], strict=True):
-            first = passage.sections[0]
-            place, drive = first.place[0], first.drive[0]
-            key = self._key(place, drive, direction)
+            place, drive = _begin(passage)
             after = None
             if passage.snap is not None and following is not None:
-                begin = following.sections[0]
-                after = passage.snap, begin.place[0], begin.drive[0]
-            self._passages.setdefault(key, (passage, after))
+                after = passage.snap, *_begin(following)
+            self._passages.setdefault(self._key(place, drive, direction), (passage, after))
+
+
+def _begin(passage: Passage) -> tuple[statics.Configuration, float]:
+    return passage.sections[0].place[0], passage.sections[0].drive[0]
 
 
 def windows(
@@ -322,11 +304,6 @@ def windows(
 
     Turning anywhere after the snap before and ahead of the snap to come leads back along the
     same branch. With friction it does not, and a turning point has no window.
-
-    Args:
-        chain: what is driven.
-        start: the state at the beginning.
-        turning_points: from the beginning to the end [m], or [N] under force control.
     """
     inner = turning_points[1:-1]
     if any(cell.friction > 0 for cell in chain.cells):
@@ -367,8 +344,10 @@ def element_of(chain: Chain, name: str = "") -> Element:
     width = _RAMP * (branches.range[1] - branches.range[0])
     sheets: list[Sheet] = []
     for number in numbers:
-        leads = (branches.exit(number, direction) for direction in (-1, +1))
-        below, above = (None if one is None else own[one.branch] for one in leads)
+        below, above = (
+            None if (way := branches.exit(number, direction)) is None else own[way.branch]
+            for direction in (-1, +1)
+        )
         u, force, energy = _curve(branches, number)
         u = _ramped(u, width)
         rows = through(u, force)
@@ -382,18 +361,13 @@ def _curve(branches: Branches, number: int) -> tuple[Floats, Floats, float]:
     """Strokes and forces along a branch from its lower end up, and the energy where it begins."""
     branch, chain = branches[number], branches.chain
     dense = (1.0 - np.cos(np.linspace(0.0, np.pi, _POINTS))) / 2.0
-    grid = np.unique(
-        np.concatenate([a + (b - a) * dense for a, b in (s.drive for s in branch.sections)])
-    )
+    sections = [a + (b - a) * dense for a, b in (s.drive for s in branch.sections)]
+    grid = np.unique(np.concatenate(sections))
     down = _points(chain, branch, [branch.drive, *grid[grid < branch.drive][::-1].tolist()])
     up = _points(chain, branch, [branch.drive, *grid[grid > branch.drive].tolist()])
     u, force = np.array([*reversed(down[0]), *up[0][1:]]).T
-    lowest = down[1]
-    energy = math.fsum(
-        float(cell.energy_at(s, sheet))
-        for cell, s, sheet in zip(chain.cells, lowest.travel, lowest.sheet, strict=True)
-    )
-    return u, force, energy
+    places = zip(chain.cells, down[1].travel, down[1].sheet, strict=True)
+    return u, force, math.fsum(float(cell.energy_at(s, sheet)) for cell, s, sheet in places)
 
 
 def _points(

@@ -31,24 +31,16 @@ class Sequence(ByValue):
 
     @classmethod
     def parse(cls, text: str) -> "Sequence":
-        """The sequence that a text such as "00>10>11>01>00" says; spaces do not count.
-
-        Raises:
-            ValueError: states that are not equally many digits.
-        """
+        """The sequence of a text such as "00>10>11>01>00" (spaces do not count), or ValueError."""
         states = text.replace(" ", "").split(">")
         if any(len(s) != len(states[0]) or not s or set(s) - _DIGITS for s in states):
             raise InputError(
                 f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
                 f"are cells, as in 00>10>11>01>00; of elements with more phases, their digits."
             )
-        changes = tuple(
-            tuple(
-                (i, int(now)) for i, (was, now) in enumerate(zip(a, b, strict=True)) if was != now
-            )
-            for a, b in pairwise(states)
-        )
-        return cls(states[0], changes)
+        steps = (enumerate(zip(a, b, strict=True)) for a, b in pairwise(states))
+        changes = (tuple((i, int(b)) for i, (a, b) in step if a != b) for step in steps)
+        return cls(states[0], tuple(changes))
 
     @classmethod
     def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> "Sequence":
@@ -72,9 +64,8 @@ class Sequence(ByValue):
             return None
         order = tuple(cell for cell, _ in moves)
         loading, unloading = order[:cells], order[cells:]
-        if len(set(loading)) < cells or len(set(unloading)) < cells:
-            return None
-        return loading, unloading
+        once = len(set(loading)) == len(set(unloading)) == cells
+        return (loading, unloading) if once else None
 
     @cached_property
     def states(self) -> tuple[str, ...]:
@@ -130,14 +121,6 @@ class Pathway(Enum):
     def is_directed(self) -> bool:
         """Whether loading and unloading take different ways."""
         return self in (Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE)
-
-
-def pathway_of(sequence: Sequence) -> Pathway | None:
-    """The pathway of a full cycle of two cells; None for any other number of cells."""
-    if len(sequence.first) != 2:
-        return None
-    text = str(sequence)
-    return next((p for p in Pathway if p.value == text), Pathway.OTHER)
 
 
 # Of a cell's travel: what one means who writes 20 mm where the levers give 19.998 mm.
@@ -215,7 +198,10 @@ class Cycle(ByValue, Drawn):
     @property
     def pathway(self) -> Pathway | None:
         """Which of the four pathways two cells take; None for any other number of cells."""
-        return pathway_of(self.sequence)
+        if len(self.chain) != 2:
+            return None
+        text = str(self.sequence)
+        return next((p for p in Pathway if p.value == text), Pathway.OTHER)
 
     @property
     def events(self) -> tuple[statics.Event, ...]:
@@ -256,18 +242,12 @@ class Cycle(ByValue, Drawn):
     def unloading_order(self) -> tuple[int, ...]:
         """Cells in the order in which they first come back to 0 after all were at their last."""
         states, last = self.sequence.states, self.chain.last_state
-        if last not in states:
-            return ()
-        first = self.chain.first_state
-        return self._order(range(states.index(last), len(self.sequence.changes)), first)
+        begin = states.index(last) if last in states else len(states)
+        return self._order(range(begin, len(self.sequence.changes)), self.chain.first_state)
 
     def _order(self, steps: range, target: str) -> tuple[int, ...]:
-        order: dict[int, None] = {}
-        for k in steps:
-            for cell, phase in self.sequence.changes[k]:
-                if str(phase) == target[cell]:
-                    order.setdefault(cell)
-        return tuple(order)
+        moves = (move for k in steps for move in self.sequence.changes[k])
+        return tuple(dict.fromkeys(cell for cell, phase in moves if str(phase) == target[cell]))
 
     def __repr__(self):
         pathway = f", {self.pathway.label}" if self.pathway else ""
@@ -340,10 +320,8 @@ def cycles_of(
         designs, which = statics.stacked([*chains.values()]), np.array([*chains], np.int64)
     if designs is not None and len(which):
         followed = statics.full_cycles(designs, progress)
-        number[which], found[which] = (
-            _numbered(followed.visited, designs, sequences),
-            followed.found,
-        )
+        number[which] = _numbered(followed.visited, designs.cells.shape[1], sequences)
+        found[which] = followed.found
     left = np.flatnonzero(number == _ASK).tolist()
     for done, i in enumerate(left, count - len(left)):
         if progress is not None:
@@ -362,7 +340,7 @@ def cycles_of(
     return Cycles(tuple(sequences), number, found)
 
 
-def _numbered(rows: Ints, designs: statics.Designs, sequences: dict[Sequence, int]) -> list[int]:
+def _numbered(rows: Ints, cells: int, sequences: dict[Sequence, int]) -> list[int]:
     """The number of each design's sequence, new ones added; _ASK where it was not followed.
 
     `rows` (m, V) are the states visited, as of `Followed`.
@@ -374,8 +352,8 @@ def _numbered(rows: Ints, designs: statics.Designs, sequences: dict[Sequence, in
         if key not in codes:
             codes[key] = _ASK
             if one[0] >= 0:
-                sequence = _sequence(one.tolist(), designs)
-                codes[key] = sequences.setdefault(sequence, len(sequences))
+                text = ">".join(f"{code:0{cells}d}" for code in one.tolist() if code >= 0)
+                codes[key] = sequences.setdefault(Sequence.parse(text), len(sequences))
     return [codes[key] for key in keys]
 
 
@@ -386,13 +364,7 @@ def _built(build: Callable[[int], Chain], i: int) -> Chain | None:
         return None
 
 
-def _sequence(codes: list[int], designs: statics.Designs) -> Sequence:
-    cells = designs.cells.shape[1]
-    return Sequence.parse(">".join(f"{code:0{cells}d}" for code in codes if code >= 0))
-
-
 def _found(result: Cycle) -> Floats:
-    """The same of one cycle."""
     found = np.full(statics.FOUND, np.nan)
     found[statics.SNAPS], found[statics.TIES] = len(result.snaps), len(result.degenerate)
     found[statics.PEAK], found[statics.LOST] = result.peak_force, result.dissipated
@@ -407,10 +379,8 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
 
     A step in which the snap is handed on to another cell, and a second one follows, counts once.
     """
-    stretches = result.chain.stretches
-    between: set[int] = set()
-    counts = {1: 0, -1: 0}
-    snapped = 0
+    stretches, between = result.chain.stretches, set[int]()
+    counts, snapped = {1: 0, -1: 0}, 0
     for segment in result.path.segments():
         if segment.kind is statics.SegmentKind.SNAP:
             snapped = segment.direction

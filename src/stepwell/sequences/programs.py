@@ -82,11 +82,11 @@ class Program(base.ByValue, base.Drawn):
         begin: drive at which it stands at the start [m], or [N] under force control.
         turns: what lies between; empty where one stroke does it.
         low, high: the drives between which the last stroke may end and the chain still stand at
-            `to`: one stroke where a rigid actuator has every cell at a stop.
+            `target`: one stroke where a rigid actuator has every cell at a stop.
         method: how it was found and why there is none shorter.
         shortest: whether that is proved.
-        robust: the ratio of mobilities for which it has to work, those of `chain` being given;
-            None where it was not asked for.
+        robust: the mobility ratio within which its landings have to hold, relative to the
+            mobilities of `chain`; None where it was not asked for.
     """
 
     chain: mechanism.Chain
@@ -113,13 +113,10 @@ class Program(base.ByValue, base.Drawn):
         """A program whose turning points are known, with the window of every turn.
 
         Args:
-            chain: what is driven.
+            chain: what is driven; with friction no turn has a window.
             turning_points: from the beginning to the end [m], or [N] under force control.
             start: the state at the beginning; every cell in its first phase by default.
             target: the state it is meant to end in; the one it ends in by default.
-
-        Returns:
-            The program; with friction no turn has a window.
 
         Raises:
             ValueError: the chain cannot stand at the start.
@@ -128,14 +125,12 @@ class Program(base.ByValue, base.Drawn):
         start = chain.first_state if start is None else start
         points = tuple(float(point) for point in turning_points)
         path = chain.path(points, start=start)
-        turns = tuple(
-            Turn(point, low, high, ())
-            for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
-        )
+        found = zip(points[1:-1], windows(chain, start, points), strict=True)
+        turns = tuple(Turn(point, low, high, ()) for point, (low, high) in found)
         target, ends = target or arrival(path), (points[-1], points[-1])
-        method = ProgramMethod.GIVEN
         begin = Configuration(path.start, path.start_sheet)
-        return cls(chain, start, target, points[0], turns, *ends, method, False, begin)
+        given = points[0], turns, *ends, ProgramMethod.GIVEN, False, begin
+        return cls(chain, start, target, *given)
 
     @property
     def end(self) -> float:
@@ -170,8 +165,8 @@ class Program(base.ByValue, base.Drawn):
     def landings(self) -> tuple[Landing, ...]:
         """Of every snap on its way, whether it lands there for all mobilities within the ratio.
 
-        Empty where that was not asked for, or where it does not count: turned only past states with
-        every cell at a stop, a program works wherever its snaps land.
+        Empty where that was not asked for, or does not count: turned only past states with every
+        cell at a stop, a program works wherever its snaps land.
         """
         if self.robust is None or self.method is ProgramMethod.VERTICES:
             return ()
@@ -190,13 +185,10 @@ class Program(base.ByValue, base.Drawn):
         ways = [f"{proved} proved"] if proved else []
         if sampled:
             most = base.percent_at_most(max(one.bound for one in sampled))
-            ways.append(
-                f"in {len(sampled)} at most {most} of mobilities lead elsewhere (95 % confidence)"
-            )
-        return (
-            f"{self.method}; its landings hold for mobility ratios up to {self.robust:g}: "
-            f"{', '.join(ways)}"
-        )
+            count = len(sampled)
+            ways.append(f"in {count} at most {most} of mobilities lead elsewhere (95 % confidence)")
+        hold = f"its landings hold for mobility ratios up to {self.robust:g}"
+        return f"{self.method}; {hold}: {', '.join(ways)}"
 
     @property
     def hangs(self) -> Landing | None:
