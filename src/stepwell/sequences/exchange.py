@@ -18,8 +18,6 @@ from stepwell.statics import Tie
 Row = dict[str, Any]
 Read = TypeVar("Read")
 Value = TypeVar("Value", Node, Transition, Tie)
-
-
 # By name of a field: what its key ends with.
 Endings = Mapping[str, str]
 
@@ -43,8 +41,7 @@ def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> st
     return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {sign}".rstrip()
 
 
-def row_of(value: Node | Transition | Tie, ends: Endings) -> Row:
-    """A value as a row."""
+def _row(value: Node | Transition | Tie, ends: Endings) -> Row:
     row: Row = {}
     for part in fields(value):
         held = getattr(value, part.name)
@@ -55,11 +52,7 @@ def row_of(value: Node | Transition | Tie, ends: Endings) -> Row:
 
 
 def graph_of(data: Row) -> TransitionGraph:
-    """The graph of these rows.
-
-    Raises:
-        ValueError: a row without a key, or with a value that is none, and where.
-    """
+    """The graph of these rows, or ValueError with the place of a key or value that is wrong."""
     unit = str(data.get("drive_unit") or "")
     ends = endings(unit)
     nodes = list(_values(Node, data, "nodes", ends))
@@ -97,11 +90,8 @@ def _about(data: Row) -> Row:
 
 
 def _value_of(kind: type[Value], ends: Endings, row: Row) -> Value:
-    held: list[Any] = []
-    for part in fields(kind):
-        told = row[_key(part.name, ends)]
-        held.append(_READ[part.name](told) if part.name in _READ else told)
-    return kind(*held)
+    held = {part.name: row[_key(part.name, ends)] for part in fields(kind)}
+    return kind(**{name: _READ[name](x) if name in _READ else x for name, x in held.items()})
 
 
 def _key(name: str, ends: Endings) -> str:
@@ -113,20 +103,13 @@ def _number(value: Any) -> float:
     return math.nan if value is None or math.isnan(value) else float(value)
 
 
-def _numbers(values: Any) -> tuple[float, ...]:
-    return tuple(map(_number, values))
-
-
 # Of the fields of nodes, transitions and ties: those in the unit of drives, of forces and of
 # travels, and how all that are no words are read.
-_DRIVES, _FORCES, _TRAVELS = (
-    ("low", "high", "drive"),
-    ("force_low", "force_high"),
-    ("travel_low", "travel_high"),
-)
+_DRIVES, _FORCES = ("low", "high", "drive"), ("force_low", "force_high")
+_TRAVELS = ("travel_low", "travel_high")
 _READ: dict[str, Callable[[Any], Any]] = {
     **dict.fromkeys((*_DRIVES, *_FORCES, "released"), _number),
-    **dict.fromkeys(_TRAVELS, _numbers),
+    **dict.fromkeys(_TRAVELS, lambda travels: tuple(map(_number, travels))),
     **dict.fromkeys(("branch", "direction"), int),
     "cells": lambda cells: tuple(map(int, cells)),
     "kind": {kind.name.lower(): kind for kind in TransitionKind}.__getitem__,
@@ -140,7 +123,6 @@ _LISTS = ("cells", "ties", "switching_fields")
 
 
 def _rows(graph: TransitionGraph) -> Row:
-    """The graph as rows, with NaN for what is not known."""
     ends = endings(graph.unit)
     found = {
         "format": _FORMAT,
@@ -149,9 +131,9 @@ def _rows(graph: TransitionGraph) -> Row:
         "drive_unit": graph.unit,
         "start": graph.start,
         "method": graph.method,
-        "ties": [row_of(tie, ends) for tie in graph.ties],
-        "nodes": [row_of(node, ends) for node in graph.nodes],
-        "edges": [{"from": a, "to": b, **row_of(t, ends)} for a, b, t in graph.transitions()],
+        "ties": [_row(tie, ends) for tie in graph.ties],
+        "nodes": [_row(node, ends) for node in graph.nodes],
+        "edges": [{"from": a, "to": b, **_row(t, ends)} for a, b, t in graph.transitions()],
     }
     if graph.fields is not None:
         found["switching_fields"] = graph.fields.tolist()
@@ -202,11 +184,7 @@ def from_json(text: str) -> TransitionGraph:
 
 
 def ours(data: Any, writer: str) -> Row:
-    """What `record` returned; `writer` is what wrote it, for messages.
-
-    Raises:
-        ValueError: something else.
-    """
+    """The data, if `record` returned them, or ValueError; `writer` is what should have written."""
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
         raise InputError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
@@ -285,9 +263,8 @@ def to_dot(graph: TransitionGraph) -> str:
 
     Vertices with equally many cells at 1 stand in one row, all at 0 at the bottom; cells in a later
     phase count more. A rising drive is drawn solid, a falling one dashed, a snap bold; every edge
-    tells its drive in mm, N and such. What
-    `to_json` writes of the graph, of each node and of each edge stands in an attribute
-    `stepwell`, which Graphviz passes over and `from_dot` reads.
+    has its drive in mm, N and such. What `to_json` writes of the graph, each node and each edge
+    stands in an attribute `stepwell`, which Graphviz ignores and `from_dot` reads.
     """
     data = record(graph)
     nodes, edges = data.pop("nodes"), data.pop("edges")

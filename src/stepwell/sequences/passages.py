@@ -31,12 +31,8 @@ class SmoothRun:
 
     def until(self, drive: float, force: float, place: Configuration) -> "SmoothRun":
         """The run with another end."""
-        return replace(
-            self,
-            drive=(self.drive[0], drive),
-            force=(self.force[0], force),
-            place=(self.place[0], place),
-        )
+        (a, _), (f, _), (s, _) = self.drive, self.force, self.place
+        return SmoothRun(self.state, (a, drive), (f, force), (s, place))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +53,11 @@ def passages_of(path: Path) -> list[Passage]:
     """The passages of a path between its snaps."""
     stretches = path.chain.stretches
     place = Configuration(path.start, path.start_sheet)
-    passages: list[Passage] = []
 
     def resting(drive: float, force: float) -> SmoothRun:
         return SmoothRun(state_of(stretches, place), (drive, drive), (force, force), (place, place))
 
+    passages: list[Passage] = []
     sections = [resting(path.turning_points[0], path.start_force)]
     landed: Segment | None = None
     for segment in path.segments():
@@ -81,8 +77,8 @@ def passages_of(path: Path) -> list[Passage]:
         if segment.kind is SegmentKind.MOVE:
             state = _moving(stretches, place, segment)
             if state != sections[-1].state:
-                at, pull = segment.drive[0], segment.force[0]
-                sections.append(SmoothRun(state, (at, at), (pull, pull), (place, place)))
+                still = resting(segment.drive[0], segment.force[0])
+                sections.append(replace(still, state=state))
             place = _after(place, segment)
         sections[-1] = sections[-1].until(drive, force, place)
         if state_of(stretches, place) != sections[-1].state:
@@ -96,9 +92,8 @@ def _moving(
 ) -> str:
     """The state while cells move: on a segment each is all the way in one phase or in transit."""
     state = list(state_of(stretches, place))
-    for cell, sheet, a, b in zip(
-        segment.cells, segment.sheets_before, segment.before, segment.after, strict=True
-    ):
+    ways = segment.cells, segment.sheets_before, segment.before, segment.after
+    for cell, sheet, a, b in zip(*ways, strict=True):
         if a != b:
             state[cell] = phase_at(stretches[cell], sheet, 0.5 * (a + b))
     return "".join(state)
@@ -106,16 +101,10 @@ def _moving(
 
 def _joined(first: Segment, second: Segment) -> Segment:
     """Two snaps at one drive as one."""
-    before = dict(
-        zip(second.cells, zip(second.before, second.sheets_before, strict=True), strict=True)
-    )
-    before |= dict(
-        zip(first.cells, zip(first.before, first.sheets_before, strict=True), strict=True)
-    )
-    after = dict(zip(first.cells, zip(first.after, first.sheets_after, strict=True), strict=True))
-    after |= dict(
-        zip(second.cells, zip(second.after, second.sheets_after, strict=True), strict=True)
-    )
+    ends = ((s.cells, zip(s.before, s.sheets_before, strict=True)) for s in (second, first))
+    before = {cell: end for cells, own in ends for cell, end in zip(cells, own, strict=True)}
+    ends = ((s.cells, zip(s.after, s.sheets_after, strict=True)) for s in (first, second))
+    after = {cell: end for cells, own in ends for cell, end in zip(cells, own, strict=True)}
     cells = tuple(sorted(before))
     return replace(
         first,
@@ -140,10 +129,8 @@ def _after(place: Configuration, segment: Segment) -> Configuration:
 class Order(NamedTuple):
     """How far relays tell what a chain under a prescribed stroke does, from all cells at 0 on.
 
-    Attributes:
-        only_ideals: whether nothing but ideals is reached.
-        leaders_win: whether in every snap the cell whose release begins it is the one left in
-            transit. Then the chain moves as relays do, turn for turn, and only ideals are reached.
+    Leaders win where in every snap the cell whose release begins it is the one left in transit.
+    Then the chain moves as relays do, turn for turn, and only ideals are reached.
     """
 
     only_ideals: bool
