@@ -4,7 +4,7 @@ import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache, wraps
+from functools import lru_cache, partial, wraps
 from typing import Any, ParamSpec
 
 import numpy as np
@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 P = ParamSpec("P")
+Pair = tuple[float, float]
 
 # A curve is a few kilobytes; of more elements the one that was asked for longest ago is made again.
 _MOST = 256
@@ -33,9 +34,8 @@ _MOST = 256
 def kept(make: Callable[P, Element]) -> Callable[P, Element]:
     """The same function, which makes an element of the same arguments once.
 
-    An element cannot be changed, so all who ask for it may share it. A law that is fitted with
-    cubics takes up to a tenth of a second, and a page asks for all elements of its design again
-    after every change of one number.
+    Fitting a law with cubics takes up to 0.1 s, and a page asks for all elements of its design
+    again after every change of one number. Elements cannot be changed, so they can be shared.
     """
     # 1, 1.0 and True are the same key but not the same argument.
     known = lru_cache(_MOST, typed=True)(make)
@@ -68,11 +68,9 @@ def trilinear(
         valley: travel [m] and force [N] where the last branch begins: further on, and lower.
         first: stiffness of the first branch [N/m], > 0.
         last: stiffness of the last branch [N/m], > 0.
-        name: what messages and figures call the element.
 
     Raises:
-        ValueError: a valley that is not further on than the peak and lower, or a value out of its
-            range.
+        ValueError: a valley that is not further on and lower, or a value out of its range.
 
     Source: Puglisi & Truskinovsky 2000, J. Mech. Phys. Solids 48:1, whose bistable springs these
     are; the branches may differ in stiffness here.
@@ -109,7 +107,6 @@ def von_mises_truss(
         half_width: w [m], from the axis to a pivot, > 0.
         height: h [m] of the apex at rest above the pivots, > 0.
         stiffness: k [N/m] of one spring along itself, EA/L of a bar, > 0.
-        name: what messages and figures call the element.
 
     Raises:
         ValueError: a value out of its range.
@@ -119,12 +116,9 @@ def von_mises_truss(
     half_width = check.positive("half_width", half_width, "m")
     height = check.positive("height", height, "m")
     stiffness = check.positive("stiffness", stiffness, "N/m")
-    return Element.from_law(
-        lambda travel: truss_force(travel, half_width, height, stiffness),
-        -height / 4,
-        2 * height + height / 4,
-        name,
-    )
+    low, high = -height / 4, 2 * height + height / 4
+    law = partial(truss_force, half_width=half_width, height=height, stiffness=stiffness)
+    return Element.from_law(law, low, high, name)
 
 
 def truss_force(travel: Floats, half_width: float, height: float, stiffness: float) -> Floats:
@@ -168,7 +162,6 @@ def curved_beam(
         width: b [m] across that plane, > 0.
         modulus: Young's modulus E [Pa], > 0; the default is printed polyamide 12.
         beams: how many side by side, >= 1; one alone needs a guide that keeps its middle upright.
-        name: what messages and figures call the element.
 
     Raises:
         ValueError: a value out of its range.
@@ -185,12 +178,10 @@ def curved_beam(
     beams = check.whole("beams", beams, 1)
     unit = beams * modulus * (width * thickness**3 / 12) * height / span**3
     q = height / thickness
+    kinks = tuple(height * kink for kink in beam_kinks(q))
+    low, high = -_PAST * height, (2 + _PAST) * height
     return Element.from_law(
-        lambda travel: unit * beam_force(travel / height, q),
-        -_PAST * height,
-        (2 + _PAST) * height,
-        name,
-        kinks=tuple(height * kink for kink in beam_kinks(q)),
+        lambda travel: unit * beam_force(travel / height, q), low, high, name, kinks=kinks
     )
 
 
@@ -205,17 +196,13 @@ def beam_force(depth: ArrayLike, q: float) -> Floats:
     depth = np.asarray(depth, float)
     # The energy at a given depth, least over the shapes, is concave in ζ: its slope, the excess of
     # what the length asks for, falls through zero once.
-    low = -q * q * (1 + np.abs(1 - depth)) ** 2
-    high = np.full(depth.shape, _MOST_COMPRESSED)
+    low, most = -q * q * (1 + np.abs(1 - depth)) ** 2, np.full(depth.shape, _MOST_COMPRESSED)
+    high = most
     for _ in range(_HALVINGS):
         zeta = (low + high) / 2
         more = _excess(depth, zeta, q) > 0
         low, high = np.where(more, zeta, low), np.where(more, high, zeta)
-    zeta = np.where(
-        _excess(depth, np.full(depth.shape, _MOST_COMPRESSED), q) > 0,
-        _MOST_COMPRESSED,
-        (low + high) / 2,
-    )
+    zeta = np.where(_excess(depth, most, q) > 0, most, (low + high) / 2)
     return 2 * math.pi**4 * (1 - (1 - zeta) * _first_mode(depth, zeta))
 
 
@@ -230,8 +217,7 @@ def beam_kinks(q: float) -> tuple[float, ...]:
     if root <= 0:
         return ()
     ends = ((-3 * slope + sign * math.sqrt(root)) / (1 + 9 * slope) for sign in (1, -1))
-    first, last = (1 - a + (1 + 3 * a) * s for a in ends)
-    return first, last
+    return tuple(1 - a + (1 + 3 * a) * s for a in ends)
 
 
 def _first_mode(depth: Floats, zeta: Floats) -> Floats:
@@ -255,47 +241,13 @@ def _sums(zeta: Floats) -> tuple[Floats, Floats]:
 # Displacement [mm] and force [gf] while pressed, read off the raw recording at the steps where the
 # curve bends; ThereminGoat, force-curves, "AEBoards Raed HE White (60g Dome) 1", 2025-09-20. Its
 # author asks for being named and no more. The recording goes on in steps of 0.005 mm and 0.1 gf.
-_PRESSED = (
-    (0.185, 0.0),
-    (0.250, 4.7),
-    (0.300, 9.6),
-    (0.350, 15.0),
-    (0.400, 21.1),
-    (0.450, 26.8),
-    (0.500, 31.4),
-    (0.600, 38.4),
-    (0.700, 44.2),
-    (0.800, 47.5),
-    (0.900, 50.3),
-    (1.000, 52.5),
-    (1.100, 54.3),
-    (1.205, 55.8),
-    (1.300, 56.6),
-    (1.425, 57.0),
-    (1.600, 56.5),
-    (1.800, 55.4),
-    (2.015, 53.8),
-    (2.200, 52.5),
-    (2.400, 50.8),
-    (2.605, 49.3),
-    (2.800, 48.3),
-    (3.000, 47.6),
-    (3.200, 47.3),
-    (3.400, 47.7),
-    (3.600, 47.9),
-    (3.800, 48.6),
-    (3.870, 49.3),
-    (3.900, 52.2),
-    (3.945, 58.6),
-    (4.005, 69.9),
-    (4.045, 89.2),
-    (4.085, 110.2),
-    (4.120, 131.3),
-    (4.150, 148.2),
-    (4.185, 167.9),
-    (4.215, 183.7),
-    (4.235, 195.8),
-)
+_PRESSED = """
+0.185 0.0, 0.250 4.7, 0.300 9.6, 0.350 15.0, 0.400 21.1, 0.450 26.8, 0.500 31.4, 0.600 38.4,
+0.700 44.2, 0.800 47.5, 0.900 50.3, 1.000 52.5, 1.100 54.3, 1.205 55.8, 1.300 56.6, 1.425 57.0,
+1.600 56.5, 1.800 55.4, 2.015 53.8, 2.200 52.5, 2.400 50.8, 2.605 49.3, 2.800 48.3, 3.000 47.6,
+3.200 47.3, 3.400 47.7, 3.600 47.9, 3.800 48.6, 3.870 49.3, 3.900 52.2, 3.945 58.6, 4.005 69.9,
+4.045 89.2, 4.085 110.2, 4.120 131.3, 4.150 148.2, 4.185 167.9, 4.215 183.7, 4.235 195.8
+"""
 _GRAM_FORCE = 9.80665e-3
 
 
@@ -306,12 +258,11 @@ def dome(count: int = 1, name: str = "rubber dome") -> Element:
     It has one place of rest, at travel 0, and is not bistable, but snaps under a force: the force
     rises to 0.559 N at 1.2 mm, falls to 0.464 N at 3.0 mm, and rises steeply from 3.7 mm on, where
     the dome lies on its base. Only the half while pressed is here, of one specimen in its switch,
-    whose stem rubs; on the way back the recorded force is smaller. A table of your own is made an
-    element by `Element.from_table`.
+    whose stem rubs; on the way back the recorded force is smaller. `Element.from_table` makes an
+    element of your own table.
 
     Args:
         count: domes side by side, >= 1; their forces add up.
-        name: what messages and figures call the element.
 
     Raises:
         ValueError: a count that is not a whole number, 1 or more.
@@ -319,13 +270,9 @@ def dome(count: int = 1, name: str = "rubber dome") -> Element:
     Source: ThereminGoat 2025, force-curves, recording "AEBoards Raed HE White (60g Dome) 1".
     """
     count = check.whole("count", count, 1)
-    start = _PRESSED[0][0]
-    return Element.from_table(
-        [(mm - start) * 1e-3 for mm, _ in _PRESSED],
-        [count * gf * _GRAM_FORCE for _, gf in _PRESSED],
-        name,
-        stops=(True, False),
-    )
+    travel, force = np.array([point.split() for point in _PRESSED.split(",")], float).T
+    travel, force = (travel - travel[0]) * 1e-3, count * force * _GRAM_FORCE
+    return Element.from_table(travel, force, name, stops=(True, False))
 
 
 @kept
@@ -351,7 +298,6 @@ def balloon(
         c1: first Mooney-Rivlin modulus [Pa], > 0; the shear modulus is 2 (c1 + c2).
         c2: second Mooney-Rivlin modulus [Pa], >= 0.
         stretch: largest radius over R [1], > 1.
-        name: what messages and figures call the element.
 
     Raises:
         ValueError: a value out of its range.
@@ -374,16 +320,12 @@ def balloon(
     if stretch <= 1:
         raise InputError(f"stretch = {stretch}: must be > 1, the largest radius over the first.")
     unstretched = 4 / 3 * math.pi * radius**3
-    return Element.from_law(
-        lambda volume: balloon_pressure(
-            np.cbrt(1 + volume / unstretched), thickness / radius, c1, c2
-        ),
-        0.0,
-        unstretched * (stretch**3 - 1),
-        name,
-        stops=(False, True),
-        measure=Measure.VOLUME,
-    )
+
+    def pressure(volume: Floats) -> Floats:
+        return balloon_pressure(np.cbrt(1 + volume / unstretched), thickness / radius, c1, c2)
+
+    most, ends = unstretched * (stretch**3 - 1), (False, True)
+    return Element.from_law(pressure, 0.0, most, name, stops=ends, measure=Measure.VOLUME)
 
 
 def balloon_pressure(stretch: Floats, slenderness: float, c1: float, c2: float) -> Floats:
@@ -393,7 +335,6 @@ def balloon_pressure(stretch: Floats, slenderness: float, c1: float, c2: float) 
 
 # Halvings of the half turn in which the twist lies: down to the last digit.
 _HALVINGS_OF_FOLD = 55
-# How far past the deployed height the law is taken, as a part of the way; there the fold is stiff.
 
 
 @kept
@@ -419,7 +360,6 @@ def kresling(
         deployed: height [m] at rest deployed, > `folded`.
         mountain: stiffness [N/m] of each of the n short (mountain) creases, > 0.
         valley: stiffness [N/m] of each of the n long (valley) creases, > 0.
-        name: what messages and figures call the element.
 
     Raises:
         ValueError: heights too far apart for the radius, where a mountain crease would lean the
@@ -437,26 +377,20 @@ def kresling(
     valley = check.positive("valley", valley, "N/m")
     rest = crease_lengths(sides, radius, folded, deployed)
     upright = math.sqrt(rest[1] ** 2 - _chord(math.tau / sides, radius) ** 2)
-    return Element.from_law(
-        lambda travel: fold_force(folded + travel, sides, radius, rest, (mountain, valley)),
-        0.0,
-        min(deployed + _PAST * (deployed - folded), upright) - folded,
-        name,
-        stops=(True, False),
-    )
+    most = min(deployed + _PAST * (deployed - folded), upright) - folded
+
+    def force(travel: Floats) -> Floats:
+        return fold_force(folded + travel, sides, radius, rest, (mountain, valley))
+
+    return Element.from_law(force, 0.0, most, name, stops=(True, False))
 
 
-def crease_lengths(
-    sides: int, radius: float, folded: float, deployed: float
-) -> tuple[float, float]:
+def crease_lengths(sides: int, radius: float, folded: float, deployed: float) -> Pair:
     """Mountain and valley crease [m] that are at rest at both heights [m].
 
     With x the twist of the mountain crease and π/n more, their squares differ by
     4 R² sin x sin π/n and sum up to 2 h² + 4 R² (1 - cos x cos π/n): the places of rest are x and
-    π - x, and h1² - h0² = 4 R² cos x cos π/n.
-
-    Raises:
-        ValueError: heights that no such fold has.
+    π - x, and h1² - h0² = 4 R² cos x cos π/n. Other heights raise ValueError.
     """
     half = math.pi / sides
     if deployed <= folded:
@@ -473,39 +407,23 @@ def crease_lengths(
             "creases stand upright."
         )
     turn = math.acos(cosine)
-    return (
-        math.hypot(deployed, _chord(turn - half, radius)),
-        math.hypot(deployed, _chord(turn + half, radius)),
-    )
+    mountain, valley = (_chord(turn + more, radius) for more in (-half, half))
+    return math.hypot(deployed, mountain), math.hypot(deployed, valley)
 
 
-def fold_force(
-    height: Floats,
-    sides: int,
-    radius: float,
-    rest: tuple[float, float],
-    stiffness: tuple[float, float],
-) -> Floats:
+def fold_force(height: Floats, sides: int, radius: float, rest: Pair, stiffness: Pair) -> Floats:
     """Axial force [N] at heights [m] of any shape, at the twist of least energy.
 
-    Args:
-        height: from the folded to that where the mountain creases stand upright.
-        sides: n of the end polygons.
-        radius: R [m] of their corners.
-        rest: length [m] of a mountain and a valley crease at rest.
-        stiffness: of a mountain and a valley crease [N/m].
+    `rest` [m] and `stiffness` [N/m] are of a mountain and a valley crease. Heights go from the
+    folded to that where the mountain creases stand upright.
     """
     half = math.pi / sides
 
     def tension(turn: Floats) -> tuple[Floats, Floats]:
         """Tension over length [N/m] of both creases."""
-        lengths = (
-            np.hypot(height, _chord(turn - half, radius)),
-            np.hypot(height, _chord(turn + half, radius)),
-        )
-        mountain, valley = (
-            k * (1 - r / now) for k, r, now in zip(stiffness, rest, lengths, strict=True)
-        )
+        lengths = (np.hypot(height, _chord(turn + more, radius)) for more in (-half, half))
+        ways = zip(stiffness, rest, lengths, strict=True)
+        mountain, valley = (k * (1 - r / now) for k, r, now in ways)
         return mountain, valley
 
     # The torque vanishes once between these twists: at the first the mountain crease has no lever
@@ -530,8 +448,7 @@ class LibraryEntry(ByValue):
 
     Args:
         make: the function; called without arguments, it gives something to build.
-        what: what it is, in one line.
-        assumes: what its law takes for granted, in one line.
+        what, assumes: what it is and what its law takes for granted, a line each.
         source: author and year.
     """
 
