@@ -31,13 +31,13 @@ _LEAST_RISE = 1e-6
 class Element(ByValue, Drawn):
     """A cell that is a force law: anything that snaps, given by its force against its travel.
 
-    Make one with `from_table`, `from_points`, `from_law`, `from_curve` or `from_chain`, or take
-    one from `stepwell.elements`. In a chain it stands wherever a `Cell` may.
+    Make one with a method `from_...`, or take one from `stepwell.elements`. In a chain it stands
+    wherever a `Cell` may.
 
     Args:
         sheets: the stable stretches of its curve; one, but for curves that fold back in travel.
-        stops: whether it is stopped at the low and at the high end of its curve. At an end without
-            a stop the curve goes on straight.
+        stops: whether it is stopped at the low and at the high end of its curve; without a stop
+            the curve goes on straight.
         friction: Coulomb friction against travel [N], >= 0.
         name: what messages and figures call it.
         measure: what its travel and its force are; all units below are those of travel and force.
@@ -59,14 +59,28 @@ class Element(ByValue, Drawn):
     travel_scale: float = 1.0
     error_band: float = 0.0
     mobility: float = field(default=1.0, kw_only=True)
-    # In the units of the curve as it is, scales included.
-    _sheets: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
-    _ends: tuple[float, float] = field(init=False, repr=False, compare=False)
-    _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
-    _stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
-    _switching_range: tuple[float, float] = field(init=False, repr=False, compare=False)
-    _largest: float = field(init=False, repr=False, compare=False)
-    _packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
+    # All below are in the units of the curve as it is, scales included.
+    laws: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
+    """Its sheets with the scales in them."""
+    low: float = field(init=False, repr=False, compare=False)
+    """Least travel of its curve [m]."""
+    high: float = field(init=False, repr=False, compare=False)
+    """Largest travel of its curve [m]."""
+    phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
+    """Where it can stand under a prescribed force, in the order of the curve."""
+    stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
+    """Sheet and travels [m] of every phase, in their order."""
+    switching_range: tuple[float, float] = field(init=False, repr=False, compare=False)
+    """Least and largest switching force of its phases [N]; infinite if there is none."""
+    largest_force: float = field(init=False, repr=False, compare=False)
+    """Largest force of its curve in size [N]."""
+    packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
+    """What a chain is packed from: a table of its sheets, row by row, and their curves.
+
+    See `phase.LOW` for the columns of the table; rows and the first sheet are counted from each
+    sheet. An open end is infinite there and has a row of its own in the curves, blank at the low
+    end.
+    """
 
     def __post_init__(self):
         put = object.__setattr__
@@ -78,19 +92,19 @@ class Element(ByValue, Drawn):
         put(self, "stops", _both(self.stops))
         if not self.sheets:
             raise InputError("sheets is empty: an element has a curve; see Element.from_table.")
-        scales = self.force_scale, self.travel_scale
-        own = tuple(sheet.scaled(*scales) for sheet in self.sheets)
-        put(self, "_sheets", own)
-        put(self, "_ends", (min(sheet.begin for sheet in own), max(sheet.end for sheet in own)))
+        own = tuple(sheet.scaled(self.force_scale, self.travel_scale) for sheet in self.sheets)
+        put(self, "laws", own)
+        put(self, "low", min(sheet.begin for sheet in own))
+        put(self, "high", max(sheet.end for sheet in own))
         turns = [signs(sheet.rows, sheet.end) for sheet in own]
-        put(self, "_largest", max(float(np.max(np.abs(forces))) for forces, _ in turns))
-        put(self, "_phases", _phases_of(self, turns))
-        put(self, "_stretches", tuple((one.sheet, one.low, one.high) for one in self._phases))
-        forces = [force for one in self._phases for force in (one.force_low, one.force_high)]
+        put(self, "largest_force", max(float(np.max(np.abs(forces))) for forces, _ in turns))
+        put(self, "phases", _phases_of(self, turns))
+        put(self, "stretches", tuple((one.sheet, one.low, one.high) for one in self.phases))
+        forces = [force for one in self.phases for force in (one.force_low, one.force_high)]
         finite = [force for force in forces if abs(force) < np.inf]
-        put(self, "_switching_range", (min(finite, default=np.inf), max(finite, default=-np.inf)))
+        put(self, "switching_range", (min(finite, default=np.inf), max(finite, default=-np.inf)))
         _refuse_loose_ends(self)
-        put(self, "_packed", _packed(self))
+        put(self, "packed", _packed(self))
 
     @classmethod
     def from_table(
@@ -112,8 +126,7 @@ class Element(ByValue, Drawn):
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
             noise: standard deviation of the forces [N]; the curve is then a smoothing spline (de
-                Boor 1978) and `error_band` says how far from it the farthest point lies. None goes
-                through every point.
+                Boor 1978), at most `error_band` from the points. None goes through every point.
 
         Raises:
             ValueError: too few points, travels that do not rise, or noise larger than a snap.
@@ -144,8 +157,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: too few points, or travels that do not rise.
         """
-        rows, end = element_curves.points(travel, force, measure)
-        on = (Sheet.of(rows, end),)
+        on = (Sheet.of(*element_curves.points(travel, force, measure)),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
@@ -175,8 +187,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: a law without finite values, or with a kink that `kinks` does not name.
         """
-        rows, end = element_curves.law(force, low, high, kinks, accuracy, measure)
-        on = (Sheet.of(rows, end),)
+        on = (Sheet.of(*element_curves.law(force, low, high, kinks, accuracy, measure)),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
@@ -197,15 +208,12 @@ class Element(ByValue, Drawn):
         end on. At each fold the curve's turn tells whether the stretch after it is stable at a
         given travel (Maddocks 1987): a clockwise turn, with force drawn over travel, loses
         stability and a counterclockwise one gains it. Where a stable stretch ends the element jumps
-        at that travel to the next stable one along the arc.
+        at that travel to the next stable one along the arc. Its sheets are in that order.
 
         Args:
             travel: (n,) by arc [m], n >= 3.
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
-
-        Returns:
-            The element, its sheets in the order of the arc.
 
         Raises:
             ValueError: too few points, two of them at one place, a curve that would be unstable
@@ -265,55 +273,9 @@ class Element(ByValue, Drawn):
         return self.stops
 
     @property
-    def laws(self) -> tuple[Sheet, ...]:
-        """Its sheets with the scales in them."""
-        return self._sheets
-
-    @property
-    def packed(self) -> tuple[tuple[float, ...], Floats]:
-        """What a chain is packed from: a table of its sheets, row by row, and their curves.
-
-        See `sheet.LOW` for the columns of the table; rows and the first sheet are counted from each
-        sheet. An open end is infinite there and has a row of its own in the curves, blank at the
-        low end.
-        """
-        return self._packed
-
-    @property
-    def phases(self) -> tuple[Phase, ...]:
-        """Where it can stand under a prescribed force, in the order of the curve."""
-        return self._phases
-
-    @property
-    def stretches(self) -> tuple[Stretch, ...]:
-        """Sheet and travels [m] of every phase, in their order."""
-        return self._stretches
-
-    @property
-    def switching_range(self) -> tuple[float, float]:
-        """Least and largest switching force of its phases [N]; infinite if there is none."""
-        return self._switching_range
-
-    @property
-    def low(self) -> float:
-        """Least travel of its curve [m]."""
-        return self._ends[0]
-
-    @property
-    def high(self) -> float:
-        """Largest travel of its curve [m]."""
-        return self._ends[1]
-
-    @property
     def full_travel(self) -> float:
         """Travel between the ends of its curve [m]; an end without a stop can be passed."""
-        low, high = self._ends
-        return high - low
-
-    @property
-    def largest_force(self) -> float:
-        """Largest force of its curve in size [N]."""
-        return self._largest
+        return self.high - self.low
 
     @property
     def fields(self) -> tuple[tuple[float, float], ...]:
@@ -321,35 +283,23 @@ class Element(ByValue, Drawn):
 
         Under a prescribed force that is all there is to know of it.
         """
-        pairs = zip(self._phases, self._phases[1:], strict=False)
+        pairs = zip(self.phases, self.phases[1:], strict=False)
         return tuple((a.force_high, b.force_low) for a, b in pairs)
 
     @property
     def is_bistable(self) -> bool:
         """Whether it can stand in two phases or more without any force."""
-        return sum(phase.force_low < 0.0 < phase.force_high for phase in self._phases) > 1
+        return sum(phase.force_low < 0.0 < phase.force_high for phase in self.phases) > 1
 
     def force_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
-        """Force F = dE/ds [N] at travels [m] of any shape, without friction.
+        """Force F = dE/ds [N] at travels [m] of any shape on a sheet, without friction.
 
-        Args:
-            travel: between stops; past an open end it goes on straight.
-            sheet: on which sheet of the curve.
-
-        Raises:
-            ValueError: a travel past a stop or past the end of the sheet.
+        Past an open end it goes on straight; past a stop or the end of the sheet ValueError.
         """
         return value(*self._asked(travel, sheet))
 
     def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
-        """Energy [J] at travels [m] of any shape, counted from where the curve begins.
-
-        Args:
-            travel, sheet: as for `force_at`.
-
-        Raises:
-            ValueError: as for `force_at`.
-        """
+        """Energy [J] at travels as of `force_at`, counted from where the curve begins."""
         return integral(*self._asked(travel, sheet))
 
     def goes_on(self, sheet: Sheet) -> tuple[bool, bool]:
@@ -365,11 +315,11 @@ class Element(ByValue, Drawn):
         return replace(self, name=name)
 
     def _asked(self, travel: ArrayLike, sheet: int) -> tuple[Floats, Floats]:
-        if not 0 <= sheet < len(self._sheets):
+        if not 0 <= sheet < len(self.laws):
             raise InputError(
-                f"sheet = {sheet}: the curve has {len(self._sheets)}, numbered from 0 on."
+                f"sheet = {sheet}: the curve has {len(self.laws)}, numbered from 0 on."
             )
-        chosen, travel = self._sheets[sheet], np.asarray(travel, float)
+        chosen, travel = self.laws[sheet], np.asarray(travel, float)
         slip = 1e-9 * self.full_travel
         opens = self.goes_on(chosen)
         far = np.isnan(travel)
@@ -381,7 +331,7 @@ class Element(ByValue, Drawn):
             raise InputError(
                 f"travel = {worst * factor:.6g} {unit}: must be between "
                 f"{chosen.begin * factor:.6g} and {chosen.end * factor:.6g} {unit}, where "
-                f"{'the curve' if len(self._sheets) == 1 else f'sheet {sheet}'} ends."
+                f"{'the curve' if len(self.laws) == 1 else f'sheet {sheet}'} ends."
             )
         force = -2.0 * self.largest_force - abs(float(chosen.rows[0, 1]))
         return chosen.extended(opens, force), travel
@@ -443,20 +393,13 @@ def _stretches(rises: Ints) -> Iterator[tuple[int, int]]:
     return zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True)
 
 
-def _outer_rows(element: Element, sheet: Sheet, rows: int) -> tuple[int | None, int | None]:
-    """The rows of a sheet at the ends of the element: a stop, or a curve that goes on rising."""
-    return (
-        0 if sheet.below is None and sheet.begin == element.low else None,
-        rows if sheet.above is None and sheet.end == element.high else None,
-    )
-
-
 def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints) -> Iterator[Phase]:
     """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
-    below, above = element.stopped
-    sheet = element.laws[number]
+    sheet, (below, above) = element.laws[number], element.stopped
     joints = np.append(sheet.rows[:, 0], sheet.end)
-    low, high = _outer_rows(element, sheet, len(rises))
+    # At the ends of the element there is a stop, or a curve that goes on rising.
+    low = 0 if sheet.below is None and sheet.begin == element.low else None
+    high = len(rises) if sheet.above is None and sheet.end == element.high else None
     for at, last in _stretches(rises):
         first, final = at == low, last == high
         if np.any(rises[at:last] > 0) or (first and below) or (final and above):
