@@ -104,14 +104,13 @@ class Chain(ByValue, Drawn):
         Raises:
             ValueError: a chain with an element; the text names the first one.
         """
-        levers = tuple(cell for cell in self.cells if isinstance(cell, Cell))
-        if len(levers) < len(self.cells):
-            first = next(i for i, cell in enumerate(self.cells) if isinstance(cell, Element))
-            raise InputError(
-                f"cells[{first}] = {self.cells[first]!r}: must be a Cell; an element has no levers "
-                f"or bands, so take a chain of cells alone."
-            )
-        return levers
+        for i, cell in enumerate(self.cells):
+            if isinstance(cell, Element):
+                raise InputError(
+                    f"cells[{i}] = {cell!r}: must be a Cell; an element has no levers or bands, so "
+                    f"take a chain of cells alone."
+                )
+        return tuple(cell for cell in self.cells if isinstance(cell, Cell))
 
     @property
     def phases(self) -> tuple[tuple[phase.Phase, ...], ...]:
@@ -141,11 +140,9 @@ class Chain(ByValue, Drawn):
     @property
     def names(self) -> tuple[str, ...]:
         """What each cell is called: its own name, else inner/outer or its number from inside."""
-        fallback = ("inner", "outer") if len(self.cells) == 2 else None
-        return tuple(
-            cell.name or (fallback[i] if fallback else f"cell {i + 1}")
-            for i, cell in enumerate(self.cells)
-        )
+        n = len(self.cells)
+        own = ("inner", "outer") if n == 2 else [f"cell {i}" for i in range(1, n + 1)]
+        return tuple(cell.name or name for cell, name in zip(self.cells, own, strict=True))
 
     def path(
         self,
@@ -162,18 +159,14 @@ class Chain(ByValue, Drawn):
             start: state such as "010", (N,) travels [m], or the `end_configuration` of another
                 path; all cells at 0 by default.
             prefer: cells by falling priority where two of them tie; by default the first by its
-                force, of the same forces the innermost, and cells of constant force share the
-                motion.
+                force, then the innermost, and cells of constant force share the motion.
             progress: called now and then with (done, total) of the way of the actuator.
-
-        Returns:
-            The path.
 
         Raises:
             ValueError: turning points out of range, or probably in another unit, or a start that
                 is no stable equilibrium.
-            StaticsError: the follower could not go on, or what it found breaks its own
-                certificate; the text says where and what to do.
+            StaticsError: the follower could not go on, or breaks its own certificate; the text
+                says where and what to do.
 
         Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them
         through snaps is ours (theory page).
@@ -194,16 +187,8 @@ class Chain(ByValue, Drawn):
         """Load a chain fully and unload it, once.
 
         A rigid actuator goes 0 → Σ S_i → 0; a compliant one far enough to pull every cell to its
-        stop and back, a prescribed force likewise.
-
-        Args:
-            prefer, progress: as for `path`.
-
-        Returns:
-            The cycle.
-
-        Raises:
-            StaticsError: as for `path`.
+        stop and back, a prescribed force likewise. `prefer`, `progress` and StaticsError are as for
+        `path`.
 
         Source: Kamp et al. 2024, Fig. 2.
         """
@@ -224,11 +209,8 @@ class Chain(ByValue, Drawn):
             drive: "stroke", "force" or what its measure calls them, such as "volume" and
                 "pressure"; or the stiffness of the actuator [N/m]; that of the chain by default.
             start: a state such as "000", to see only what can be reached from it; by default
-                every state in which the chain can stand is a start, those set by hand included.
+                all states in which the chain can stand, those set by hand included.
             progress: called with (done, total) starts, then with (followed, known) branches.
-
-        Returns:
-            The graph.
 
         Raises:
             ValueError: friction, a start that is no equilibrium, too many states to look at all
@@ -242,17 +224,9 @@ class Chain(ByValue, Drawn):
     def implicit_graph(self, drive: str | float | None = None) -> ImplicitGraph:
         """The transition graph of a chain, asked state by state and never listed.
 
-        For chains of any length: it counts states, tells the window of each and where its ends
-        lead, and walks from one to the next.
-
-        Args:
-            drive: as for `graph`.
-
-        Returns:
-            The graph; nothing is computed before it is asked for.
-
-        Raises:
-            ValueError: friction, or no such drive.
+        For chains of any length: it counts states, finds the window of each and where its ends
+        lead, and walks from one to the next; nothing is computed before it is asked for. `drive`
+        is as for `graph`; friction and an unknown drive raise ValueError.
         """
         from stepwell import sequences
 
@@ -271,15 +245,14 @@ class Chain(ByValue, Drawn):
         Args:
             target: the state in which it is to end, such as "01", inner cell first.
             start: the state at the beginning; all cells at 0 by default.
-            robust: a ratio, such as 10: it has to work for all mobilities of the cells that are
-                up to so far apart from those given. Then every landing on the way holds within
-                it, as `Path.landings` says, or the states at which it turns are proved not to
-                hang on landings.
+            robust: a ratio, such as 10: it has to work for all mobilities of the cells within
+                that ratio of those given. Then every landing on the way holds within it, as of
+                `Path.landings`, or the states at which it turns are proved not to hang on landings.
             progress: called with (done, total) while a search goes on.
 
         Returns:
-            The program. Among programs with equally few turns that were compared, the one whose
-            narrowest window is widest. Its `landings` tell which are proved and which sampled.
+            Among the programs compared with equally few turns, the one whose narrowest window is
+            widest. Its `landings` tell which are proved and which sampled.
 
         Raises:
             Unreachable: no program does it; the text is the proof, or says what was searched, or
@@ -307,14 +280,9 @@ class Chain(ByValue, Drawn):
         answer says "search". The anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
 
         Args:
-            reach: farthest displacement of an anchor that is looked at [m].
+            reach: farthest displacement of an anchor that is looked at [m], > 0 (else ValueError);
+                a distance is infinite where no change within reach does it.
             progress: called with (done, total) changes.
-
-        Returns:
-            The margin; a distance is infinite where no change within reach does it.
-
-        Raises:
-            ValueError: `reach` is not above 0, or far beyond the chain.
 
         Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
         """
@@ -338,43 +306,39 @@ class Chain(ByValue, Drawn):
         A mechanism whose cells are all proved taut with falling force does what the order of its F0
         + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
         equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
-        pushed through its whole travel in a snap. All other mechanisms are followed by the general
-        engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-        takes milliseconds for each; elements are judged by their switching forces where the force
-        is prescribed. So it is where states are wanted: then the engine follows every branch of
-        each, but where all 2^N states are wanted of cells of one travel and every two loops are
-        nested, which proves it.
+        pushed through its whole travel in a snap. Elements under a prescribed force are judged by
+        their switching forces. All other mechanisms are followed by the engine, one by one; if that
+        is every one (several bands in a cell, a bent law, a load), it takes milliseconds for each.
+        Where states are wanted the engine follows every branch of each, unless all 2^N states are
+        wanted of cells of one travel and every two loops are nested, which proves it.
 
         The same seed gives the same mechanisms, and more `samples` keep the first ones.
 
         Args:
-            tolerances: how far the parts may be from it; what a careful workshop can do by
-                default, anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is
-                exact.
+            tolerances: how far the parts may be from the drawing, exact where it names nothing; by
+                default what a careful workshop can do, anchors ±0.3 mm and stiffness ±5 %.
             samples: how many mechanisms to make; by default 100,000 where end forces tell what they
                 do, and 500 where the engine has to follow each.
             seed: which ones.
             target: the full cycle that counts as success, such as "00>10>11>01>00", by default
                 what the drawing does; or a list of states, such as ["00", "10", "11"]: all that
                 shall be in reach from all cells at 0, and no others.
-            sensitivity: also ask which part's tolerance counts, by Sobol' indices of the
-                smallest gap between neighbours in the wanted order. Where the engine follows
-                every mechanism, they come with how well the gap tells what it finds.
-            robust: a ratio, such as 10: a mechanism counts only if it does what is wanted for all
-                mobilities of its cells that are up to so far apart from its own. What end forces
-                tell holds for any mobilities; of others every landing on the way has to hold, as
-                `Path.landings` says. What some mobilities drawn at random would do, tell
-                Tolerances(mobility=...).
+            sensitivity: also find which part's tolerance counts, by Sobol' indices of the smallest
+                gap between neighbours in the wanted order; where the engine follows every
+                mechanism, with how well the gap predicts what it finds.
+            robust: a ratio, such as 10: a mechanism counts only if it works for all mobilities of
+                its cells within that ratio of its own. End forces hold for any mobilities; of other
+                mechanisms every landing on the way has to hold, as of `Path.landings`. For
+                mobilities drawn at random see Tolerances(mobility=...).
             progress: called with (done, samples).
 
         Returns:
             The share that works, its confidence interval, and what the others do.
 
         Raises:
-            ValueError: numbers out of range, a sequence that is no full cycle of this chain,
-                states where not all that can be reached can be looked at (friction, more than
-                eight cells), or sensitivities where the cycle has no two orders, or not all can
-                be built.
+            ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
+                where not all that can be reached can be looked at (friction, more than 8 cells), or
+                sensitivities of a cycle without two orders, or where not all can be built.
             StaticsError: the drawing itself has no answer, and no `target` was given.
 
         Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
@@ -444,8 +408,7 @@ class Chain(ByValue, Drawn):
         under a prescribed force, the largest share by which all their forces may be off.
 
         Raises:
-            ValueError: a chain whose sequence is not the order of its F0 and F1, proved, or that of
-                its switching forces.
+            ValueError: the sequence is not proved to be the order of F0 and F1 or switching forces.
 
         Source: sorting theorem, theory page.
         """
@@ -466,7 +429,7 @@ class Chain(ByValue, Drawn):
     ) -> Survival:
         """Make a mechanism many times at random and run the same stroke program on each.
 
-        Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
+        Every mechanism is followed by the engine, in a millisecond or a few. The actuator goes
         where the program says, or as far as the mechanism lets it.
 
         Args:
@@ -500,11 +463,8 @@ class Chain(ByValue, Drawn):
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""
-        actuator = (
-            ""
-            if math.isinf(self.actuator_stiffness)
-            else f", actuator {self.actuator_stiffness:.4g} N/m"
-        )
+        stiffness = self.actuator_stiffness
+        actuator = "" if math.isinf(stiffness) else f", actuator {stiffness:.4g} N/m"
         return f"Chain({title}{list(self.cells)!r}{actuator})"
 
 

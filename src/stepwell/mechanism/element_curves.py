@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 
 
 _LEAST_POINTS = 3
+
+
+class _Stretch(NamedTuple):
+    """A part of a curve between two folds, whether it is stable, and whether its arc goes up."""
+
+    stable: bool
+    up: bool
+    rows: Floats
+    end: float
 
 
 def points(
@@ -80,9 +89,8 @@ def pairs(
     travel: Iterable[float], force: Iterable[float], measure: Measure, least: int
 ) -> tuple[Floats, Floats]:
     """Points in any order, as arrays; raises ValueError where they are none or too few."""
-    x = np.array(
-        [check.finite(f"travel[{i}]", v, measure.travel_unit) for i, v in enumerate(travel)]
-    )
+    unit = measure.travel_unit
+    x = np.array([check.finite(f"travel[{i}]", v, unit) for i, v in enumerate(travel)])
     y = np.array(check.as_many("force", force, measure.force_unit, "travel", len(x)), float)
     if len(x) < least:
         raise InputError(
@@ -134,10 +142,9 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
     _refuse_standing(x, measure)
     heading = np.sign(np.diff(x)).astype(int)
     folds = [0, *(np.flatnonzero(np.diff(heading)) + 1).tolist(), len(x) - 1]
-    stretches = list(pairwise(folds))
     unstable, energy = 0, 0.0
-    found: list[tuple[bool, bool, Floats, float]] = []
-    for number, (a, b) in enumerate(stretches):
+    found: list[_Stretch] = []
+    for number, (a, b) in enumerate(pairwise(folds)):
         if number:
             unstable += _turn(x, y, a)
             if unstable < 0:
@@ -147,65 +154,46 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
                     f"over {measure.travel}), which ends an instability that it never had: it "
                     f"must begin at a stable end. Give the points from there on, along the arc."
                 )
-        way = slice(a, b + 1)
-        up = heading[a] > 0
+        way, up = slice(a, b + 1), heading[a] > 0
         s, f = (x[way], y[way]) if up else (x[way][::-1], y[way][::-1])
         rows = cubics.through(s, f)
         work = cubics.end_of(rows, float(s[-1]))[2]
         # The energy goes on continuously along the arc, unstable stretches included.
         begin = energy if up else energy - work
         energy += work if up else -work
-        found.append((unstable == 0, up, cubics.with_integrals(rows, begin), float(s[-1])))
+        rows = cubics.with_integrals(rows, begin)
+        found.append(_Stretch(unstable == 0, bool(up), rows, float(s[-1])))
     return _linked(found, measure)
 
 
 def _turn(x: Floats, y: Floats, at: int) -> int:
     """+1 where the curve turns clockwise at a point, -1 where counterclockwise."""
-    (dx1, dy1), (dx2, dy2) = (
-        (x[at] - x[at - 1], y[at] - y[at - 1]),
-        (x[at + 1] - x[at], y[at + 1] - y[at]),
-    )
+    (dx1, dx2), (dy1, dy2) = (np.diff(of[at - 1 : at + 2]).tolist() for of in (x, y))
     return 1 if dx1 * dy2 - dy1 * dx2 < 0.0 else -1
 
 
-def _linked(
-    stretches: list[tuple[bool, bool, Floats, float]], measure: Measure
-) -> tuple[Sheet, ...]:
-    numbers = np.cumsum([stable for stable, *_ in stretches]) - 1
+def _linked(stretches: list[_Stretch], measure: Measure) -> tuple[Sheet, ...]:
     sheets: list[Sheet] = []
     for k, (stable, up, rows, end) in enumerate(stretches):
-        if not stable:
-            continue
-        begin = float(rows[0, 0])
-        after = _landing(stretches, k, +1, end if up else begin, measure)
-        before = _landing(stretches, k, -1, begin if up else end, measure)
-        above, below = (after, before) if up else (before, after)
-        sheets.append(
-            Sheet.of(
-                rows,
-                end,
-                None if below is None else int(numbers[below]),
-                None if above is None else int(numbers[above]),
-            )
-        )
+        if stable:
+            way = 1 if up else -1
+            ends = ((-way, float(rows[0, 0])), (way, end))
+            leads = (_landing(stretches, k, step, at, measure) for step, at in ends)
+            sheets.append(Sheet.of(rows, end, *leads))
     return tuple(sheets)
 
 
 def _landing(
-    stretches: list[tuple[bool, bool, Floats, float]],
-    k: int,
-    step: int,
-    at: float,
-    measure: Measure,
+    stretches: list[_Stretch], k: int, step: int, at: float, measure: Measure
 ) -> int | None:
-    """The next stable stretch along the arc that holds this travel; None at the curve's end."""
+    """The next stable sheet along the arc that holds this travel; None at the curve's end."""
     if not 0 <= k + step < len(stretches):
         return None
-    here = float(cubics.integral(stretches[k][2], np.array(at)))
-    j = k + step
-    while 0 <= j < len(stretches):
+    here = float(cubics.integral(stretches[k].rows, np.array(at)))
+    for j in range(k + step, len(stretches) if step > 0 else -1, step):
         stable, _, rows, end = stretches[j]
         if stable and rows[0, 0] <= at <= end and float(cubics.integral(rows, np.array(at))) < here:
+            return sum(one.stable for one in stretches[:j])
             return j
         j += step
     unit, factor = told_in(measure.travel_unit)
@@ -255,14 +243,9 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
             )
         found[place] = _sum([part[0] for part in parts], low, high), high, below, above
         waiting += [other for other in (below, above) if other is not None]
-    number = {place: k for k, place in enumerate(sorted(found))}
+    number: dict[Place | None, int] = {place: k for k, place in enumerate(sorted(found))}
     sheets = [
-        Sheet.of(
-            rows,
-            end,
-            None if below is None else number[below],
-            None if above is None else number[above],
-        )
+        Sheet.of(rows, end, number.get(below), number.get(above))
         for _, (rows, end, below, above) in sorted(found.items())
     ]
     return tuple(sheets), (stops[0], stops[1]), sum(element.friction for element in elements)
@@ -286,10 +269,9 @@ def _end(
     place: Place, parts: list[_Part], side: int, stops: list[bool]
 ) -> tuple[float, Place | None]:
     """Where a common stretch ends on one side, and where it leads from there."""
-    inwards = max if side == 0 else min
+    inwards, outwards = (max, min) if side == 0 else (min, max)
     bound = [k for k, part in enumerate(parts) if not part[2][side]]
     if not bound:
-        outwards = min if side == 0 else max
         return outwards(part[1][side] for part in parts), None
     at = inwards(parts[k][1][side] for k in bound)
     ends = [k for k in bound if parts[k][1][side] == at]
