@@ -17,11 +17,9 @@ _EVERY, _REMEMBERED = 0.1, 600.0
 def on_terminal(label: str | Callable[[], str]) -> Iterator[Progress | None]:
     """What to call with (done, total); None where standard error is no terminal.
 
-    The bar tells how much is done and how long the rest will take. It goes to standard error, so
-    that it never mixes with results, and vanishes when done.
-
-    Args:
-        label: what is going on; a function is asked anew as work goes on.
+    The bar shows how much is done and how long the rest will take. It goes to standard error, so
+    that it never mixes with results, and vanishes when done. A label that is a function is asked
+    again as work goes on.
     """
     said = label if callable(label) else lambda: label
     if sys.stderr is None or not sys.stderr.isatty():
@@ -118,9 +116,7 @@ def bar(done: float, total: float) -> None:
     """A bar for long work: pass it as `progress=`, as in `chain.yields(progress=sw.bar)`.
 
     In a notebook it stands below the cell, on a terminal on standard error, with the time that is
-    left; it vanishes when all is done. Elsewhere it is silent.
-
-    Args:
-        done, total: how much is done, of how much; less done than before begins a new bar.
+    left; it vanishes when all is done. Elsewhere it is silent. Less `done` than before begins a new
+    bar.
     """
     _bar(done, total)

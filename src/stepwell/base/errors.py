@@ -65,11 +65,7 @@ def nearest_word(word: str, known: Iterable[str]) -> str | None:
 
 
 class Advised(StrEnum):
-    """A word, as JSON and comparisons have it, and a text that says more.
-
-    Attributes:
-        advice: what the word means, and what to do about it.
-    """
+    """A word, as JSON and comparisons have it, and what it means and what to do about it."""
 
     advice: str
 

@@ -10,13 +10,9 @@ from stepwell.base.errors import ExtraError
 
 
 class Extra(NamedTuple):
-    """What `pip install 'stepwell[NAME]'` adds.
+    """What `pip install 'stepwell[NAME]'` adds: packages, each with its module, and texts.
 
-    Attributes:
-        packages: as they are installed, each with the module that is imported of it.
-        used_for: what one can do with them, in a few words.
-        needs: a sentence that says what needs what.
-        note: what else one should know before installing them.
+    `needs` is a sentence that says what needs what, `note` what to know before installing them.
     """
 
     packages: dict[str, str]
@@ -80,10 +76,7 @@ def late(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """The functions `__getattr__` and `__dir__` of a room whose files open with their first use.
 
-    Args:
-        room: the module, such as "stepwell.design".
-        files: the late names that each file within the room has.
-        names: what the room offers to scripts.
+    `files` have the late names by file within the room, `names` is what it offers to scripts.
     """
     homes = {name: file for file, its_names in files.items() for name in its_names}
 
@@ -104,9 +97,8 @@ def missing(*names: str, note: str = "") -> ExtraError:
     """The error that says which of these extras are not installed, how to get them, and a note."""
     lacking = _lacking(names)
     told = [EXTRAS[name] for name in lacking]
-    sentences = ", and ".join(
-        one.needs[0].lower() + one.needs[1:] if k else one.needs for k, one in enumerate(told)
-    )
+    first, *more = (one.needs for one in told)
+    sentences = ", and ".join([first, *(text[0].lower() + text[1:] for text in more)])
     one_package = sum(len(one.packages) for one in told) == 1
     are, them = ("is not", "it") if one_package else ("are not all", "them")
     advice = (
@@ -118,14 +110,9 @@ def missing(*names: str, note: str = "") -> ExtraError:
 
 
 def need(*names: str, note: str = "") -> None:
-    """Say before work begins that it takes an extra that is not installed.
+    """Raise ExtraError, with the command to run, before work begins that takes a missing extra.
 
-    Args:
-        names: of the extras, such as "figures".
-        note: what one can do without them, a sentence.
-
-    Raises:
-        ExtraError: one of them is not all installed; the text has the command that adds it.
+    The note is a sentence on what one can do without it.
     """
     if not have(*names):
         raise missing(*names, note=note)

@@ -34,14 +34,7 @@ class Package(NamedTuple):
 
 
 class InstalledExtra(NamedTuple):
-    """An extra.
-
-    Attributes:
-        name: of it.
-        used_for: what one can do with it.
-        present: whether all of its packages are installed.
-        versions: of those that are.
-    """
+    """An extra, whether all of its packages are installed, and the versions of those that are."""
 
     name: str
     used_for: str
@@ -71,18 +64,17 @@ class Broken(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Installation(ByValue, Shown):
-    """What is installed here.
+    """What is installed here; cores and kernels are None before all needed packages are there.
 
     Attributes:
         ok: whether all packages that are needed are installed and work.
-        python: its version.
-        system: operating system and processor.
+        python, system: version, and operating system with processor.
         packages: that are needed.
         extras: whether they are needed or not.
         tools: programs and devices.
         broken: parts that do not work.
-        cores: that may be used; None before the packages are there.
-        kernels: compiled kernels, as `kernels.kept` has them; None before the packages are there.
+        cores: that may be used.
+        kernels: compiled kernels, as `kernels.kept` has them.
     """
 
     ok: bool
@@ -104,9 +96,7 @@ class Installation(ByValue, Shown):
 def installation(probes: Probes) -> Installation:
     """Examine each part by itself; a part that fails is listed as broken.
 
-    Args:
-        probes: functions of higher layers that find something each: `cores`, `kernels`, `OpenGL`
-            and `display`.
+    `probes` are functions of higher layers: `cores`, `kernels`, `OpenGL` and `display`.
     """
     broken: list[Broken] = []
     packages = tuple(Package(name, _version(name)) for name in NEEDED)

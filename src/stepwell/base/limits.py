@@ -49,25 +49,15 @@ LIMITS = {
 
 
 def most(name: str) -> int:
-    """How many are allowed now.
-
-    Raises:
-        SettingError: what STEPWELL_LIMITS says cannot be understood.
-    """
+    """How many are allowed now; SettingError where STEPWELL_LIMITS cannot be understood."""
     text = os.environ.get(VARIABLE, "")
     return _raised(text).get(name, LIMITS[name].most)
 
 
 def require(name: str, count: float, what: str = "") -> None:
-    """Refuse more than is allowed.
+    """Raise ValueError, with the way to allow them, for more than a limit takes.
 
-    Args:
-        name: of the limit.
-        count: how many came.
-        what: who has them, and from where the number comes; the limit's own words by default.
-
-    Raises:
-        ValueError: too many; the text tells how many came and how to allow them.
+    `what` says who has them, and where the number comes from.
     """
     if count > most(name):
         raise InputError(problem(name, count, what))
@@ -84,15 +74,7 @@ def problem(name: str, count: float, what: str = "", *, so_far: bool = False) ->
 
 
 def content_of(path: Path, name: str) -> bytes:
-    """The content of an ordinary file that is no longer than a limit.
-
-    Args:
-        path: of the file.
-        name: of the limit.
-
-    Raises:
-        OSError: it cannot be read, is no ordinary file, or is too long.
-    """
+    """The content of an ordinary file that is no longer than the limit of that name, or OSError."""
     kind = path.stat()
     if stat.S_ISDIR(kind.st_mode):
         raise OSError("it is a folder")
@@ -105,7 +87,6 @@ def content_of(path: Path, name: str) -> bytes:
 
 @lru_cache(maxsize=8)
 def _raised(text: str) -> dict[str, int]:
-    """The limits in the text of the variable."""
     found: dict[str, int] = {}
     for part in text.replace(",", " ").split():
         name, _, number = part.partition("=")

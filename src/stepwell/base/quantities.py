@@ -23,36 +23,19 @@ class Measure(Enum):
 
     Everything said of travel and force holds for the other pairs too; `Quantity` and `told_in` say
     in which units people are told.
+
+    Attributes:
+        travel, force: what a cell gives and what it resists with, in a word.
+        travel_unit, force_unit, stiffness_unit: SI units of these, and of force by travel.
     """
 
     TRAVEL = "travel", "m", "force", "N", "N/m"
     VOLUME = "volume", "m³", "pressure", "Pa", "Pa/m³"
     ANGLE = "angle", "rad", "torque", "N m", "N m/rad"
 
-    @property
-    def travel(self) -> str:
-        """What a cell gives, in a word."""
-        return self.value[0]
-
-    @property
-    def travel_unit(self) -> str:
-        """Its SI unit."""
-        return self.value[1]
-
-    @property
-    def force(self) -> str:
-        """What it resists with, in a word."""
-        return self.value[2]
-
-    @property
-    def force_unit(self) -> str:
-        """Its SI unit."""
-        return self.value[3]
-
-    @property
-    def stiffness_unit(self) -> str:
-        """SI unit of force by travel."""
-        return self.value[4]
+    def __init__(self, travel: str, travel_unit: str, force: str, force_unit: str, by_travel: str):
+        self.travel, self.travel_unit = travel, travel_unit
+        self.force, self.force_unit, self.stiffness_unit = force, force_unit, by_travel
 
     @property
     def stroke(self) -> str:
@@ -186,9 +169,8 @@ Columns = Sequence[Quantity | Column]
 def quantities(**holds: Any) -> tuple[Quantity, ...]:
     """Quantities that are read off the attributes of their names and that are in no table.
 
-    Args:
-        holds: by name the unit, such as "mm", or what JSON has of it, such as `int`, `[str]` or a
-            schema, see `Quantity`; `int | None` where JSON has null if there is none.
+    Each has its unit, such as "mm", or what JSON has of it, such as `int`, `[str]` or a schema, see
+    `Quantity`; `int | None` where JSON has null if there is none.
     """
     return tuple(_quantity(*one) for one in holds.items())
 
@@ -204,17 +186,13 @@ def _quantity(name: str, holds: Any) -> Quantity:
 def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
     """A value as JSON can hold it: each quantity under its name and unit.
 
-    Args:
-        schema: what is told.
-        value: what has it: attributes, or the keys of a row.
-        given: quantities by name that `value` does not have itself.
+    The value has attributes, or keys of a row; `given` are quantities that it does not have itself.
     """
     found = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
     return {q.key: _held(q.holds, one, q.factor) for q, one in found}
 
 
 def _held(holds: Any, value: Any, factor: float) -> Any:
-    """What JSON has of a value that is one of what a quantity holds, see `Quantity`."""
     if value is None:
         return None
     if isinstance(holds, tuple):
@@ -229,8 +207,7 @@ def _held(holds: Any, value: Any, factor: float) -> Any:
 def in_measure(schema: Schema, measure: Measure) -> Schema:
     """A schema written for travel and force, of a chain that has another pair.
 
-    Its words stand in the names, the heads and the docs, and its units are those in which people
-    are told; the quantities read what they did.
+    Its words in names, heads and docs and its units change; the quantities read what they did.
     """
     usual = Measure.TRAVEL
     if measure is usual:
@@ -256,7 +233,6 @@ def in_measure(schema: Schema, measure: Measure) -> Schema:
 
 
 def _measured(holds: Any, measure: Measure) -> Any:
-    """What a quantity holds, of a chain that has another pair than travel and force."""
     if isinstance(holds, tuple):
         return in_measure(holds, measure)
     if isinstance(holds, list):
@@ -302,16 +278,7 @@ def shown(schema: Columns) -> list[Quantity | Column]:
 def write_csv(
     file: str | os.PathLike[str], columns: Iterable[tuple[Quantity, Any]], digits: int = 12
 ) -> None:
-    """Write columns as CSV, whole or not at all, with the unit in every heading.
-
-    Args:
-        file: where to.
-        columns: of each quantity its values in SI.
-        digits: of numbers.
-
-    Raises:
-        OSError: it cannot be written.
-    """
+    """Write columns of values in SI as CSV, whole or not at all, with the unit in every heading."""
     head, values = zip(*((q.key, _texts(q, found, digits)) for q, found in columns), strict=True)
     write_atomic(file, csv_text(head, zip(*values, strict=True)))
 
@@ -340,8 +307,8 @@ def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
 def number(value: float | None, digits: int = 4) -> str:
     """A number for people; an empty place where there is none.
 
-    This is the one home of the digits: four of what is computed, fewer only where a schema says
-    that fewer mean something, and no power of ten for what has up to six before the point.
+    Digits are decided here alone: four of what is computed, fewer only where a schema says that
+    fewer mean something, and no power of ten for what has up to six before the point.
     """
     if value is None:
         return ""

@@ -30,11 +30,7 @@ class Drawn:
         """Its usual figure, which a notebook shows by itself.
 
         Args:
-            options: of the function in `stepwell.figures` that draws it; `figures.plot` tells
-                which that is.
-
-        Returns:
-            The figure, to be shown, changed or saved with `figures.save`.
+            options: of the function in `stepwell.figures` that draws it, see `figures.plot`.
 
         Raises:
             ValueError: it holds nothing that can be drawn, or more than can be seen.
@@ -45,11 +41,9 @@ class Drawn:
 
 
 def brief(value: Any) -> str:
-    """What a result of plain fields prints: every number with as many digits as mean something.
+    """What a dataclass or named tuple prints: every number with as many digits as mean something.
 
-    Args:
-        value: a dataclass, whose fields count that its own representation would tell, or a named
-            tuple.
+    Fields count that its own representation would show.
     """
     known = getattr(value, "_fields", None)
     names = known or [one.name for one in fields(value) if one.repr]

@@ -124,11 +124,7 @@ def spellings(si: str) -> tuple[str, ...]:
 
 
 def to_unit(value: Number, unit: str) -> Number:
-    """A value in SI, or an array of them, in a unit of the table: 0.01 m is 10.0 "mm".
-
-    Raises:
-        KeyError: the table does not have the unit.
-    """
+    """A value in SI, or an array of them, in a unit of the table: 0.01 m is 10.0 "mm"."""
     return value * UNITS[unit].per_si
 
 
@@ -136,9 +132,6 @@ def from_unit(value: Number, unit: str) -> Number:
     """A value in a unit of the table, or an array of them, in SI: 10 "mm" is 0.01 m.
 
     A division, for 1e3 is a float and 1e-3 is not: the result is the float nearest to the decimal.
-
-    Raises:
-        KeyError: the table does not have the unit.
     """
     return value / UNITS[unit].per_si
 

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import Field, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from stepwell.base.shown import Shown
@@ -61,7 +61,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, Mapping) and isinstance(b, Mapping):
-        return _same_mappings(a, b)
+        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     if type(a) is not type(b):
         return bool(a == b)
     if isinstance(a, tuple | list):
@@ -69,10 +69,6 @@ def same(a: Any, b: Any) -> bool:
     if is_dataclass(a) and not isinstance(a, ByValue):
         return same(_held(a), _held(b))
     return bool(a == b)
-
-
-def _same_mappings(a: Mapping[Any, Any], b: Mapping[Any, Any]) -> bool:
-    return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
 
 
 def is_array(value: Any) -> "TypeGuard[np.ndarray[Any, Any]]":
@@ -95,13 +91,8 @@ def _same_arrays(a: Any, b: Any) -> bool:
 
 def _held(value: Any, *, hashed: bool = False) -> tuple[Any, ...]:
     """What the fields hold that count."""
-    return tuple(
-        getattr(value, field.name) for field in fields(value) if _counts(field, hashed=hashed)
-    )
-
-
-def _counts(field: Field[Any], *, hashed: bool) -> bool:
-    return field.compare and not (hashed and field.hash is False)
+    count = (one for one in fields(value) if one.compare and not (hashed and one.hash is False))
+    return tuple(getattr(value, field.name) for field in count)
 
 
 def _digest(value: Any) -> Any:

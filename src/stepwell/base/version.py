@@ -4,14 +4,7 @@ __version__ = "0.1.0"
 
 
 def versions(*packages: str) -> dict[str, str]:
-    """What a result was computed with.
-
-    Args:
-        packages: besides NumPy, SciPy and Numba.
-
-    Returns:
-        Name to version: Python first, then the packages.
-    """
+    """Versions of Python, NumPy, SciPy, Numba and these packages, by name in this order."""
     import platform
     from importlib.metadata import version
 

@@ -21,11 +21,7 @@ _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")
 
 
 def refuse_address(path: str | os.PathLike[str]) -> None:
-    """Refuse an address where a file or folder of this machine is meant.
-
-    Raises:
-        ValueError: it begins as file:///x, memory://x or s3://x do.
-    """
+    """Raise ValueError for an address, as file:///x or s3://x, where a file of here is meant."""
     if _ADDRESS.match(os.fspath(path)):
         raise InputError(
             f"{printable(os.fspath(path))}: is an address, and results go into files of this "
@@ -36,13 +32,12 @@ def refuse_address(path: str | os.PathLike[str]) -> None:
 def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
     """Write a file whole or not at all: a new name beside it, synced, then renamed over it.
 
-    Args:
-        path: where to; a link is followed, an existing file keeps its permissions.
-        data: bytes, or text that is written as UTF-8 with the line ends it has.
+    A link is followed, and an existing file keeps its permissions; text is written as UTF-8 with
+    the line ends it has.
 
     Raises:
-        OSError: the folder is missing or cannot be written, or the disk is full; it names
-            `path`, and nothing has changed then.
+        OSError: the folder is missing or cannot be written, or the disk is full; it names `path`,
+            and nothing has changed then.
         ValueError: `path` is an address.
     """
     refuse_address(path)
