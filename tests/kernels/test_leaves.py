@@ -16,7 +16,7 @@ from facts import refuses
 from stepwell.kernels import entry, fingerprint, kernel, leaf, record
 from stepwell.kernels.machine import machine
 
-LEAVES = sorted(fingerprint._LEAVES, key=lambda one: f"{one.__module__}.{one.__qualname__}")
+LEAVES = sorted(fingerprint.LEAVES, key=lambda one: f"{one.__module__}.{one.__qualname__}")
 MAKERS = {
     "empty", "zeros", "ones", "full", "copy", "sort", "argsort", "flatnonzero", "array", "arange",
     "concatenate", "where", "cumsum", "unique", "empty_like", "zeros_like",
@@ -65,13 +65,13 @@ def is_of_numbers(kind: Any) -> bool:
 def test_no_kernel_that_counts_references_takes_arrays_from_a_leaf():
     # It would give back what was never counted, and the arrays would be freed while they are used:
     # that ended a process in "malloc(): unaligned tcache chunk detected".
-    counted = fingerprint._KERNELS - fingerprint._LEAVES
+    counted = fingerprint._KERNELS - fingerprint.LEAVES
     taken = [
         (one.__qualname__, inner.__qualname__)
         for one in counted
         if one.__module__.startswith("stepwell.")
         for name in fingerprint.names_of(one.__code__) & one.__globals__.keys()
-        if (inner := fingerprint.kernel_of(one.__globals__[name])) in fingerprint._LEAVES
+        if (inner := fingerprint.kernel_of(one.__globals__[name])) in fingerprint.LEAVES
         and not is_of_numbers(get_type_hints(inner)["return"])
     ]
     assert taken == []
@@ -109,7 +109,7 @@ def test_only_an_entry_is_called_from_python_for_the_others_take_none_of_its_val
 
 def test_whether_python_calls_a_kernel_is_in_its_fingerprint(monkeypatch):
     before = fingerprint.fingerprint(handed_on)
-    monkeypatch.setattr(fingerprint, "_CALLED", set())
+    monkeypatch.setattr(fingerprint, "CALLED", set())
     assert fingerprint.fingerprint(handed_on) != before
 
 
@@ -121,7 +121,7 @@ def test_a_leaf_that_makes_an_array_is_not_compiled():
 
 def test_whether_a_kernel_is_a_leaf_is_in_its_fingerprint(monkeypatch):
     before = fingerprint.fingerprint(handed_on)
-    monkeypatch.setattr(fingerprint, "_LEAVES", set())
+    monkeypatch.setattr(fingerprint, "LEAVES", set())
     assert fingerprint.fingerprint(handed_on) != before
 
 
@@ -218,7 +218,7 @@ def test_a_kernel_that_counts_references_makes_no_record():
         machine(made_while_counting)
     makers = [
         one.__qualname__
-        for one in fingerprint._KERNELS - fingerprint._LEAVES
+        for one in fingerprint._KERNELS - fingerprint.LEAVES
         if one.__module__.startswith("stepwell.")
         for name in fingerprint.names_of(one.__code__) & one.__globals__.keys()
         if fingerprint.is_record(one.__globals__[name])

@@ -7,12 +7,12 @@ import sys
 from collections.abc import Callable
 from time import monotonic, thread_time
 from types import FunctionType
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numpy as np
 
 from stepwell.base import SettingError
-from stepwell.kernels.fingerprint import called, kernel_of, stem
+from stepwell.kernels.fingerprint import called, stem
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -50,18 +50,18 @@ class Entry(Generic[P, R]):
 
     def __init__(self, function: Callable[P, R], seconds: float, of: tuple[str, ...]) -> None:
         functools.update_wrapper(self, function)
-        self.function = called(function)
-        names = _function(self).__code__.co_varnames
+        self.function, self._kernel = called(function), cast(FunctionType, function)
+        names = self._kernel.__code__.co_varnames
         self._seconds = seconds
         self._sized = [(names.index(a), b) for a, _, b in (name.partition(".") for name in of)]
         self._spent = 0.0
         self._machine: Callable[P, R] | None = None
         self._looked = self._asked = -np.inf
-        self._tries = 3
-        self._ready = False
+        self._tries, self._ready = 3, False
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """What the function says of these numbers and arrays."""
+        global _interpreted_for
         if self._machine is not None:
             return self._machine(*args, **kwargs)
         if self._pays(*args):
@@ -72,7 +72,9 @@ class Entry(Generic[P, R]):
             with np.errstate(all="ignore"):
                 return _plain(self.function(*args, **kwargs))
         finally:
-            self._count(thread_time() - begun)
+            seconds = thread_time() - begun
+            self._spent += seconds
+            _interpreted_for += seconds
 
     @property
     def interpreted(self) -> bool:
@@ -84,15 +86,15 @@ class Entry(Generic[P, R]):
         if self._machine is None:
             from stepwell.kernels.machine import machine
 
-            self._machine = made = machine(_function(self))
+            self._machine = made = machine(self._kernel)
             return made
         return self._machine
 
     def block(self, size: int, *args: Any) -> int:
         """How many of `size` things to take at a time where these arguments go in block by block.
 
-        All of them where it is machine code, or becomes it because the whole is worth it; a
-        fortieth where it is interpreted, which takes turns and has to hear Ctrl-C.
+        All of them where it is machine code or becomes it; a fortieth where it is interpreted,
+        which takes turns and has to hear Ctrl-C.
         """
         if self._machine is None and self._pays(*args):
             self.compiled()
@@ -104,7 +106,7 @@ class Entry(Generic[P, R]):
             from stepwell.kernels import store
 
             self._looked = monotonic()
-            self._ready = store.holds(stem(_function(self)))
+            self._ready = store.holds(stem(self._kernel))
         return self._ready
 
     def ask_for_machine_code(self, *args: Any) -> None:
@@ -115,13 +117,7 @@ class Entry(Generic[P, R]):
             return
         self._asked = monotonic()
         kinds = pickle.dumps(tuple(_example(value) for value in args))
-        self._tries -= _compiler.begin(_function(self), kinds)
-
-    def _count(self, seconds: float) -> None:
-        """Add to how long it has been interpreted."""
-        global _interpreted_for
-        self._spent += seconds
-        _interpreted_for += seconds
+        self._tries -= _compiler.begin(self._kernel, kinds)
 
     def _pays(self, *args: Any) -> bool:
         wanted = _wanted()
@@ -159,18 +155,11 @@ def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P,
     asks for machine code to be made in the background after a second. Interpreted and compiled,
     it gives the same bits.
 
-    Args:
-        seconds: how long the interpreter takes for each element of the arrays named [s], where
-            one call can be long; a call of more than a few seconds waits for the compiler.
-        of: arguments, or fields of them as in "laws.lever"; the product of their sizes counts.
+    `seconds` is how long the interpreter takes for each element of the arrays `of`: arguments, or
+    fields of them as in "laws.lever", whose sizes are multiplied. A call of more than a few seconds
+    waits for the compiler.
     """
     return lambda function: Entry(function, seconds, of)
-
-
-def _function(value: Any) -> FunctionType:
-    function = kernel_of(value)
-    assert function is not None
-    return function
 
 
 def _plain(result: Any) -> Any:
@@ -186,7 +175,6 @@ def _plain(result: Any) -> Any:
 
 
 def _example(value: Any) -> Any:
-    """A small value of the same kind."""
     if isinstance(value, np.ndarray):
         return np.empty((0,) * value.ndim, value.dtype)
     if isinstance(value, tuple):

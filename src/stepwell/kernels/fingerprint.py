@@ -16,8 +16,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R", bound=type)
 
 _KERNELS: set[FunctionType] = set()
-_LEAVES: set[FunctionType] = set()
-_CALLED: set[FunctionType] = set()
+LEAVES: set[FunctionType] = set()
+CALLED: set[FunctionType] = set()
 _RECORDS: set[type] = set()
 
 
@@ -34,22 +34,22 @@ def leaf(function: F) -> F:
     an atomic operation each, which is more than the arithmetic of a few cells. What makes no
     array owns none, so it need not count.
     """
-    _LEAVES.add(cast(FunctionType, function))
+    LEAVES.add(cast(FunctionType, function))
     return kernel(function)
 
 
 def called(function: F) -> F:
     """Mark a kernel that Python calls: its machine code takes Python's values too."""
-    _CALLED.add(cast(FunctionType, function))
+    CALLED.add(cast(FunctionType, function))
     return kernel(function)
 
 
 def record(kind: R) -> R:
     """Mark a named tuple that kernels are handed by its place in memory; it stays as it is.
 
-    Machine code passes an array as seven numbers or more, so that a chain of some thirty arrays was
-    three hundred numbers, copied at every call. A leaf may make such a record for those that it
-    calls, but not return one: it ends with the leaf that made it.
+    Machine code passes an array as seven numbers or more, so that a chain of some 30 arrays was 300
+    numbers, copied at every call. A leaf may make such a record for those that it calls, but not
+    return one: it ends with the leaf that made it.
     """
     _RECORDS.add(kind)
     return kind
@@ -58,16 +58,6 @@ def record(kind: R) -> R:
 def is_record(kind: Any) -> bool:
     """Whether a class is marked as a record."""
     return isinstance(kind, type) and kind in _RECORDS
-
-
-def is_leaf(function: FunctionType) -> bool:
-    """Whether a kernel is marked as one that makes no array."""
-    return function in _LEAVES
-
-
-def is_called(function: FunctionType) -> bool:
-    """Whether a kernel is marked as one that Python calls."""
-    return function in _CALLED
 
 
 def kernel_of(value: Any) -> FunctionType | None:
@@ -91,9 +81,7 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
     Its byte code and constants, those of every kernel that it calls, the values of the globals
     that they read, and the versions of Python, Numba and NumPy and the kind of processor. No
     times and no places: the same formulas have the same fingerprint wherever they are installed.
-
-    Raises:
-        TypeError: it uses something that is neither a kernel nor a constant.
+    Anything that is neither a kernel nor a constant raises TypeError.
     """
     known = {} if known is None else known
     if function not in known:
@@ -102,7 +90,7 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
         # The machine code names the modules of what it was made from.
         parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
         parts += [_code(function.__code__), repr(function.__defaults__)]
-        parts.append(f"{is_leaf(function)} {is_called(function)}")
+        parts.append(f"{function in LEAVES} {function in CALLED}")
         for name in sorted(names & function.__globals__.keys()):
             parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
         known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]

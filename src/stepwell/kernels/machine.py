@@ -11,18 +11,14 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from stepwell.kernels import compiler, reference, store
-from stepwell.kernels.fingerprint import is_called, is_leaf, is_record, kernel_of, names_of, stem
+from stepwell.kernels.fingerprint import CALLED, LEAVES, is_record, kernel_of, names_of, stem
 
 _MADE: dict[FunctionType, Any] = {}
 
 
 def machine(function: FunctionType) -> Any:
-    """Numba's dispatcher of a kernel that Python calls.
-
-    Raises:
-        TypeError: the kernel is not an entry, so that its machine code takes no values of Python.
-    """
-    if not is_called(function):
+    """Numba's dispatcher of a kernel that Python calls; only an entry's code takes its values."""
+    if function not in CALLED:
         raise TypeError(f"{function.__qualname__} is not an entry: only other kernels can call it.")
     return _dispatcher(function)
 
@@ -35,7 +31,7 @@ def _dispatcher(function: FunctionType) -> Any:
         for name in names:
             value = function.__globals__[name]
             inner = kernel_of(value)
-            if is_record(value) and not is_leaf(function):
+            if is_record(value) and function not in LEAVES:
                 raise TypeError(
                     f"{function.__qualname__} makes the record {name}, which only a leaf may: the "
                     f"arrays of a kernel that counts references may be gone before the record is."
@@ -49,10 +45,9 @@ def _dispatcher(function: FunctionType) -> Any:
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
         # What takes and gives values of Python and of C is compiled only where it is used: for all
         # kernels it would take more than half as long as the rest.
-        options["no_cpython_wrapper"] = not is_called(function)
-        options["no_cfunc_wrapper"] = True
+        options |= {"no_cpython_wrapper": function not in CALLED, "no_cfunc_wrapper": True}
         # An option that Numba does not list: whether references are counted.
-        options["_nrt"] = not is_leaf(function)
+        options["_nrt"] = function not in LEAVES
         dispatcher: Any = numba.njit(**options)(bound)
         if hasattr(dispatcher, "_cache"):  # not where Numba itself is switched off
             dispatcher._cache = _Kept(function)
@@ -94,11 +89,7 @@ class _Kept:
     def enable(self) -> None:
         pass
 
-    def disable(self) -> None:
-        pass
-
-    def flush(self) -> None:
-        pass
+    disable = flush = enable
 
 
 def _kinds(sig: Any) -> tuple[Any, ...]:

@@ -67,13 +67,9 @@ def folder() -> Path | None:
 
 
 class Kept(NamedTuple):
-    """What is kept of compiled kernels, and where.
+    """What is kept of compiled kernels [bytes], of this version or an earlier one, and where.
 
-    Attributes:
-        folder: where they are, or would be if it could be written.
-        writable: whether new ones can be kept there.
-        compiled: kernels of which there is machine code, of this version or an earlier one.
-        size: of all files [bytes].
+    The folder is where they would be if it is not `writable`.
     """
 
     folder: Path
@@ -96,7 +92,7 @@ def _wanted() -> Path:
 
 
 def holds(name: str) -> bool:
-    """Whether there is a file of this kernel, for whatever kind of arguments."""
+    """Whether there is a file of this kernel, for any kind of arguments."""
     place = folder()
     return place is not None and any(place.glob(f"{name}-*.kernel"))
 

@@ -29,11 +29,8 @@ def beside(
 ) -> R:
     """What run() returns, from a thread of its own.
 
-    Args:
-        run: the work.
-        stop: makes the work end soon; called where this thread is interrupted, which then waits
-            for that end.
-        look: called ten times a second; what it raises stops the work.
+    `stop` makes it end soon, and is called where this thread is interrupted, which waits for that
+    end. `look` is called ten times a second; what it raises stops the work too.
     """
     with ThreadPoolExecutor(1) as pool:
         running = pool.submit(run)
@@ -50,16 +47,11 @@ def in_blocks(
     size: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Call run(begin, end) for stretches that cover 0..count, on all cores.
+    """Call run(begin, end) for stretches that cover 0..count, in any order, on all cores.
 
-    Compiled kernels work side by side; interpreted ones take turns.
-
-    Args:
-        run: works on the stretch from `begin` to before `end`; stretches run in any order.
-        count: how many there are.
-        size: how many one call takes at most; Ctrl-C waits for the calls that have begun. Less
-            than a sixteenth of that is not worth a thread.
-        progress: called now and then with (done, count).
+    Compiled kernels work side by side; interpreted ones take turns. One call takes at most `size`:
+    Ctrl-C waits for the calls that have begun. Less than a sixteenth of that is not worth a thread.
+    `progress` is called now and then with (done, count).
     """
     # The first one runs here: what has to be compiled is compiled once, where Ctrl-C is heard. The
     # other cores wait for it, so it is the shortest.
@@ -94,12 +86,9 @@ def _result(running: Future[R], look: Callable[[], object] = lambda: None) -> R:
 
 Ints = NDArray[np.int64]
 
-
-# What the present stroke has cost; how much it may cost at most. Whoever lowers the second while
-# a run goes on, from another thread, stops it.
+# What the present stroke has cost; how much it may cost at most. Lowering the second from another
+# thread stops a run.
 SPENT, MOST = 0, 1
-
-
 UNLIMITED = int(np.iinfo(np.int64).max)
 
 
