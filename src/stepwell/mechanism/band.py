@@ -49,8 +49,7 @@ class Cubic(ByValue):
     a3: float
 
     def __post_init__(self):
-        object.__setattr__(self, "a2", check.finite("a2", self.a2, "1/m"))
-        object.__setattr__(self, "a3", check.finite("a3", self.a3, "1/m²"))
+        check.fields(self, check.finite, a2="1/m", a3="1/m²")
 
     def pieces(self) -> Floats:
         """The shape φ(e) = e + a2 e² + a3 e³ as one cubic piece, (1, 6) float."""
@@ -69,8 +68,7 @@ class Table(ByValue):
         shape: (n,) φ at those extensions [m], the first one 0; tension divided by stiffness.
 
     Raises:
-        ValueError: extensions that do not rise, other than 0 first, a band that pushes, or
-            unequal lengths.
+        ValueError: extensions that do not rise from 0, a band that pushes, or unequal lengths.
     """
 
     extension: tuple[float, ...]
@@ -136,8 +134,7 @@ def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
     cubic = PchipInterpolator(np.array(x), np.array(y)).c[::-1].T
     end = cubic[-1] @ (np.array([0.0, 1.0, 2.0, 3.0]) * (x[-1] - x[-2]) ** np.array([0, 0, 1, 2]))
     rows = np.zeros((len(x), COLUMNS))
-    rows[:, 0] = x
-    rows[:-1, 1:5] = cubic
+    rows[:, 0], rows[:-1, 1:5] = x, cubic
     rows[-1, 1:3] = y[-1], end
     return with_integrals(rows)
 
@@ -145,10 +142,8 @@ def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
 @lru_cache(maxsize=256)
 def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
     rows = np.zeros((len(x) + 1, COLUMNS))
-    rows[0, 0] = min(x[0], 0.0) - 1.0
-    rows[0, 1] = y[0]
-    rows[1:, 0] = x
-    rows[1:, 1] = y
+    rows[0, :2] = min(x[0], 0.0) - 1.0, y[0]
+    rows[1:, 0], rows[1:, 1] = x, y
     rows[1:-1, 2] = np.diff(y) / np.diff(x)
     rows = with_integrals(rows)
     rows[:, 5] -= integral(rows, np.zeros(1))[0]
@@ -185,12 +180,9 @@ class Band(ByValue):
     two_sided: bool = False
 
     def __post_init__(self):
-        object.__setattr__(self, "p", check.vector("p", self.p))
-        object.__setattr__(self, "q", check.vector("q", self.q))
-        object.__setattr__(self, "stiffness", check.positive("stiffness", self.stiffness, "N/m"))
-        object.__setattr__(
-            self, "rest_length", check.not_negative("rest_length", self.rest_length, "m")
-        )
+        check.fields(self, check.vector, p="m", q="m")
+        check.fields(self, check.positive, stiffness="N/m")
+        check.fields(self, check.not_negative, rest_length="m")
         if self.two_sided and isinstance(self.law, Table):
             raise InputError(
                 "two_sided = True with a Table: a table says nothing of compression; use Linear "

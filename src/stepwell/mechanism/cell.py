@@ -37,11 +37,11 @@ class Cell(ByValue, Drawn):
         friction: Coulomb friction against travel [N], >= 0.
         name: what messages and figures call the cell.
         unusual: True where sizes far off the lever are meant. Else they are taken for a slip of
-            unit (theory page, "Slips of unit"), here and wherever a number meets the cell.
+            unit (theory page, "Slips of unit"), here and wherever a number meets the cell, but not
+            again in what `dataclasses.replace` derives from a cell.
         mobility: how fast it moves for a given force, beside the other cells, > 0; where three
             or more snap together it has a say in where they land.
 
-    What is derived from a cell by `dataclasses.replace` is not asked again.
 
     Raises:
         ValueError: a value out of its range, a band whose two ends meet on the way, or a size
@@ -68,9 +68,8 @@ class Cell(ByValue, Drawn):
                 raise InputError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
             require("bands", len(bands), "the cell has")
             object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
-        object.__setattr__(self, "lever", check.positive("lever", self.lever, "m"))
-        object.__setattr__(self, "limit", check.positive("limit", self.limit, "rad"))
-        object.__setattr__(self, "friction", check.not_negative("friction", self.friction, "N"))
+        check.fields(self, check.positive, lever="m", limit="rad")
+        check.fields(self, check.not_negative, friction="N")
         object.__setattr__(self, "mobility", a_mobility(self.mobility))
         _refuse_limit(self.limit)
         if not (self.unusual or self._asked):
@@ -107,18 +106,15 @@ class Cell(ByValue, Drawn):
         if not self.unusual:
             # Beside those there are: what has gone far already may go on.
             own = max([self.lever, *(math.hypot(*a) for b in self.bands for a in (b.p, b.q))])
-            far = [
-                slip
-                for name, anchor in (("p", p), ("q", q))
-                if anchor is not None
-                for slip in sizes.far(name, check.vector(name, anchor), own)
-            ]
+            given = ((name, at) for name, at in (("p", p), ("q", q)) if at is not None)
+            found = (sizes.far(name, check.vector(name, at), own) for name, at in given)
+            far = tuple(slip for slips in found for slip in slips)
             if far:
-                raise sizes.SlipError(tuple(far), _WAY)
-        moved = tuple(
+                raise sizes.SlipError(far, _WAY)
+        bands = [
             replace(b, p=b.p if p is None else p, q=b.q if q is None else q) for b in self.bands
-        )
-        return replace(self, band=moved)
+        ]
+        return replace(self, band=bands)
 
     def travel(self, theta: ArrayLike) -> Floats:
         """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape.
@@ -129,11 +125,7 @@ class Cell(ByValue, Drawn):
         return geometry.travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
     def angle(self, travel: ArrayLike) -> Floats:
-        """Lever angle θ [rad] at travels s [m] of any shape.
-
-        Raises:
-            ValueError: a travel outside 0..`full_travel`.
-        """
+        """Lever angle θ [rad] at travels s [m] of any shape; ValueError past a stop."""
         travel = np.asarray(travel, float)
         slip = 1e-9 * self.full_travel
         if np.any(~((travel >= -slip) & (travel <= self.full_travel + slip))):
@@ -189,11 +181,7 @@ class Cell(ByValue, Drawn):
         return self.force(self.angle(travel))
 
     def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
-        """Energy [J] of bands and load at travels s [m] of any shape; a cell has one sheet.
-
-        Raises:
-            ValueError: a travel outside 0..`full_travel`.
-        """
+        """Energy [J] of bands and load at travels s [m]; all else as for `force_at`."""
         return self.energy(self.angle(travel))
 
     @property
@@ -296,11 +284,8 @@ def _refuse_limit(limit: float) -> None:
     if least * (1 - 1e-12) <= limit <= most * (1 + 1e-12):
         return
     meant = math.radians(limit)
-    probably = (
-        f" Did you mean {meant:.6g} rad ({limit:.6g}°)?"
-        if sizes.LEAST_LIMIT <= meant <= most
-        else ""
-    )
+    likely = sizes.LEAST_LIMIT <= meant <= most
+    probably = f" Did you mean {meant:.6g} rad ({limit:.6g}°)?" if likely else ""
     raise InputError(
         f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
         f"are in rad): below there is no travel to speak of, above the force at the stops is "
