@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import stepwell as sw
-from stepwell.mechanism.law import pack
+from stepwell.mechanism.law import packed
 from stepwell.statics import SegmentKind
 
 # How many tables, points in each, and what is wanted of a cycle.
@@ -152,7 +152,7 @@ def timed(chain: sw.Chain, times: int) -> float:
 def gathering(chain: sw.Chain) -> float:
     """Processor time of reading all numbers of the cells into arrays [s]."""
     start = time.process_time()
-    pack(chain.cells)
+    packed(chain.cells)[0]
     return time.process_time() - start
 
 

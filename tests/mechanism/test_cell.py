@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.mechanism.law import pack
+from stepwell.mechanism.law import packed
 
 CELL = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 KR = 28.5 * CELL.lever
@@ -62,7 +62,7 @@ def test_travel_and_angle_are_inverse_and_meet_the_stops():
 
 def test_what_the_engine_reads_has_the_travels_of_the_cells_to_the_last_digit():
     cells = [replace(CELL, limit=limit) for limit in np.linspace(0.2, 1.5, 200).tolist()]
-    assert pack(cells).full.tolist() == [cell.full_travel for cell in cells]
+    assert packed(cells)[0].full.tolist() == [cell.full_travel for cell in cells]
 
 
 def test_a_slack_band_carries_nothing_and_a_two_sided_one_pushes():

@@ -44,10 +44,10 @@ def test_the_engine_follows_cells_whose_bands_have_no_length_on_the_way(theta, l
 
 
 def test_slopes_stay_those_of_the_force_next_to_where_the_ends_meet():
-    from stepwell.mechanism.law import law, pack
+    from stepwell.mechanism.law import law, packed
 
     cell = meeting(math.pi / 4)
-    laws, row = pack([cell]), np.array([0, -1])
+    laws, row = packed([cell])[0], np.array([0, -1])
     for before in (0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3):
         travel = cell.full_travel - before
         sin = travel / R - cell.sin_limit

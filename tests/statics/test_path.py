@@ -10,7 +10,7 @@ import stepwell as sw
 from chains import concave_chain
 from facts import refuses, says
 from sizes import examples
-from stepwell.mechanism.law import pack
+from stepwell.mechanism.law import packed
 from stepwell.statics import Cause, EventKind, run
 from stepwell.statics.sorted_cycle import sorted_cycle
 
@@ -169,7 +169,7 @@ def test_results_cannot_be_changed_by_accident():
 def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
     x = np.random.default_rng(cells).permutation(np.linspace(0.010, 0.030, cells))
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])
-    assert sorted_cycle(pack(chain.cells)) is not None
+    assert sorted_cycle(packed(chain.cells)[0]) is not None
     fast = chain.cycle()
     monkeypatch.setattr(run.sorted_cycle, "WORTH_SORTING", 10**9)
     slow = chain.cycle()
@@ -184,7 +184,7 @@ def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
 
 def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():
     chain = concave_chain(np.random.default_rng(1), 24)
-    assert sorted_cycle(pack(chain.cells)) is None
+    assert sorted_cycle(packed(chain.cells)[0]) is None
     cycle = chain.cycle()
     assert list(cycle.loading_order) == list(np.argsort([c.force_0 for c in chain.levers]))
 

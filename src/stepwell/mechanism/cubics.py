@@ -79,20 +79,15 @@ def through(x: Floats, y: Floats) -> Floats:
     """(n - 1, 6) rows of the monotone cubics through n points (Fritsch & Butland 1984)."""
     from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
 
-    return _of_coefficients(x, PchipInterpolator(x, y).c)
+    rows = np.zeros((len(x) - 1, COLUMNS))
+    rows[:, 0], rows[:, 1:5] = x[:-1], PchipInterpolator(x, y).c[::-1].T
+    return with_integrals(rows)
 
 
 def along(force: Force, low: float, high: float, accuracy: float, kinks: Sequence[float]) -> Floats:
     """Rows of a law, cubic between points that are added until it is met within `accuracy`.
 
-    Args:
-        force: [N] by an array of travels [m].
-        low, high: between which travels [m].
-        accuracy: as a share of the largest force.
-        kinks: travels where the slope jumps [m].
-
-    Raises:
-        ValueError: a law that gives no finite numbers, or that bends too sharply.
+    That is a share of the largest force; `kinks` are travels where the slope jumps [m].
     """
     # At no travel the curve is the law itself, so that what rests there rests there.
     ends = np.unique([low, *(k for k in (0.0, *kinks) if low < k < high), high])
@@ -110,10 +105,7 @@ def end_of(rows: Floats, end: float) -> tuple[float, float, float]:
 
 
 def monotone(rows: Floats, end: float) -> Floats:
-    """The same curve cut wherever its force or its stiffness turns.
-
-    On every row that comes out both are monotone, which is all that the engine rests on.
-    """
+    """The same curve cut wherever force or stiffness turns: the engine needs both monotone."""
     least = _NEAR * (end - rows[0, 0])
     ends = np.append(rows[1:, 0], end)
     out: list[Floats] = []
@@ -164,10 +156,8 @@ def _smooth(force: Force, low: float, high: float, error: float) -> Floats:
         y = _asked(force, x)
         rows = _of_slopes(x, y, _slopes(force, x, low, high))
         thirds = x[:-1, None] + np.diff(x)[:, None] * np.array([0.25, 0.5, 0.75])
-        off = np.abs(
-            cubic(thirds - x[:-1, None], *(rows[:, j, None] for j in range(1, 5)))[0]
-            - _asked(force, thirds.ravel()).reshape(thirds.shape)
-        )
+        curve = cubic(thirds - x[:-1, None], *(rows[:, j, None] for j in range(1, 5)))[0]
+        off = np.abs(curve - _asked(force, thirds.ravel()).reshape(thirds.shape))
         rough = np.max(off, axis=1) > error
         if not rough.any():
             return rows
@@ -189,8 +179,7 @@ def _slopes(force: Force, x: Floats, low: float, high: float) -> Floats:
     values = _asked(force, points.ravel()).reshape(points.shape)
     # The quartic through five points, derived where x lies among them.
     t = (x - middle) / h
-    nodes = np.arange(-2.0, 3.0)
-    coefficients = np.linalg.solve(np.vander(nodes), values.T)
+    coefficients = np.linalg.solve(np.vander(np.arange(-2.0, 3.0)), values.T)
     powers = np.stack([4 * t**3, 3 * t**2, 2 * t, np.ones_like(t)])
     return np.sum(coefficients[:4] * powers, axis=0) / h
 
@@ -202,12 +191,6 @@ def _of_slopes(x: Floats, y: Floats, slope: Floats) -> Floats:
     rows[:, 3] = (3 * secant - 2 * slope[:-1] - slope[1:]) / width
     rows[:, 4] = (slope[:-1] + slope[1:] - 2 * secant) / width**2
     return rows
-
-
-def _of_coefficients(x: Floats, c: Floats) -> Floats:
-    rows = np.zeros((len(x) - 1, COLUMNS))
-    rows[:, 0], rows[:, 1:5] = x[:-1], c[::-1].T
-    return with_integrals(rows)
 
 
 def _moved(row: Floats, by: float) -> Floats:

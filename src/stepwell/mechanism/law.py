@@ -277,11 +277,6 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     return energy
 
 
-def pack(cells: Sequence[Cell | Element]) -> Laws:
-    """The laws of the cells, inner first, each on its first sheet."""
-    return packed(cells)[0]
-
-
 def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     """The laws of the cells, inner first, and where they end, each on its first sheet."""
     # A chain may have very many cells: every attribute of them is read once.
@@ -317,18 +312,10 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     if np.isinf(table[:, [LOW, HIGH]]).any():
         reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
         _extend(table, rows, starts, full[cell_of], reach)
-    laws = Laws(
-        lever=lever,
-        sin_limit=sin_limit,
-        full=full,
-        friction=friction,
-        band_first=_starts(own),
-        band=band,
-        two_sided=np.array([b.two_sided for b in flat], int),
-        band_rows=band_rows,
-        load_rows=table[now, ROWS : ROWS_END + 1].astype(int),
-        rows=rows,
-    )
+    two_sided = np.array([b.two_sided for b in flat], int)
+    load_rows = table[now, ROWS : ROWS_END + 1].astype(int)
+    of_bands = _starts(own), band, two_sided, band_rows
+    laws = Laws(lever, sin_limit, full, friction, *of_bands, load_rows, rows)
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
     ends = table[now[:, None], [LOW, HIGH, LOW, HIGH]]
     ends[table[now, BELOW] >= 0, BEFORE] = -np.inf
@@ -337,10 +324,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
 
 
 def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, list[Floats]]:
-    """Of lever cells the counts of bands, all bands, and of each band its numbers and its law.
-
-    The numbers are q - p, stiffness and rest length (bands, 4), the law its rows.
-    """
+    """Counts of bands of cells, all bands, their q - p, k and ℓ0 (bands, 4), and their laws."""
     held = [(cell.band,) if isinstance(cell.band, Band) else cell.band for cell in levers]
     bands = list(flatten.from_iterable(held))
     band = np.empty((len(bands), 4))
@@ -354,9 +338,9 @@ def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, li
 
 
 def _extend(table: Floats, rows: Floats, starts: Ints, full: Floats, reach: float) -> None:
-    """Lead open ends of sheets straight on, as far as any force of the chain can pull them.
+    """Lead open ends of sheets straight on, as far as the largest force, `reach` [N], pulls them.
 
-    `full` is the travel of the cell of each sheet [m], `reach` a force [N].
+    `full` is the travel of the cell of each sheet [m].
     """
     low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
     first, last = starts[:-1][low], starts[1:][high] - 1
@@ -376,7 +360,6 @@ _NO_ROWS = np.empty((0, COLUMNS))
 
 
 def _rows_of(columns: int, values: Sequence[Sequence[float]]) -> Floats:
-    """A table of so many columns, whose rows follow one another in sequences of numbers."""
     return np.fromiter(flatten.from_iterable(values), float).reshape(-1, columns)
 
 

@@ -69,12 +69,7 @@ Stretch = tuple[int, float, float]
 
 
 def phase_at(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> str:
-    """The digit of the phase that holds a place [m], or - in transit between two.
-
-    Args:
-        stretches: where the phases of the cell lie, in their order.
-        sheet, travel: the place.
-    """
+    """The digit of the phase of a cell that holds a place [m], or - in transit between two."""
     for digit, (own, low, high) in enumerate(stretches):
         if own == sheet and low <= travel <= high:
             return str(digit)
@@ -117,13 +112,14 @@ class Sheet(ByValue):
     end: float
     below: int | None = None
     above: int | None = None
-    _after: Floats = field(init=False, repr=False, compare=False)
+    after: Floats = field(init=False, repr=False, compare=False)
+    """(1, 6) the row on which it goes straight on past its high end."""
 
     def __post_init__(self):
         force, slope, energy = end_of(self.rows, self.end)
         after = np.array([[self.end, force, slope, 0.0, 0.0, energy]])
         after.setflags(write=False)
-        object.__setattr__(self, "_after", after)
+        object.__setattr__(self, "after", after)
 
     @classmethod
     def of(
@@ -139,11 +135,6 @@ class Sheet(ByValue):
         """Travel where it begins [m]."""
         return float(self.rows[0, 0])
 
-    @property
-    def after(self) -> Floats:
-        """(1, 6) the row on which it goes straight on past its high end."""
-        return self._after
-
     def scaled(self, force: float, travel: float) -> "Sheet":
         """The same sheet with all forces and all travels times a number."""
         if force == travel == 1.0 and not self.rows.flags.writeable:
@@ -154,12 +145,7 @@ class Sheet(ByValue):
         return Sheet(rows, self.end * travel, self.below, self.above)
 
     def extended(self, goes_on: tuple[bool, bool], force: float) -> Floats:
-        """Its rows, with those on which it goes straight on at its low and at its high end.
-
-        Args:
-            goes_on: at which ends it does.
-            force: at which the first row begins [N]; the last one has no end.
-        """
+        """Its rows, and those that go straight on at its low end, from a force [N], and high end."""
         low, high = goes_on
         first = [before(self.rows[:1], force)] if low else []
         return np.concatenate([*first, self.rows, *[self.after] * high])

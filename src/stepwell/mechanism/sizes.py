@@ -34,14 +34,11 @@ Size = float | tuple[float, ...]
 
 
 class Slip(NamedTuple):
-    """A size that is far off.
+    """A size that is far off, and what was probably meant, both in SI; `why` says beside what.
 
     Attributes:
         name: the field that holds it; "tension" is the largest of a table, "extension" its last.
-        value: what came, in SI.
-        meant: what was probably meant, in SI; None where no slip explains it.
-        unit: of both.
-        why: what it was compared with.
+        meant: None where no slip explains it.
         band: which band of the cell, from 0; None where it is none of theirs.
     """
 
@@ -61,16 +58,10 @@ class Slip(NamedTuple):
 
 
 class SlipError(InputError):
-    """A size that is far off the mechanism's own.
-
-    Args:
-        slips: one or more.
-        way: how the odd true case is told.
-    """
+    """Sizes that are far off the mechanism's own, and the way to allow a rare true case."""
 
     def __init__(self, slips: tuple[Slip, ...], way: str):
-        self.slips = slips
-        self.way = way
+        self.slips, self.way = slips, way
         super().__init__("\n".join([*map(str, slips[:-1]), f"{slips[-1]} {way}".rstrip()]))
 
 
