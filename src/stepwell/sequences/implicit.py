@@ -17,7 +17,7 @@ from stepwell.sequences.fields import Travels
 from stepwell.sequences.nodes import Node, States, Transition, TransitionKind
 
 
-class ByBranches:
+class _ByBranches:
     """Nodes and the ways between them; each branch is followed once and remembered."""
 
     method = "every branch that was asked for followed to both ends by the engine"
@@ -33,30 +33,27 @@ class ByBranches:
 
     @property
     def ties(self) -> tuple[statics.Tie, ...]:
-        """Those on the branches that were followed."""
         return tuple(self._branches.ties)
 
     @cached_property
     def standing(self) -> int:
-        """How many states stand with every cell in a phase, at one force."""
         windows = [[(p.force_low, p.force_high) for p in cell] for cell in self.chain.phases]
         return concave.standing_states(concave.levels(windows, 0.0))
 
     @cached_property
     def reached(self) -> int | None:
-        """How many of these are reached from the first one, where one cycle proves it."""
         fields = concave.relays(self.chain)
         if fields is None or not fields.equal or not math.isinf(self.chain.actuator_stiffness):
             return None
-        return _ideals(fields) if passages.order_kept(self.chain, fields).only_ideals else None
+        if not passages.order_kept(self.chain, fields).only_ideals:
+            return None
+        return _counted(concave.ideals, concave.levels(fields.windows, fields.slip))
 
     def node(self, label: str) -> Node:
-        """The node of that label."""
         number, k = self._find(label)
         return transition_graph.node_of(label, self._branches[number].sections[k], number)
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the drive leads from a node."""
         way = transition_graph.way_on(self._branches, *self._find(label), direction)
         return None if way is None else (self._label(way[0]), way[1])
 
@@ -86,16 +83,12 @@ class ByBranches:
         return self._labels[section]
 
 
-def _ideals(fields: concave.Relays) -> int | None:
-    return _counted(concave.ideals, concave.levels(fields.windows, fields.slip))
-
-
 def _counted(count: Callable[[Any], int], levels: Any) -> int | None:
     known = concave.switches(levels)
     return None if known is None else count(known)
 
 
-class ByFields:
+class _ByFields:
     """Windows of states and ways between them; every vertex is a branch of its own.
 
     Cells whose fields tie leave together: each goes its own way at the same force.
@@ -108,40 +101,33 @@ class ByFields:
         self.chain = chain
         self._windows = fields.windows
         self._levels = concave.levels(self._windows, fields.slip)
-        self._ways = {
-            way: [concave.landings(cell, way) for cell in self._levels] for way in (+1, -1)
-        }
+        self._ways = {way: [concave.landings(c, way) for c in self._levels] for way in (+1, -1)}
         self._travels = Travels(chain)
         self._ends = Branches(chain).range
         self._states = States([len(cell) for cell in self._windows])
 
     @cached_property
     def standing(self) -> int:
-        """How many states stand at some force."""
         return concave.standing_states(self._levels)
 
-    @cached_property
+    @property
     def transitions(self) -> int:
-        """How many: one up from every state but the last, one down from every one but the first."""
+        # One up from every state but the last, one down from every one but the first.
         return 2 * self.standing - 2
 
     @cached_property
     def gardens(self) -> int:
-        """How many states no other leads to."""
         return concave.garden_states(self._levels)
 
     @cached_property
     def reached(self) -> int | None:
-        """How many states are reached from the first one; None where a cell passes a phase by."""
         return _counted(concave.ideals, self._levels)
 
     @cached_property
     def sub_loops(self) -> int | None:
-        """How many sub-loops are reached from the first state; None likewise."""
         return _counted(concave.sub_loops, self._levels)
 
     def node(self, label: str) -> Node:
-        """The state as a node."""
         phases = self._phases(label)
         own = [cell[k] for cell, k in zip(self._windows, phases, strict=True)]
         low = max(max(low for low, _ in own), self._ends[0])
@@ -152,12 +138,10 @@ class ByFields:
         return Node(label, label, low, high, low, high, begin, end, number)
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the force leads from a state."""
         phases = self._phases(label)
-        end = 1 if direction > 0 else 0
+        end, least = (1, min) if direction > 0 else (0, max)
         ends = [cell[k][end] for cell, k in zip(self._levels, phases, strict=True)]
-        first = min(ends) if direction > 0 else max(ends)
-        ways = self._ways[direction]
+        first, ways = least(ends), self._ways[direction]
         leave = tuple(i for i, at in enumerate(ends) if at == first and phases[i] in ways[i])
         if not leave:
             return None
@@ -166,9 +150,8 @@ class ByFields:
         for i, force in zip(leave, drives, strict=True):
             after[i] = ways[i][phases[i]]
             heat.append(self._travels.heat((i, phases[i], after[i]), force))
-        drive = min(drives) if direction > 0 else max(drives)
-        snap = Transition(TransitionKind.SNAP, direction, drive, leave, math.fsum(heat))
-        return "".join(map(str, after)), snap
+        snap = TransitionKind.SNAP, direction, least(drives), leave, math.fsum(heat)
+        return "".join(map(str, after)), Transition(*snap)
 
     def _phases(self, label: str) -> tuple[int, ...]:
         # What checks a state for messages looks at every curve of the chain.
@@ -240,11 +223,11 @@ class ImplicitGraph(ByValue):
         refuse_friction(self.chain)
 
     @cached_property
-    def _ways(self) -> ByFields | ByBranches:
+    def _ways(self) -> _ByFields | _ByBranches:
         # Under a force fields may tie: no cell feels which of two goes first.
         by_force = self.chain.actuator_stiffness == 0
         fields = concave.relays(self.chain, ties=True) if by_force else None
-        return ByBranches(self.chain) if fields is None else ByFields(self.chain, fields)
+        return _ByBranches(self.chain) if fields is None else _ByFields(self.chain, fields)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -282,7 +265,7 @@ class ImplicitGraph(ByValue):
     @property
     def by_fields(self) -> bool:
         """Whether the order of fields tells all; if not, the engine follows branches."""
-        return isinstance(self._ways, ByFields)
+        return isinstance(self._ways, _ByFields)
 
     @property
     def is_listable(self) -> bool:
