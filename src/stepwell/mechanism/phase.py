@@ -145,7 +145,7 @@ class Sheet(ByValue):
         return Sheet(rows, self.end * travel, self.below, self.above)
 
     def extended(self, goes_on: tuple[bool, bool], force: float) -> Floats:
-        """Its rows, and straight ones past its low end, from a force [N] on, and past its high end."""
+        """Its rows, with straight ones past its low end, from a force [N] on, and its high end."""
         low, high = goes_on
         first = [before(self.rows[:1], force)] if low else []
         return np.concatenate([*first, self.rows, *[self.after] * high])

@@ -30,14 +30,12 @@ Numbers = NDArray[np.signedinteger[Any]]
 class TransitionGraph(ByValue, Drawn):
     """Where a chain can stand, and how it gets from there to elsewhere.
 
-    Its nodes go by labels: a state such as "010" with every cell in a phase, or one such as "0-1"
-    with cells in transit; it iterates over them. `graph.node(label)` is a Node,
-    `graph.transition(label, direction)` the way that the drive's rise or fall leads from it. Both
-    are made from arrays when they are asked for. `graph.networkx` is the same as a graph of
-    networkx, for whatever that package knows of graphs.
-
-    Every node has one way up and one way down, except where the drive ends. Its branches are
-    what the engine followed, so the graph is exact for any cells without friction.
+    It iterates over the labels of its nodes: a state such as "010" with every cell in a phase, or
+    one such as "0-1" with cells in transit. `graph.node(label)` is a Node, and
+    `graph.transition(label, direction)` the way on which the drive's rise or fall leads from it,
+    both made from arrays when they are asked for. Every node has one way up and one way down,
+    except where the drive ends. The engine followed its branches, so it is exact for any cells
+    without friction.
 
     Attributes:
         nodes: all nodes by number.
@@ -45,11 +43,10 @@ class TransitionGraph(ByValue, Drawn):
             where the drive ends.
         number: (2, R) what happens on that way: its number among `ways`; -1 likewise.
         ways: transitions; those that have all in common are one.
-        chain: what it is the graph of, with the actuator that drives it; None where the graph was
-            read from a file or made from switching fields.
+        chain: with the actuator that drives it; None where the graph was read from a file or made
+            from switching fields.
         names: what each cell is called, inner first.
-        actuator: what drives it: "stroke", "force", "spring of 53 N/m" or "field". Chains of volume
-            and pressure, or of angle and torque, are driven by these.
+        actuator: "stroke", "force" or what its measure calls them, "spring of 53 N/m" or "field".
         unit: of drives: N under force control, m under others, "" for bare numbers.
         start: the state that it began with; None for all.
         method: how it was found, in words.
@@ -123,7 +120,7 @@ class TransitionGraph(ByValue, Drawn):
 
     @cached_property
     def networkx(self) -> "nx.DiGraph[str]":
-        """The graph as a frozen DiGraph of networkx, made when it is first asked for.
+        """The graph as a frozen DiGraph of networkx.
 
         `.nodes[label]["node"]` is a Node, `.edges[a, b]["transitions"]` a tuple of Transition, one
         for each direction of the drive that leads from a to b.
@@ -252,12 +249,17 @@ def graph(
     states = [range(int(last) + 1) for last in chain.last_state]
     branches = Branches(chain)
     starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
-    first = _standing(branches, starts, progress)
+    progress = progress or (lambda done, total: None)
+    first: list[int] = []
+    for done, state in enumerate(starts):
+        progress(done, len(starts))
+        place = branches.vertex(checked_state(chain, "start", state))
+        if place is not None:
+            first.append(branches.at(*place))
     if start is not None and not first:
         raise InputError(no_start(chain, start))
     found = sorted(branches.all_from(first, progress))
-    if progress is not None:
-        progress(len(found), len(found))
+    progress(len(found), len(found))
     return _assembled(branches, found, start)
 
 
@@ -384,7 +386,7 @@ def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str
 
 
 def _changed(snap: Segment, before: str, after: str) -> tuple[int, ...]:
-    """The cells of a snap but for those that only give way within the phase they are in."""
+    # Without cells that only give way within the phase they are in.
     moved = zip(snap.cells, snap.before, snap.after, strict=True)
     return tuple(
         cell for cell, a, b in moved if a == b or before[cell] != after[cell] or after[cell] == "-"
