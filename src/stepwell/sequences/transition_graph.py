@@ -263,19 +263,6 @@ def graph(
     return _assembled(branches, found, start)
 
 
-def _standing(
-    branches: Branches, states: list[str], progress: Callable[[int, int], None] | None
-) -> list[int]:
-    found: list[int] = []
-    for done, state in enumerate(states):
-        if progress is not None:
-            progress(done, len(states))
-        place = branches.vertex(checked_state(branches.chain, "start", state))
-        if place is not None:
-            found.append(branches.at(*place))
-    return found
-
-
 def listable(chain: Chain) -> bool:
     """Whether the limits let the graph of a chain be listed from every state."""
     limit = "relays" if chain.actuator_stiffness == 0 and relays(chain) else "graph_cells"
