@@ -294,14 +294,9 @@ def _texts(quantity: Quantity, values: Any, digits: int) -> list[str]:
 
 def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
     """The variables that xarray has of a value, in SI, with units and meaning as attributes."""
-    return {
-        q.name: (
-            (*dims, *q.dims),
-            q.of(value),
-            {"units": q.si, **({"long_name": q.doc} if q.doc else {})},
-        )
-        for q in schema
-    }
+    about = [{"units": q.si} | ({"long_name": q.doc} if q.doc else {}) for q in schema]
+    found = zip(schema, about, strict=True)
+    return {q.name: ((*dims, *q.dims), q.of(value), texts) for q, texts in found}
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,6 +59,12 @@ class Cell(ByValue, Drawn):
     name: str = ""
     unusual: bool = field(default=False, compare=False)
     mobility: float = field(default=1.0, kw_only=True)
+    low: ClassVar[float] = 0.0
+    """Travel at state 0 [m]."""
+    stopped: ClassVar[tuple[bool, bool]] = (True, True)
+    """Whether it is stopped at either end: its blocks touch there."""
+    measure: ClassVar[Measure] = Measure.TRAVEL
+    """What its travel and force are: a travel and a force."""
     # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
@@ -185,24 +192,9 @@ class Cell(ByValue, Drawn):
         return self.energy(self.angle(travel))
 
     @property
-    def low(self) -> float:
-        """Travel at state 0 [m]."""
-        return 0.0
-
-    @property
     def high(self) -> float:
         """Travel at state 1, S [m]."""
         return self.full_travel
-
-    @property
-    def stopped(self) -> tuple[bool, bool]:
-        """Whether it is stopped at either end: its blocks touch there."""
-        return True, True
-
-    @property
-    def measure(self) -> Measure:
-        """What its travel and force are: a travel and a force."""
-        return Measure.TRAVEL
 
     @property
     def stretches(self) -> tuple[Stretch, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,6 +59,8 @@ class Element(ByValue, Drawn):
     travel_scale: float = 1.0
     error_band: float = 0.0
     mobility: float = field(default=1.0, kw_only=True)
+    unusual: ClassVar[bool] = False
+    """Whether unlikely sizes are meant: an element has no lever to compare them with."""
     # All below are in the units of the curve as it is, scales included.
     laws: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
     """Its sheets with the scales in them."""
@@ -260,11 +262,6 @@ class Element(ByValue, Drawn):
         sheets, stops, friction = element_curves.beside(elements)
         mobility = 1.0 / sum(1.0 / element.mobility for element in elements)
         return cls(sheets, stops, friction, name, elements[0].measure, mobility=mobility)
-
-    @property
-    def unusual(self) -> bool:
-        """Whether unlikely sizes are meant: an element has no lever to compare them with."""
-        return False
 
     @property
     def stopped(self) -> tuple[bool, bool]:
