@@ -47,7 +47,8 @@ def _row(value: Node | Transition | Tie, ends: Endings) -> Row:
         held = getattr(value, part.name)
         if isinstance(held, TransitionKind):
             held = held.name.lower()
-        row[_key(part.name, ends)] = list(held) if isinstance(held, tuple) else held
+        key = part.name + ends.get(part.name, "")
+        row[key] = list(held) if isinstance(held, tuple) else held
     return row
 
 
@@ -90,12 +91,8 @@ def _about(data: Row) -> Row:
 
 
 def _value_of(kind: type[Value], ends: Endings, row: Row) -> Value:
-    held = {part.name: row[_key(part.name, ends)] for part in fields(kind)}
+    held = {part.name: row[part.name + ends.get(part.name, "")] for part in fields(kind)}
     return kind(**{name: _READ[name](x) if name in _READ else x for name, x in held.items()})
-
-
-def _key(name: str, ends: Endings) -> str:
-    return name + ends.get(name, "")
 
 
 def _number(value: Any) -> float:
