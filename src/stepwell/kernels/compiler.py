@@ -130,18 +130,15 @@ def main() -> None:
 
 
 def _compile(module: str, name: str, kinds: bytes) -> None:
-    import numba
-
     from stepwell.kernels.fingerprint import kernel_of
     from stepwell.kernels.machine import machine
 
+    numba: Any = import_module("numba")
     function = kernel_of(getattr(import_module(module), name))
     assert function is not None, name
-    machine(function).compile(tuple(_type(numba, kind) for kind in pickle.loads(kinds)))
-
-
-def _type(numba: Any, kind: Any) -> Any:
-    return kind if isinstance(kind, numba.types.Type) else numba.typeof(kind)
+    given = pickle.loads(kinds)
+    kinds_of = (k if isinstance(k, numba.types.Type) else numba.typeof(k) for k in given)
+    machine(function).compile(tuple(kinds_of))
 
 
 @contextmanager

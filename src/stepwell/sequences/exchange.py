@@ -5,7 +5,6 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,12 +25,9 @@ def endings(unit: str) -> Endings:
     """The units with which keys end, in a graph whose drives have this one."""
     measure = measure_of(unit)
     units = {_DRIVES: unit, _FORCES: measure.force_unit, _TRAVELS: measure.travel_unit}
-    found = {name: _ending(told) for names, told in units.items() for name in names}
-    return found | {"released": "_J"}
-
-
-def _ending(unit: str) -> str:
-    return f"_{unit.replace('³', '3').replace(' ', '')}" if unit else ""
+    found = {name: told for names, told in units.items() for name in names} | {"released": "J"}
+    spelled = {name: told.replace("³", "3").replace(" ", "") for name, told in found.items()}
+    return {name: f"_{told}" if told else "" for name, told in spelled.items()}
 
 
 def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> str:
@@ -69,8 +65,13 @@ def _values(kind: type[Value], data: Row, key: str, ends: Endings) -> Iterator[V
     rows = data.get(key)
     if not isinstance(rows, list):
         raise InputError(f"graph: {key}: must be a list, not {type(rows).__name__}.")
+
+    def value_of(row: Row) -> Value:
+        held = {part.name: row[part.name + ends.get(part.name, "")] for part in fields(kind)}
+        return kind(**{name: _READ[name](x) if name in _READ else x for name, x in held.items()})
+
     for k, row in enumerate(rows):
-        yield _read(partial(_value_of, kind, ends), row, f"{key}[{k}]")
+        yield _read(value_of, row, f"{key}[{k}]")
 
 
 def _read(how: Callable[[Row], Read], row: Row, place: str) -> Read:
@@ -88,11 +89,6 @@ def _about(data: Row) -> Row:
     if "switching_fields" in data:
         known["fields"] = np.array(data["switching_fields"], float)
     return known
-
-
-def _value_of(kind: type[Value], ends: Endings, row: Row) -> Value:
-    held = {part.name: row[part.name + ends.get(part.name, "")] for part in fields(kind)}
-    return kind(**{name: _READ[name](x) if name in _READ else x for name, x in held.items()})
 
 
 def _number(value: Any) -> float:

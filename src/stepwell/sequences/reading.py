@@ -22,7 +22,7 @@ from stepwell.sequences.memory import (
     return_point_memory,
     scrambling,
 )
-from stepwell.sequences.mesostates import BranchAtlas, Routes, atlas
+from stepwell.sequences.mesostates import Routes, atlas
 from stepwell.sequences.transition_graph import TransitionGraph
 
 # More loops than these are counted and not listed.
@@ -154,6 +154,11 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     reached = routes.reached[drawn.branch_of[vertices]]
     memory = return_point_memory(drawn, routes)
     groups = groups_of(graph)
+    by_hand = graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
+    # What remembers every turning point counts from states set by hand alone.
+    counted = Counting((), True)
+    if by_hand or not memory.holds:
+        counted = counting(drawn, routes, by_hand=by_hand)
     return MemoryReading(
         graph,
         len(drawn.mesostates),
@@ -164,16 +169,9 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
         tuple(graph.nodes.labels(vertices[~reached])),
         memory,
         scrambling(graph, vertices[reached], vertices[~reached]),
-        _counting(drawn, routes, memory.holds),
+        counted,
         latches(graph, groups),
     )
-
-
-def _counting(drawn: BranchAtlas, routes: Routes, remembers: bool) -> Counting:
-    by_hand = drawn.graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
-    if remembers and not by_hand:
-        return Counting((), True)
-    return counting(drawn, routes, by_hand=by_hand)
 
 
 def _listed(items: Iterable[str]) -> str:
