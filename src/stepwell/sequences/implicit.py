@@ -410,8 +410,8 @@ class ImplicitGraph(ByValue):
         }
         known = {name: shown_count(count) for name, count in counts.items() if count is not None}
         if self.by_fields:
-            ways = (("up", self.zero, +1), ("down", self.chain.last_state, -1))
-            known = {f"main loop, {name}": self._order(*way) for name, *way in ways} | known
+            up, down = self._order(self.zero, +1), self._order(self.chain.last_state, -1)
+            known = {"main loop, up": up, "main loop, down": down} | known
             known |= {"return-point memory": "holds", "avalanches": "none"}
         lost = ", ".join(name for name, count in counts.items() if count is None)
         if lost:

@@ -388,9 +388,10 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
             scrambled = before & before.T & ~known
             known = known | scrambled
             for i, j in np.argwhere(np.triu(scrambled)).tolist():
-                examples = [order.example(part, i, j), order.example(part, j, i)]
-                cells, labels = (int(cell[i]), int(cell[j])), map(graph.nodes.label, examples)
-                found.append(Scrambling(cells, direction, *labels, reachable))
+                i_first, j_first = (order.example(part, *pair) for pair in ((i, j), (j, i)))
+                cells, label = (int(cell[i]), int(cell[j])), graph.nodes.label
+                orders = label(i_first), label(j_first)
+                found.append(Scrambling(cells, direction, *orders, reachable))
     return tuple(found)
 
 
