@@ -78,7 +78,9 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
     """
     numbers = np.arange(len(routes.reached)) if by_hand else np.flatnonzero(routes.reached)
     branches = atlas.mesostates.among(numbers)
-    gaps = _gaps(branches)
+    # From every end of a branch to the next one.
+    ends = np.unique(np.concatenate([branches.low, branches.high]))
+    gaps = np.column_stack([ends[:-1], ends[1:]])[np.diff(ends) > branches.slip]
     most = int((_BUDGET / len(numbers)) ** 0.5)
     exhaustive = len(gaps) <= most
     if not exhaustive:
@@ -94,16 +96,10 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
             rhythm = transient, len(orbit) - 1 - transient
             hand = not routes.reached[first]
             turns = (begin,) if hand else routes.turns(first, begin)
-            ends = min(begin, end), max(begin, end)
-            found.append(Accumulator(*ends, direction, states, *rhythm, slack, hand, turns))
+            drives = min(begin, end), max(begin, end)
+            found.append(Accumulator(*drives, direction, states, *rhythm, slack, hand, turns))
     found.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
     return Counting(tuple(found), exhaustive)
-
-
-def _gaps(branches: Mesostates) -> Floats:
-    ends = np.unique(np.concatenate([branches.low, branches.high]))
-    pairs = np.column_stack([ends[:-1], ends[1:]])
-    return pairs[np.diff(ends) > branches.slip]
 
 
 def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[Floats, Floats]]:

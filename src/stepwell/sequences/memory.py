@@ -79,9 +79,8 @@ def loop_of(atlas: BranchAtlas, low: int, high: int) -> Loop:
     onto_low = _landing(atlas, high, low, -1)
     up = [*takewhile(lambda node: node != onto_high, atlas.following(onto_low, +1)), onto_high]
     down = [*takewhile(lambda node: node != onto_low, atlas.following(onto_high, -1)), onto_low]
-    last_up = next(node for node in reversed(up) if atlas.branch_of[node] != high)
-    last_down = next(node for node in reversed(down) if atlas.branch_of[node] != low)
-    return _loop(atlas, last_down, last_up, up, down)
+    # The chain leaves for ν and for μ from the node before the landing.
+    return _loop(atlas, down[-2], up[-2], up, down)
 
 
 def _loop(atlas: BranchAtlas, low: int, high: int, up: list[int], down: list[int]) -> Loop:

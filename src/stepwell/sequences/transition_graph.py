@@ -16,7 +16,7 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.nodes import HeldNodes, Node, Nodes, Transition, TransitionKind
 from stepwell.sequences.passages import SmoothRun, state_of
-from stepwell.statics import Segment, Tie
+from stepwell.statics import Tie
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -242,7 +242,8 @@ def graph(
         count, limit = _states(chain), "graph_cells" if fields is None else "relays"
         alike = _as_cells(count) == len(chain)
         require_as_many(count, limit, f"the chain has{'' if alike else ' as many states as'}")
-    if fields is not None and (start is None or is_counted(chain)):
+    # With a start, every state has to have a number that an array can hold.
+    if fields is not None and (start is None or _states(chain) < 1 << 62):
         from stepwell.sequences.fields import preisach
 
         return preisach(chain, fields, start)
@@ -267,11 +268,6 @@ def listable(chain: Chain) -> bool:
     """Whether the limits let the graph of a chain be listed from every state."""
     limit = "relays" if chain.actuator_stiffness == 0 and relays(chain) else "graph_cells"
     return _as_cells(_states(chain)) <= most(limit)
-
-
-def is_counted(chain: Chain) -> bool:
-    """Whether every state of a chain has a number that an array can hold."""
-    return _states(chain) < 1 << 62
 
 
 def _states(chain: Chain) -> int:
@@ -337,7 +333,8 @@ def way_on(
     sections = branches[number].sections
     beside = k + direction
     if 0 <= beside < len(sections):
-        cells = _unlike(sections[k].state, sections[beside].state)
+        states = zip(sections[k].state, sections[beside].state, strict=True)
+        cells = tuple(i for i, (here, there) in enumerate(states) if here != there)
         at = sections[min(k, beside)].drive[1]
         return (number, beside), Transition(TransitionKind.SWITCH, direction, at, cells)
     exit_ = branches.exit(number, direction)
@@ -346,7 +343,13 @@ def way_on(
     snap, at = exit_.snap, exit_.snap.drive[0]
     onto = branches[exit_.branch]
     target = onto.find(state_of(branches.chain.stretches, exit_.place), at)
-    cells = _changed(snap, sections[k].state, onto.sections[target].state)
+    before, after = sections[k].state, onto.sections[target].state
+    # Without cells that only give way within the phase they are in.
+    cells = tuple(
+        cell
+        for cell, a, b in zip(snap.cells, snap.before, snap.after, strict=True)
+        if a == b or before[cell] != after[cell] or after[cell] == "-"
+    )
     what = TransitionKind.SNAP, direction, at, cells, snap.released, snap.tie
     return (exit_.branch, target), Transition(*what)
 
@@ -370,15 +373,3 @@ def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str
         for count, (_, number, k) in enumerate(sorted(sharing), 1):
             labels[number, k] = state if len(sharing) == 1 else f"{state}#{count}"
     return dict(sorted(labels.items()))
-
-
-def _changed(snap: Segment, before: str, after: str) -> tuple[int, ...]:
-    # Without cells that only give way within the phase they are in.
-    moved = zip(snap.cells, snap.before, snap.after, strict=True)
-    return tuple(
-        cell for cell, a, b in moved if a == b or before[cell] != after[cell] or after[cell] == "-"
-    )
-
-
-def _unlike(a: str, b: str) -> tuple[int, ...]:
-    return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
