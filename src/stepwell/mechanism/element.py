@@ -384,12 +384,6 @@ def _refuse_loose_ends(element: Element) -> None:
                 )
 
 
-def _stretches(rises: Ints) -> Iterator[tuple[int, int]]:
-    """First row and end of each run of rows that do not fall; a run between two falls is empty."""
-    falls = np.flatnonzero(rises < 0)
-    return zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True)
-
-
 def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints) -> Iterator[Phase]:
     """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
     sheet, (below, above) = element.laws[number], element.stopped
@@ -397,7 +391,9 @@ def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints)
     # At the ends of the element there is a stop, or a curve that goes on rising.
     low = 0 if sheet.below is None and sheet.begin == element.low else None
     high = len(rises) if sheet.above is None and sheet.end == element.high else None
-    for at, last in _stretches(rises):
+    falls = np.flatnonzero(rises < 0)
+    # A run between two falls is empty.
+    for at, last in zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True):
         first, final = at == low, last == high
         if np.any(rises[at:last] > 0) or (first and below) or (final and above):
             yield Phase(

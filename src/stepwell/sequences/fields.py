@@ -21,17 +21,12 @@ def preisach(
 ) -> transition_graph.TransitionGraph:
     """The force-controlled graph of concave cells and elements: a Preisach set of relays.
 
-    A prescribed force is a dead load: λ and the energy of a cell ask for no other cell's travel, so
-    each goes its own way. A state stands while the force is at least B and at most A of every cell
-    in its phase. A rising force lets go the cell of least A, a falling one that of largest B. It
-    goes downhill along its own curve to the next phase that holds at this force, and the others,
-    which stood before, feel nothing of it; so there are no avalanches, and where it stands the
-    state does.
-
+    A prescribed force is a dead load, so that no cell feels another. A state stands while the force
+    is at least B and at most A of every cell in its phase. A rising force lets go the cell of least
+    A, a falling one that of largest B, which goes on to the next phase that holds at this force.
     `fields` holds (A, B); without a `start` all states that stand are listed.
 
-    Source: Preisach 1935; Terzi and Mungan 2020; that these chains are relays under a prescribed
-    force: theory page, "Preisach limit".
+    Source: Preisach 1935; Terzi and Mungan 2020; theory page, "Preisach limit".
     """
     sizes = np.diff(fields.first) + 1
     states, travels = States(sizes.tolist()), Travels(chain)

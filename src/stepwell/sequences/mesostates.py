@@ -14,10 +14,8 @@ from stepwell.sequences.transition_graph import TransitionGraph
 class Mesostates:
     """Every branch as one state: what the chain goes through to and fro without a snap.
 
-    Attributes:
-        low, high: (R,) drives between which each exists.
-        rise, fall: (R,) where the snap at the upper and the lower end leads; -1: the drive ends.
-        slip: drives closer than this are one.
+    Each exists between two drives; `rise` and `fall` are where the snap at its upper and its lower
+    end leads, -1 where the drive ends. Drives closer than `slip` are one.
 
     Source: Mungan, Sastry, Dahmen and Regev 2019, Phys. Rev. Lett. 123, 178002.
     """
