@@ -67,11 +67,8 @@ class Travels:
     """Travels and energies of the cells of a chain in their phases, by force."""
 
     def __init__(self, chain: Chain):
-        self._cells, self._problem, self._stretches = (
-            chain.cells,
-            problem_of(chain),
-            chain.stretches,
-        )
+        self._cells, self._stretches = chain.cells, chain.stretches
+        self._problem = problem_of(chain)
         self._known: dict[tuple[int, int, float], float] = {}
         self._heat: dict[tuple[int, int, int], float] = {}
 

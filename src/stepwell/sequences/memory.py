@@ -328,11 +328,8 @@ def _simplest(
     excursion = (max(float(low[lapse.turned]), before) + lapse.entered) / 2
     at = _turning(branches, lapse)
     before, excursion, at = (direction * drive for drive in (before, excursion, at))
-    return Forgetting(
-        (*routes.turns(start, before), at, excursion, at),
-        atlas.label_at(lapse.first, at),
-        atlas.label_at(lapse.later, at),
-    )
+    turns = *routes.turns(start, before), at, excursion, at
+    return Forgetting(turns, *(atlas.label_at(one, at) for one in (lapse.first, lapse.later)))
 
 
 _BLOCK = 1 << 16  # vertices that are looked at together
