@@ -6,8 +6,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Ints
 from stepwell.kernels.fingerprint import kernel
 
 R = TypeVar("R")
@@ -83,8 +83,6 @@ def _result(running: Future[R], look: Callable[[], object] = lambda: None) -> R:
                 return running.result()
             look()
 
-
-Ints = NDArray[np.int64]
 
 # What the present stroke has cost; how much it may cost at most. Lowering the second from another
 # thread stops a run.
