@@ -2,25 +2,20 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, brief, check
 from stepwell.mechanism.cubics import COLUMNS, end_of, monotone
 
+if TYPE_CHECKING:
+    from stepwell.mechanism.cell import Cell
+    from stepwell.mechanism.element import Element
+
 # Least and largest mobility of a cell. Further apart than these a chain is two mechanisms, a fast
 # one and a slow one, and its flow behind a stiff spring comes to rest too slowly to be followed.
 MOBILITIES = 1e-2, 1e2
-
-
-class Mobile(Protocol):
-    """A cell of any kind."""
-
-    @property
-    def mobility(self) -> float:
-        """How fast it moves for a given force."""
-        ...
 
 
 def a_mobility(value: float) -> float:
@@ -34,7 +29,7 @@ def a_mobility(value: float) -> float:
     return number
 
 
-def mobilities_of(cells: Iterable[Mobile]) -> Floats:
+def mobilities_of(cells: "Iterable[Cell | Element]") -> Floats:
     """(N,) mobilities of cells, the largest of them 1 [1]."""
     own = np.array([cell.mobility for cell in cells])
     return own / np.max(own)
