@@ -13,6 +13,8 @@ from stepwell.kernels import kernel
 from stepwell.mechanism.cubics import COLUMNS, integral, value, with_integrals
 from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slope
 
+Numbers = Sequence[float]
+
 _HOOKE = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
 _HOOKE.setflags(write=False)
 
@@ -35,15 +37,7 @@ class Linear(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cubic(ByValue):
-    """Rubber that softens and stiffens: tension k (e + a2 e² + a3 e³).
-
-    Args:
-        a2: quadratic coefficient [1/m].
-        a3: cubic coefficient [1/m²].
-
-    Raises:
-        ValueError: a coefficient is not finite.
-    """
+    """Rubber that softens and stiffens: tension k (e + a2 e² + a3 e³), a2 in 1/m and a3 in 1/m²."""
 
     a2: float
     a3: float
@@ -191,18 +185,12 @@ class Band(ByValue):
 
     @classmethod
     def from_table(
-        cls,
-        p: Vec2,
-        q: Vec2,
-        rest_length: float,
-        extension: Sequence[float],
-        tension: Sequence[float],
+        cls, p: Vec2, q: Vec2, rest_length: float, extension: Numbers, tension: Numbers
     ) -> "Band":
         """A band with a measured law; its stiffness is the secant to the last point.
 
         Args:
-            p, q: anchors [m].
-            rest_length: ℓ0 [m].
+            p, q, rest_length: anchors and ℓ0 [m].
             extension: (n,) rising, the first one 0 [m].
             tension: (n,) at those extensions, the first one 0, the last one > 0 [N].
 

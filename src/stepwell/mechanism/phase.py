@@ -55,8 +55,7 @@ class Phase(ByValue):
     force_low: float
     force_high: float
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 # Where a phase lies: its sheet, and the travels between which [m].

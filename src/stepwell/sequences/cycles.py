@@ -177,11 +177,7 @@ def sequence_of(path: statics.Path) -> Sequence:
 
 @dataclass(frozen=True, eq=False)
 class Cycle(ByValue, Drawn):
-    """A chain loaded from all cells at 0 to all in their last phases and unloaded again.
-
-    Attributes:
-        path: the way through the equilibria, with its certificates.
-    """
+    """A chain loaded from all cells at 0 to all in their last phases and unloaded again."""
 
     path: statics.Path
 

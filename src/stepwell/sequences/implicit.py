@@ -169,12 +169,7 @@ Way = tuple[str, Transition] | None
 
 @dataclass(frozen=True, eq=False)
 class Step(ByValue):
-    """A node of a walk, and where the drive's rise and fall lead from it.
-
-    Attributes:
-        node: where the walk is.
-        up, down: the label of the next node and what happens; None where the way ends.
-    """
+    """A node of a walk; on the ways up and down the next label and what happens, None for none."""
 
     node: Node
     up: Way
@@ -183,14 +178,7 @@ class Step(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Walked(ByValue):
-    """A walk through a graph that is not listed, see `ImplicitGraph.walk`.
-
-    Attributes:
-        graph: of any chain.
-        start: label of the node with which it begins.
-        steps: the nodes, those after fewest transitions first.
-        whole: whether these are all nodes that can be reached.
-    """
+    """A walk from a node, see `ImplicitGraph.walk`; `whole` if it has all nodes in reach."""
 
     graph: "ImplicitGraph"
     start: str

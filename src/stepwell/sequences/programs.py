@@ -68,8 +68,7 @@ class Turn(base.ByValue):
         """How far the turning point may be off either way."""
         return min(self.drive - self.low, self.high - self.drive)
 
-    def __repr__(self):
-        return base.brief(self)
+    __repr__ = base.brief
 
 
 @dataclass(frozen=True, eq=False)
