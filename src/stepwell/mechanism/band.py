@@ -92,14 +92,12 @@ Law = Linear | Cubic | Table
 class Load(ByValue):
     """A force on one cell that depends on its travel only, such as the weight of a foot.
 
-    Positive resists travel. Between the points the force is straight, outside constant.
+    Positive resists travel. Between the points the force is straight, outside constant. Travels
+    that do not rise and unequal lengths raise ValueError.
 
     Args:
         travel: (n,) rising [m], n >= 1.
         force: (n,) [N].
-
-    Raises:
-        ValueError: travels that do not rise, or unequal lengths.
     """
 
     travel: tuple[float, ...]

@@ -107,8 +107,7 @@ class Cell(ByValue, Drawn):
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.
 
-        Raises:
-            ValueError: anchors so far from a cell that is not `unusual` that m are not meant.
+        Anchors so far off a cell that is not `unusual` that m are not meant raise ValueError.
         """
         if not self.unusual:
             # Beside those there are: what has gone far already may go on.
@@ -124,11 +123,7 @@ class Cell(ByValue, Drawn):
         return replace(self, band=bands)
 
     def travel(self, theta: ArrayLike) -> Floats:
-        """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape.
-
-        Raises:
-            ValueError: an angle past a stop.
-        """
+        """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape, or ValueError."""
         return geometry.travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
     def angle(self, travel: ArrayLike) -> Floats:
@@ -146,10 +141,8 @@ class Cell(ByValue, Drawn):
     def energy(self, theta: ArrayLike) -> Floats:
         """Potential energy [J] of bands and load at angles θ [rad] of any shape.
 
-        The load counts from travel 0. Source: Kamp et al. 2024, Eqs. 1 and 2.
-
-        Raises:
-            ValueError: an angle past a stop.
+        The load counts from travel 0; an angle past a stop raises ValueError. Source: Kamp et al.
+        2024, Eqs. 1 and 2.
         """
         theta = self._within(theta)
         energy = sum(band.energy(band.length(theta, self.lever)) for band in self.bands)
@@ -158,11 +151,7 @@ class Cell(ByValue, Drawn):
         return np.asarray(energy)
 
     def force(self, theta: ArrayLike) -> Floats:
-        """Force along travel F = dE/ds [N] at angles θ [rad] of any shape, without friction.
-
-        Raises:
-            ValueError: an angle past a stop.
-        """
+        """Force F = dE/ds [N] without friction at angles θ [rad] of any shape, or ValueError."""
         theta = self._within(theta)
         force = sum(band.force(theta, self.lever) for band in self.bands)
         if self.load is not None:
@@ -180,11 +169,7 @@ class Cell(ByValue, Drawn):
         return float(self.force(self.limit))
 
     def force_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
-        """Force F [N] at travels s [m] of any shape, without friction; a cell has one sheet.
-
-        Raises:
-            ValueError: a travel outside 0..`full_travel`.
-        """
+        """Force F [N] without friction at travels s [m] of any shape, or ValueError past a stop."""
         return self.force(self.angle(travel))
 
     def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:

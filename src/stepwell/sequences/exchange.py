@@ -164,11 +164,7 @@ def to_json(graph: TransitionGraph) -> str:
 
 
 def from_json(text: str) -> TransitionGraph:
-    """The graph that `to_json` wrote; it knows no chain.
-
-    Raises:
-        ValueError: other text, with what is wrong and where.
-    """
+    """The graph that `to_json` wrote, without a chain; other text raises ValueError."""
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:
@@ -205,11 +201,7 @@ def to_graphml(graph: TransitionGraph) -> str:
 
 
 def from_graphml(text: str) -> TransitionGraph:
-    """The graph that `to_graphml` wrote; it knows no chain.
-
-    Raises:
-        ValueError: other text, with what is wrong and where.
-    """
+    """The graph that `to_graphml` wrote, without a chain; other text raises ValueError."""
     import networkx as nx
 
     try:
@@ -293,11 +285,7 @@ def _quoted(text: str) -> str:
 
 
 def from_dot(text: str) -> TransitionGraph:
-    """The graph that `to_dot` wrote; it knows no chain.
-
-    Raises:
-        ValueError: other text, with what is wrong and where.
-    """
+    """The graph that `to_dot` wrote, without a chain; other text raises ValueError."""
     try:
         rows = [json.loads(_unquoted(kept)) for kept in _KEPT.findall(text)]
     except json.JSONDecodeError as error:

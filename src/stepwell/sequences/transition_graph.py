@@ -80,8 +80,7 @@ class TransitionGraph(ByValue, Drawn):
     ) -> "TransitionGraph":
         """The graph of these nodes, and of transitions as (from, to, transition).
 
-        Raises:
-            ValueError: a transition from or to no node, or two of one direction from one node.
+        A transition from or to no node, or a second one of a direction, raises ValueError.
         """
         held, every = HeldNodes(nodes), list(ways)
         target, number = np.full((2, len(held)), -1), np.full((2, len(held)), -1)
@@ -139,11 +138,7 @@ class TransitionGraph(ByValue, Drawn):
         return self.nodes[self._find(label)]
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends.
-
-        Raises:
-            KeyError: there is no such node.
-        """
+        """Where the drive's rise (+1) or fall (-1) leads from a node (else KeyError), or None."""
         at = int(direction > 0), self._find(label)
         number = int(self.number[at])
         return None if number < 0 else (self.nodes.label(int(self.target[at])), self.ways[number])
