@@ -123,7 +123,7 @@ class Cell(ByValue, Drawn):
         return replace(self, band=bands)
 
     def travel(self, theta: ArrayLike) -> Floats:
-        """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape, or ValueError."""
+        """Travel s = r (sin θ + sin θc) [m] at (...) angles θ [rad]; ValueError past a stop."""
         return geometry.travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
     def angle(self, travel: ArrayLike) -> Floats:
@@ -151,7 +151,7 @@ class Cell(ByValue, Drawn):
         return np.asarray(energy)
 
     def force(self, theta: ArrayLike) -> Floats:
-        """Force F = dE/ds [N] without friction at angles θ [rad] of any shape, or ValueError."""
+        """Force F = dE/ds [N] without friction at (...) angles θ [rad]; ValueError past a stop."""
         theta = self._within(theta)
         force = sum(band.force(theta, self.lever) for band in self.bands)
         if self.load is not None:

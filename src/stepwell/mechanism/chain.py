@@ -430,7 +430,8 @@ class Chain(ByValue, Drawn):
         """Make a mechanism many times at random and run the same stroke program on each.
 
         Every mechanism is followed by the engine, in a millisecond or a few. The actuator goes
-        where the program says, or as far as the mechanism lets it.
+        where the program says, or as far as the mechanism lets it. The share that ends right is
+        counted, without those that cannot be built or followed.
 
         Args:
             turning_points: as for `Chain.path`; of a Program its `turning_points`.
@@ -440,9 +441,6 @@ class Chain(ByValue, Drawn):
             samples: how many mechanisms to make; 500 by default.
             seed: which ones; the same seed gives the same mechanisms as `yields`.
             progress: called with (done, samples).
-
-        Returns:
-            The share that ends right. One that cannot be built or followed does not.
 
         Raises:
             ValueError: a state that this chain cannot have, `samples` below 1, or turning points or

@@ -229,11 +229,8 @@ class Element(ByValue, Drawn):
         """A chain as one element: its total travel, and the force that it resists with.
 
         Its sheets are the branches that a prescribed stroke can bring it to, so that it is an
-        element with freedoms of its own inside; they are much faster than what is outside.
-
-        Args:
-            chain: what is inside, without friction; its own actuator does not count.
-            name: of the element.
+        element with freedoms of its own inside; they are much faster than what is outside. The
+        chain's own actuator does not count.
 
         Raises:
             ValueError: a chain with friction, or with too many branches.
@@ -247,14 +244,10 @@ class Element(ByValue, Drawn):
 
     @classmethod
     def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:
-        """Elements that share one travel, as one: their forces add up.
+        """Two or more elements that share one travel, as one: their forces add up.
 
         It can go as far as all of them can: each of their stops is its own. Side by side they move
         as slowly as all of their dampers together make them.
-
-        Args:
-            elements: two or more, of one measure.
-            name: of the element.
 
         Raises:
             ValueError: elements of unlike measure, or that share no travel.
