@@ -430,8 +430,8 @@ class Chain(ByValue, Drawn):
         """Make a mechanism many times at random and run the same stroke program on each.
 
         Every mechanism is followed by the engine, in a millisecond or a few. The actuator goes
-        where the program says, or as far as the mechanism lets it. The share that ends right is
-        counted, without those that cannot be built or followed.
+        where the program says, or as far as the mechanism lets it. One that cannot be built or
+        followed does not end right.
 
         Args:
             turning_points: as for `Chain.path`; of a Program its `turning_points`.

@@ -55,7 +55,8 @@ class Phase(ByValue):
     force_low: float
     force_high: float
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 # Where a phase lies: its sheet, and the travels between which [m].

@@ -68,7 +68,8 @@ class Turn(base.ByValue):
         """How far the turning point may be off either way."""
         return min(self.drive - self.low, self.high - self.drive)
 
-    __repr__ = base.brief
+    def __repr__(self):
+        return base.brief(self)
 
 
 @dataclass(frozen=True, eq=False)
