@@ -133,11 +133,9 @@ class _Flips:
         self.shift = np.array([*shift, 0])
 
     def first_of_all(self) -> Ints:
-        """(S,) the number of the first flip from every state."""
         return reduce(np.minimum.outer, self.rank).ravel()
 
     def first_of(self, codes: Ints) -> Ints:
-        """The number of the first flip from each of these states."""
         digits = (self.states.digit(codes, cell) for cell in range(len(self.rank)))
         ranks = (rank[digit] for rank, digit in zip(self.rank, digits, strict=True))
         return reduce(np.minimum, ranks)
@@ -151,10 +149,9 @@ def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: s
     falls, rises = both
     if falls.force[falls.first_of(front)] > rises.force[rises.first_of(front)]:
         raise InputError(transition_graph.no_start(chain, start))
+    what = "the reached states are as many as those of"
     while len(front):
-        transition_graph.require_as_many(
-            len(seen), "relays", "the reached states are as many as those of"
-        )
+        transition_graph.require_as_many(len(seen), "relays", what)
         steps = [front + flips.shift[flips.first_of(front)] for flips in both]
         after = np.unique(np.concatenate(steps))
         place = np.minimum(np.searchsorted(seen, after), len(seen) - 1)

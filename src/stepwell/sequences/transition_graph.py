@@ -138,7 +138,7 @@ class TransitionGraph(ByValue, Drawn):
         return self.nodes[self._find(label)]
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the drive's rise (+1) or fall (-1) leads from a node, None at its end; or KeyError."""
+        """Where the drive's rise (+1) or fall (-1) leads from a node, if anywhere; or KeyError."""
         at = int(direction > 0), self._find(label)
         number = int(self.number[at])
         return None if number < 0 else (self.nodes.label(int(self.target[at])), self.ways[number])
