@@ -113,7 +113,7 @@ def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float
     """
     low, high = statics.drive_range(chain, known)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
-    if chain.actuator_stiffness > 0 and any(len(cell.laws) > 1 for cell in chain.elements):
+    if chain.actuator_stiffness > 0:
         more += sum(cell.full_travel for cell in chain.elements if len(cell.laws) > 1) / 2.0
     return low - more, high + more
 
@@ -135,14 +135,13 @@ class Branches:
 
     def __init__(self, chain: Chain):
         self.chain = chain
-        self._rigid = math.isinf(chain.actuator_stiffness)
+        self._rigid_levers = math.isinf(chain.actuator_stiffness) and not chain.elements
         self._problem = statics.problem_of(chain)
         self.range = reach(chain, self._problem)
         stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
         self.slip = drive_slip(self.range[1] - self.range[0], stroke)
         self.ties: dict[statics.Tie, None] = {}
         self._stretches = chain.stretches
-        self._levers = not chain.elements
         self._branches: list[Branch] = []
         self._after: dict[tuple[int, int], After] = {}
         self._landings: dict[tuple[int, int, float], statics.Landing] = {}
@@ -242,7 +241,7 @@ class Branches:
         lever cells under a rigid actuator may meet at a tie. That tells more: where a single cell
         is in transit between stops, its travel is what is left of the stroke.
         """
-        if not (self._rigid and self._levers):
+        if not self._rigid_levers:
             vertices = self._where.get(state, ()) if "-" not in state else ()
             return next(iter(vertices), None)
         if state.count("-") > 1:
