@@ -152,7 +152,7 @@ def timed(chain: sw.Chain, times: int) -> float:
 def gathering(chain: sw.Chain) -> float:
     """Processor time of reading all numbers of the cells into arrays [s]."""
     start = time.process_time()
-    packed(chain.cells)[0]
+    packed(chain.cells)
     return time.process_time() - start
 
 
