@@ -8,16 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, Floats
-from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
 
 # Travel [m] over which the weight passes from foot to supports: nothing beside a travel, and yet a
 # slope that the engine follows like any other.
 HANDOVER = 1e-6
-
-# Heights of the body that differ by less than this [m] are the same way to stand.
-SAME = 1e-9
-
+SAME = 1e-9  # heights of the body that differ by less [m] are the same way to stand
 POINTS = 8  # steps of a leg at which its stance is worked out
 HAIR = 1e-5  # travel by which a foot is lifted to see who carries its weight [m]
 CLOSE = 0.02  # a foot this share of its travel above the supports' plane is on its way down
@@ -25,21 +21,13 @@ CLOSE = 0.02  # a foot this share of its travel above the supports' plane is on 
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """How a foot of a leg stands, by how far the leg has stepped. k points.
-
-    Attributes:
-        robot: whose.
-        step: (k,) travel of all cells but the last together [m], rising.
-        load: (k,) force of the floor on the foot [N], its own weight included.
-        sharing: (k,) how many feet stand there together.
-        drags: False leaves the drag out.
-    """
+    """How a foot of a leg stands, by how far the leg has stepped. k points."""
 
     robot: Robot
-    step: Floats
-    load: Floats
-    sharing: Floats
-    drags: bool = True
+    step: Floats  # (k,) travel of all cells but the last together [m], rising
+    load: Floats  # (k,) force of the floor on the foot [N], its own weight included
+    sharing: Floats  # (k,) how many feet stand there together
+    drags: bool = True  # False leaves the drag out
 
     def alike(self, other: "Stance") -> bool:
         """Whether another foot stands the same, but for rounding."""
@@ -78,17 +66,12 @@ class Stance:
     def push(self, load: Floats, travel: Floats | float, step: Floats | float, way: int) -> Floats:
         """Force by which the floor opens the last cell [N], of the arguments' common shape.
 
-        A force H along the floor acts on the tip, which goes back by the travels of all cells
-        but the last and by half of the last one's. A force that is the same on every cell moves
-        nothing at a given stroke; so H on all but the last and H/2 on the last is no more
-        than -H/2 against the last one.
-
-        Args:
-            load: of the floor on the foot [N].
-            travel: of the last cell [m].
-            step: of the cells before it [m].
-            way: +1 while the foot is pushed back (loading), -1 while it is pulled forward.
+        The foot carries `load` [N] at a `travel` of the last cell and a `step` of those before [m];
+        `way` is +1 while it is pushed back (loading), -1 while it is pulled forward.
         """
+        # A force H along the floor acts on the tip, which goes back by the travels of all cells but
+        # the last and by half of the last one's. The same force on every cell moves nothing at a
+        # given stroke; so H on all but the last and H/2 on the last is -H/2 against the last one.
         own = self.robot.foot.mass * self.robot.floor.gravity
         return (load - own) * self.robot.foot.lever(travel) + way * self.hold(load, step) / 2
 
@@ -111,24 +94,22 @@ def leaning(robot: Robot) -> Floats:
     neither: what a last cell lacks to open is made equal by moving weight, as far as the body
     can lean.
     """
-    rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
-    even = feet_load(robot, rest)
-    most, least = even.copy(), even.copy()
-    for i in range(len(rest)):
-        for bound, chosen in ((least, [i]), (most, [k for k in range(len(rest)) if k != i])):
-            tilted = [travel.copy() for travel in rest]
-            for k in chosen:
-                tilted[k][-1] = HAIR
-            bound[i] = feet_load(robot, tilted)[i]
-    lacks = np.array([_lacks(leg) for leg in robot.legs])
+    legs = range(len(robot.legs))
+
+    def carried(lifted: Sequence[int]) -> Floats:
+        rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
+        for k in lifted:
+            rest[k][-1] = HAIR
+        return feet_load(robot, rest)
+
+    even = carried(())
+    least = np.array([carried([i])[i] for i in legs])
+    most = np.array([carried([k for k in legs if k != i])[i] for i in legs])
+    chains = [leg.chain.levers for leg in robot.legs]
+    # By how much each last cell holds out longer than the others at 0 [N].
+    lacks = np.array([c[-1].force_0 - min(cell.force_0 for cell in c[:-1]) for c in chains])
     leant = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
     return np.clip(leant, np.minimum(least, even), np.maximum(most, even))
-
-
-def _lacks(leg: Leg) -> float:
-    """Force [N] by which the last cell of a leg holds out longer than the others at 0."""
-    *stepping, last = leg.chain.levers
-    return last.force_0 - min(cell.force_0 for cell in stepping)
 
 
 def stance(
@@ -136,13 +117,8 @@ def stance(
 ) -> Stance:
     """How a foot stands with its last cell at 0.
 
-    Args:
-        robot: any robot.
-        leg: number of the leg.
-        others: for each leg (POINTS, cells) travels [m] of the others at these steps of the
-            leg; its own are not looked at.
-        setting_out: force of the floor on the foot before it has stepped [N]; None shares
-            the weight there as everywhere.
+    The `others` are for each leg (POINTS, cells) travels [m] at these steps of the leg, whose own
+    are not looked at; `setting_out` is the force on the foot before it has stepped [N].
     """
     cells = robot.legs[leg].chain.cells
     full = np.array([cell.full_travel for cell in cells])
@@ -167,11 +143,7 @@ def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
 
     The body sinks as low as feet and supports let it: of all triangles of contacts round the
     centre of mass it rests on the one that holds it lowest down, and where several do, on all
-    of them alike. A foot no deeper than the supports carries nothing.
-
-    Args:
-        robot: any robot.
-        travels: for each leg (cells,) travels [m].
+    of them alike. A foot no deeper than the supports carries nothing. Travels are (cells,) [m].
     """
     feet = feet_places(robot, travels)
     lift = np.array([robot.foot.depth(0.0) - robot.foot.depth(s[-1]) for s in travels])
@@ -211,10 +183,9 @@ def feet_places(robot: Robot, travels: list[Floats]) -> Floats:
 
 
 def _body_weight(robot: Robot, travels: list[Floats], lifted: Floats) -> tuple[float, Floats]:
-    """What feet that lift the body by these forces (legs,) [N] leave of its weight, and where.
+    """What feet that lift the body by these forces (legs,) [N] leave of its weight [N], and where.
 
-    Returns:
-        Force [N], and (x, y) of the point [m] on which it acts.
+    The weight acts on the point (x, y) [m].
     """
     mass, centre = _without_feet(robot, travels)
     whole = mass * robot.floor.gravity
@@ -230,17 +201,14 @@ def _without_feet(robot: Robot, travels: list[Floats]) -> tuple[float, Floats]:
     half = robot.foot.span / 2
     for leg, travel in zip(robot.legs, travels, strict=True):
         x, y = leg.at
-        for i in range(len(travel) - 1):
-            ahead = sum(robot.blocks.length for _ in range(i + 1, len(travel) - 1))
-            parts.append((robot.blocks.mass, x + half + ahead - travel[: i + 1].sum(), y))
-        parts.append((robot.blocks.mass, x - half - travel.sum(), y))
-    last = float(np.mean([leg.at[0] for leg in robot.legs])) - half
-    stroke = float(np.mean([travel.sum() for travel in travels]))
-    across = float(np.mean([leg.at[1] for leg in robot.legs]))
-    parts.append((robot.blocks.carriage, last - stroke, across))
+        ahead = robot.blocks.length * np.arange(len(travel) - 2, -1, -1)
+        places = [*(x + half + ahead - np.cumsum(travel[:-1])), x - half - travel.sum()]
+        parts += [(robot.blocks.mass, place, y) for place in places]
+    x, y = np.mean([leg.at for leg in robot.legs], axis=0)
+    stroke = np.mean([travel.sum() for travel in travels])
+    parts.append((robot.blocks.carriage, x - half - stroke, y))
     for antenna in robot.antennas:
-        x, y = antenna.pivot
-        reach = antenna.length / 2
+        (x, y), reach = antenna.pivot, antenna.length / 2
         tip = (x + reach * np.cos(antenna.angle), y + reach * np.sin(antenna.angle))
         parts.append((antenna.mass, *tip))
     table = np.array(parts)
@@ -250,22 +218,18 @@ def _without_feet(robot: Robot, travels: list[Floats]) -> tuple[float, Floats]:
 
 def _shares(points: Floats, height: Floats, usable: Bools, middle: Floats) -> Floats:
     """(points,) share of the weight on each, 0 .. 1."""
-    found: list[tuple[float, float, tuple[int, ...], Floats]] = []
-    for three in combinations(np.flatnonzero(usable).tolist(), 3):
-        corners = np.vstack([points[list(three)].T, np.ones(3)])
-        if abs(np.linalg.det(corners)) < 1e-12:
-            continue
-        weights = np.asarray(np.linalg.solve(corners, np.append(middle, 1.0)), float)
-        outside = float(np.maximum(-weights, 0.0).sum())
-        found.append((outside, float(weights @ height[list(three)]), three, weights))
-    out = np.zeros(len(points))
+    threes = np.array([*combinations(np.flatnonzero(usable), 3)])
+    corners = np.insert(points[threes], 2, 1.0, axis=2).swapaxes(1, 2)
+    wide = np.abs(np.linalg.det(corners)) >= 1e-12
+    threes, corners = threes[wide], corners[wide]
+    weights = np.linalg.solve(corners, np.append(middle, 1.0)[:, None])[..., 0]
     # On an edge, rounding decides the side; outside of all, the nearest triangle carries.
-    least = max(1e-9, min(outside for outside, _, _, _ in found) + 1e-9)
-    found = [one for one in found if one[0] <= least]
-    lowest = min(value for _, value, _, _ in found)
-    for _, value, three, weights in found:
-        if value < lowest + SAME:
-            out[list(three)] += np.maximum(weights, 0.0)
+    outside = np.maximum(-weights, 0.0).sum(axis=1)
+    near = outside <= max(1e-9, outside.min() + 1e-9)
+    level = np.einsum("nk,nk->n", weights, height[threes])
+    rests = near & (level < level[near].min() + SAME)
+    out = np.zeros(len(points))
+    np.add.at(out, threes[rests], np.maximum(weights[rests], 0.0))
     return out / out.sum()
 
 
@@ -284,25 +248,13 @@ class Spring(NamedTuple):
 
         The spring holds the carriage at a stroke u while the command is u + Σ λ / stiffness, with
         the force λ of every leg there. So it goes on until that takes more than the command has.
-
-        Args:
-            legs: for each leg (n,) strokes in the order in which they come [m], and the forces
-                that push its outermost block out there [N].
-            way: +1 out, -1 back.
+        Each leg has (n,) strokes in the order in which they come [m], and the forces that push its
+        outermost block out there [N]; `way` is +1 out, -1 back.
         """
-        along = [_Along.of(stroke, force, way) for stroke, force in legs]
-        stroke = np.unique(np.concatenate([one.stroke for one in along]))
+        stroke, asked = _asked(legs, way)
         limit = self.amplitude if way > 0 else 0.0
-
-        def beyond(force: Floats) -> Floats:
-            """By how much the command would have to go past its end [m]."""
-            return stroke - way * limit + (force + self.more) / self.stiffness
-
-        reaches, goes_on = (
-            beyond(np.sum([one.at(stroke, column) for one in along], axis=0))
-            for column in (_FIRST, _LAST)
-        )
-        most = beyond(np.sum([one.at(stroke, _MOST) for one in along], axis=0))
+        # By how much the command would have to go past its end [m].
+        reaches, goes_on, most = stroke - way * limit + (asked + self.more) / self.stiffness
         over = np.flatnonzero(most > 10.0**-STROKE_DECIMALS)
         if not len(over):
             return float(way * stroke[-1])
@@ -315,37 +267,32 @@ class Spring(NamedTuple):
 
 def largest(legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
     """The largest force that all legs together ask of the drive on a way [N], as for `stops`."""
-    along = [_Along.of(stroke, force, way) for stroke, force in legs]
-    stroke = np.unique(np.concatenate([one.stroke for one in along]))
-    return float(np.max(np.sum([one.at(stroke, _MOST) for one in along], axis=0)))
+    return float(_asked(legs, way)[1][2].max())
 
 
-_FIRST, _LAST, _MOST = range(3)
+def _asked(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Floats]:
+    """Strokes (k,) on a way, which counts as rising [m], and what all legs ask of the drive there.
 
-
-class _Along(NamedTuple):
-    """What a leg asks of the drive on its way, which counts as rising."""
-
-    stroke: Floats  # (k,) each once, rising [m]
-    force: Floats  # (3, k) as it comes there, as it goes on, and the largest between [N]
-
-    @classmethod
-    def of(cls, stroke: Floats, force: Floats, way: int) -> "_Along":
-        stroke = np.asarray(np.round(np.maximum.accumulate(way * stroke), STROKE_DECIMALS), float)
-        once, first = np.unique(stroke, return_index=True)
-        last = np.append(first[1:], len(stroke)) - 1
+    That is (3, k) as the carriage comes there, as it goes on, and the largest between [N].
+    """
+    each: list[tuple[Floats, Floats]] = []
+    for stroke, force in legs:
         rising = way * force
+        along = np.round(np.maximum.accumulate(way * stroke), STROKE_DECIMALS)
+        once, first = np.unique(along, return_index=True)
+        last = np.append(first[1:], len(along)) - 1
         most = np.maximum.reduceat(rising, first)
-        return cls(once, np.stack([rising[first], rising[last], most]))
+        each.append((once, np.stack([rising[first], rising[last], most])))
+    stroke = np.unique(np.concatenate([once for once, _ in each]))
+    return stroke, np.sum([_forces_at(stroke, *one) for one in each], axis=0)
 
-    def at(self, stroke: Floats, column: int) -> Floats:
-        """(m,) one of the forces at strokes (m,) [m]; between its own, on the straight line."""
-        after = np.clip(np.searchsorted(self.stroke, stroke), 0, len(self.stroke) - 1)
-        before = np.maximum(after - 1, 0)
-        width = self.stroke[after] - self.stroke[before]
-        part = np.divide(
-            stroke - self.stroke[before], width, out=np.ones_like(stroke), where=width > 0.0
-        )
-        part = np.clip(part, 0.0, 1.0)
-        between = (1.0 - part) * self.force[_LAST, before] + part * self.force[_FIRST, after]
-        return np.where(part < 1.0, between, self.force[column, after])
+
+def _forces_at(stroke: Floats, own: Floats, force: Floats) -> Floats:
+    """(3, m) forces of a leg at strokes (m,) [m]; between its own, on the straight line."""
+    after = np.clip(np.searchsorted(own, stroke), 0, len(own) - 1)
+    before = np.maximum(after - 1, 0)
+    width = own[after] - own[before]
+    part = np.divide(stroke - own[before], width, out=np.ones_like(stroke), where=width > 0.0)
+    part = np.clip(part, 0.0, 1.0)
+    between = (1.0 - part) * force[1, before] + part * force[0, after]
+    return np.where(part < 1.0, between, force[:, after])
