@@ -295,10 +295,10 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
     module = sys.modules[depths.__module__]  # its name is that of its function
     honest = module.go_round
 
-    def lost_when_deeper(other, *arguments):
-        if other.foot.below > 0.95e-3:
+    def lost_when_deeper(leg, stances, *others):
+        if stances[0].robot.foot.below > 0.95e-3:
             raise StaticsError("the engine could not go on")
-        return honest(other, *arguments)
+        return honest(leg, stances, *others)
 
     said = one.predict()
     monkeypatch.setattr(module, "go_round", lost_when_deeper)

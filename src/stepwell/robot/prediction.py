@@ -9,10 +9,19 @@ from itertools import product
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, Vec2, bisected, to_unit
+from stepwell.base import ByValue, Drawn, Vec2, bisected, to_unit
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import ROUNDING, Round, gait, go_round, go_rounds, rounds, stances_beside
+from stepwell.robot.rounds import (
+    ROUNDING,
+    Round,
+    asked,
+    gait,
+    go_round,
+    go_rounds,
+    rounds,
+    stances_beside,
+)
 from stepwell.robot.slide import STEPS, Slide, slide
 from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
@@ -25,23 +34,16 @@ def changes(
 ) -> Iterator[tuple[float, str]]:
     """Every value along `values` at which the answer changes, with the answer just past it.
 
-    Looks at each value in turn and then halves the stretch in which the answer changes; a change
-    that is undone between two neighbouring values goes unseen.
-
-    Args:
-        answer: what to ask at a value.
-        values: where to look, in order; the first one is where to start from.
-        halvings: of the stretch between two of them.
+    Each value is looked at in turn, from the first on, and the stretch in which the answer changes
+    is halved; a change that is undone between two neighbouring values goes unseen.
     """
     ask = cache(answer)
 
-    def same(known: str, value: float) -> bool:
-        return ask(value) == known
-
     known, before = ask(values[0]), values[0]
     for value in values[1:]:
-        while not same(known, value):
-            before = bisected(partial(same, known), before, value, halvings)[1]
+        while ask(value) != known:
+            same = partial(lambda known, at: ask(at) == known, known)
+            before = bisected(same, before, value, halvings)[1]
             known = ask(before)
             yield before, known
         before = value
@@ -50,20 +52,16 @@ def changes(
 # A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
 WALKS = 0.1
 TURNS = math.radians(3.0)
-# A push shorter than this share of the largest step is none.
-PUSHES = 0.1
+PUSHES = 0.1  # a push shorter than this share of the largest step is none
 # Tolerances on the states beside the usual one, which the gait must not depend on.
 TOLERANCES = (0.15, 0.25)
-# Steps in which an antenna's swing is looked at before its threshold is closed in on.
-LOOKS = 17
+LOOKS = 17  # steps in which an antenna's swing is looked at before its threshold is closed in on
 # Forces [N] at which the margin is looked for: no cell of a robot that walks needs more.
 FORCES = (0.0, *np.geomspace(0.004, 2.0, 10).tolist())
-
 # How much deeper the feet are put in looking for where the gait changes [m], and how often the last
 # of these stretches is halved: close to the feet to a hundredth of a millimetre.
 DEEPER = tuple(1e-4 * 2.0**k for k in range(7))
 DEPTH_HALVINGS = 4
-
 # Between which shares and multiples of the largest force over the command the least stiffness of
 # a drive is looked for; how close; in how many steps where the ways alone do not tell it, and how
 # often the last of these stretches is halved.
@@ -111,14 +109,13 @@ class Push(ByValue):
 
     Attributes:
         loading: True on the way out, False on the way back.
-        step: how far the foot goes back under the body while it stands [m]; negative for a
-            step that takes the body backwards.
-        gain: how far the body goes over it [m].
-        slip: how far the foot slides [m].
+        step: how far the foot goes back under the body while it stands [m]; negative for a step
+            that takes the body backwards.
+        gain, slip: how far the body goes over the foot, and how far the foot slides [m].
         load: what the foot carries while it pushes, on average [N].
         drag: of the floor on the whole robot [N], as given.
-        largest_drag: up to which this push goes on [N], in the terms of `Floor.drag` and at
-            that average load; infinite where nothing ends it.
+        largest_drag: up to which this push goes on [N], in the terms of `Floor.drag` and at that
+            average load; infinite where nothing ends it.
         limit: what then happens.
     """
 
@@ -181,23 +178,22 @@ class LegPrediction(ByValue):
 
     Attributes:
         name: of the leg.
-        gait: states as "00>10>11>01>00", a cell within a fifth of its travel from a stop
-            counting as there; of the cycle that repeats itself.
-        advance: how far a cycle takes the body over this leg's foot while it stands, over
-            u_max, the leg's largest step [1].
+        gait: states as "00>10>11>01>00", a cell within a fifth of its travel from a stop counting
+            as there; of the cycle that repeats itself.
+        advance: how far a cycle takes the body over this leg's foot while it stands, over u_max,
+            the leg's largest step [1].
         slip: how far the foot slides on the floor in a cycle [m].
-        margin: the smallest constant force [N] that, added to the travel of one cell, in one
-            sense or the other, changes the gait; infinite where 2 N do not.
+        margin: the smallest constant force [N] that, added to the travel of one cell, in one sense
+            or the other, changes the gait; infinite where 2 N do not.
         nearest: what it then becomes, or "".
-        uncertainty: force [N] that this prediction does not know: damping at the drive's speed
-            and what the middle blocks lag behind where the drive turns.
-        alternatives: gaits that come out where what is assumed is changed within reason: no
-            drag, other feet in the air, a cell within 0.15 or 0.25 of its stop counting as there.
+        uncertainty: force [N] that this prediction does not know: damping at the drive's speed and
+            what the middle blocks lag behind where the drive turns.
+        alternatives: gaits that come out where what is assumed is changed within reason: no drag,
+            other feet in the air, a cell within 0.15 or 0.25 of its stop counting as there.
         pushes: of its foot, on the way out and back.
         flips: what its antennas do to it, in the order in which they come.
-        first_gait: of the first cycle, from all cells at 0. It is another where the drive is too
-            soft to bring the leg back to where it began; then margin, alternatives and flips
-            are those of the first cycle.
+        first_gait: of the first cycle, from all cells at 0; another where the drive is too soft to
+            bring the leg back. Then margin, alternatives and flips are those of the first cycle.
         rigid_gait: of a drive that does not give.
     """
 
@@ -252,12 +248,10 @@ class Prediction(ByValue, Drawn):
     """What a robot will do in a cycle, computed without simulation.
 
     Attributes:
-        robot: which.
-        legs: for each leg.
-        advance: displacement forward in a cycle over u_max, the legs' largest step [1]; of the
-            cycle that repeats itself, as all below.
-        sideways: displacement to the left over u_max [1].
-        turn: rotation to the left in a cycle [rad].
+        robot, legs: which, and what each of its legs will do.
+        advance, sideways: displacement forward and to the left in the cycle that repeats itself,
+            over u_max, the legs' largest step [1].
+        turn: rotation to the left in that cycle [rad].
         first_advance: displacement forward in the first cycle over u_max [1].
         strokes: least and largest stroke of the carriage [m].
         too_soft: what the drive's spring does to the gait, in words; "" where it changes nothing.
@@ -283,7 +277,7 @@ class Prediction(ByValue, Drawn):
     def depths(self) -> tuple[tuple[float, float], ...]:
         """For each leg the depths of the feet [m] between which it surely keeps its gait.
 
-        Worked out when it is first asked for, in as long as the prediction took.
+        Worked out when they are first asked for, in as long as the prediction took.
         """
         return depths(self.robot)
 
@@ -351,10 +345,10 @@ def predict(robot: Robot) -> Prediction:
     slid, firsts = slide(robot, found), tuple(one.first for one in found)
     x, y, turn = slid.displacement()
     begun = x if firsts == found else slide(robot, firsts).displacement()[0]
-    most = robot.u_max
+    rigid, softer = _other_drives(robot, found)
     rigid, softer = _other_drives(robot, found)
     # What can be doubted of legs that are alike, and what antennas do to them, is the same.
-    doubts = cache(lambda i: _doubts(robot, firsts[i]))
+    doubts = cache(lambda i: _doubts(firsts[i]))
     flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
     legs: list[LegPrediction] = []
     for i, (one, first) in enumerate(zip(found, _first_alike(found), strict=True)):
@@ -380,8 +374,8 @@ def predict(robot: Robot) -> Prediction:
                 rigid[i],
             )
         )
+    ways = x / robot.u_max, y / robot.u_max, turn, begun / robot.u_max
     strokes = found[0].turns.back, found[0].turns.out
-    ways = x / most, y / most, turn, begun / most
     return Prediction(robot, tuple(legs), *ways, strokes, too_soft(robot))
 
 
@@ -401,9 +395,8 @@ def too_soft(robot: Robot) -> str:
         StaticsError: the engine could not go on; its text says what to do.
     """
     found, gaits, stiffness = rounds(robot), predicted_gaits(robot), robot.drive.stiffness
-    if _passes(robot, found, stiffness) or gaits == tuple(
-        one.gait() for one in rounds(robot, math.inf)
-    ):
+    if _passes(robot, found, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
+        return ""
         return ""
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs go from "
@@ -411,49 +404,47 @@ def too_soft(robot: Robot) -> str:
         f"of {to_unit(robot.drive.amplitude, 'mm'):g} mm"
     )
     firsts = tuple(one.first for one in found)
-    if gaits == tuple(one.gait() for one in firsts):
+    if gaits == _gaits(firsts):
         return text
-    most = robot.u_max
-    advance = slide(robot, firsts).displacement()[0] / most
+    advance = slide(robot, firsts).displacement()[0] / robot.u_max
     states = ", ".join(dict.fromkeys(gait or "none" for gait in gaits))
     stuck = all(">" not in gait for gait in gaits)
     then = f"is stuck in state {states}" if stuck else f"goes on as {states}"
     return f"{text}; the first cycle goes {advance:.2f} of u_max, then the robot {then}"
 
 
-def _other_drives(robot: Robot, found: tuple[Round, ...]) -> tuple[list[str], list[list[str]]]:
+def _gaits(found: Sequence[Round]) -> tuple[str, ...]:
+    return tuple(one.gait() for one in found)
+
+
+def _other_drives(
+    robot: Robot, found: tuple[Round, ...]
+) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Gaits of all legs behind a drive that does not give; and with what is not known of forces.
 
     Where the drive has force to spare they are those found, and nothing is followed again.
     """
-    stances, own = [one.stances for one in found], [one.gait() for one in found]
     unknown = sum(_uncertainty(robot, one.leg) for one in found)
     if _passes(robot, found, robot.drive.stiffness, unknown):
-        return own, []
-    rigid = [one.gait() for one in rounds(robot, math.inf)]
+        return _gaits(found), []
+    stances = [one.stances for one in found]
     others = (go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown))
-    return rigid, [[one.gait() for one in other] for other in others]
-
-
-def _ways(found: Sequence[Round]) -> tuple[list[tuple[Floats, Floats]], ...]:
-    """For the way out and the way back, strokes [m] and forces [N] of every leg."""
-    return tuple(
-        [(one.halves[half].stroke, one.halves[half].force) for one in found] for half in (0, 1)
-    )
+    return _gaits(rounds(robot, math.inf)), list(map(_gaits, others))
 
 
 def _passes(robot: Robot, found: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
     """Whether a drive takes the carriage all the way out and back along these rounds."""
-    spring, (out, back) = Spring(robot.drive.amplitude, stiffness, more), _ways(found)
+    spring = Spring(robot.drive.amplitude, stiffness, more)
     reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in found))
-    return spring.stops(out, 1) >= reach - ROUNDING and spring.stops(back, -1) <= ROUNDING
+    out, back = spring.stops(asked(found, 0), 1), spring.stops(asked(found, 1), -1)
+    return out >= reach - ROUNDING and back <= ROUNDING
 
 
 def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
     """Whether it takes it so far that the legs visit the same states on these ways."""
     spring = Spring(robot.drive.amplitude, stiffness)
-    for half, (legs, way) in enumerate(zip(_ways(found), (1, -1), strict=True)):
-        end = spring.stops(legs, way)
+    for half, way in enumerate((1, -1)):
+        end = spring.stops(asked(found, half), way)
         for one in found:
             ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
             gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
@@ -467,14 +458,11 @@ def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
 def drive_needs(robot: Robot) -> DriveNeeds:
     """What a motor must have for the gait that a robot has behind a drive that does not give.
 
-    Args:
-        robot: any robot; its drive's stiffness is not looked at.
-
     Raises:
         StaticsError: the engine could not go on; its text says what to do.
     """
     found = rounds(robot, math.inf)
-    push, pull = (largest(legs, way) for legs, way in zip(_ways(found), (1, -1), strict=True))
+    push, pull = largest(asked(found, 0), 1), largest(asked(found, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
 
@@ -483,14 +471,14 @@ def drive_needs(robot: Robot) -> DriveNeeds:
         if does(softest):
             return softest
         logs = math.log(stiffest), math.log(softest)
-        return math.exp(bisected(lambda log: does(math.exp(log)), logs[0], logs[1], 30)[0])
+        return math.exp(bisected(lambda log: does(math.exp(log)), *logs, 30)[0])
 
     # Between these two the drive stops the carriage past the last state that a leg visits.
     enough = least(partial(_passes, robot, found))
     needed = min(enough, least(partial(_visits, robot, found)))
 
     def gaits(stiffness: float) -> str:
-        return str([one.gait() for one in go_rounds(robot, [e.stances for e in found], stiffness)])
+        return str(_gaits(go_rounds(robot, [one.stances for one in found], stiffness)))
 
     looks = np.geomspace(enough, needed * (1.0 - WITHIN), LOOKS_FOR_STIFFNESS).tolist()
     if needed < (1.0 - WITHIN) * enough:
@@ -500,15 +488,10 @@ def drive_needs(robot: Robot) -> DriveNeeds:
 
 @lru_cache(maxsize=32)
 def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
-    """Between which depths of the feet each leg surely keeps the gait that is predicted.
+    """Between which depths below the supports [m] each leg surely keeps the gait predicted.
 
-    Args:
-        robot: any robot.
-
-    Returns:
-        For each leg the least and the largest depth of the feet below the supports [m] at which
-        its gait is the same whatever the force that the prediction does not know, all else as it
-        is; twice their own depth where it may be another already.
+    There its gait is the same whatever the force that the prediction does not know, all else as it
+    is; both are the feet's own depth where it may be another already.
 
     Raises:
         StaticsError: the engine could not go on; its text says what to do.
@@ -528,14 +511,7 @@ def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
 
 def _first_alike(found: Sequence[Round]) -> list[int]:
     """For each leg the number of the first one that is the same, or is so in a mirror."""
-    alike = [
-        (
-            one.leg.chain,
-            *(np.round([*foot.load, *foot.sharing], 9).tobytes() for foot in one.stances),
-        )
-        for one in found
-    ]
-    return [alike.index(each) for each in alike]
+    return [[other.alike(one.leg, one.stances) for other in found].index(True) for one in found]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
@@ -550,7 +526,7 @@ def _uncertainty(robot: Robot, leg: Leg) -> float:
     return damping * speed / 2.0 + falls * speed * late
 
 
-def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
+def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
     """Smallest force [N] on one cell that changes the gait, what it becomes, and alternatives."""
     cells = len(one.leg.chain)
     # At a given stroke a force on one of two cells does what its opposite does on the other.
@@ -559,8 +535,7 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
     for cell, sense in product(tried, (1.0, -1.0)):
 
         def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
-            extra = {cell: sense * force}
-            return go_round(robot, one.leg, one.stances, extra, one.turns).gait()
+            return go_round(one.leg, one.stances, one.turns, {cell: sense * force}).gait()
 
         nearer = [force for force in FORCES if force < margin]
         looks = [*nearer, margin] if math.isfinite(margin) else nearer
@@ -573,7 +548,7 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
         [replace(foot, drags=False) for foot in one.stances],
         [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances],
     ):
-        others.add(go_round(robot, one.leg, (out, back), turns=one.turns).gait())
+        others.add(go_round(one.leg, (out, back), one.turns).gait())
     return margin, nearest, tuple(sorted(others - {one.gait()}))
 
 
@@ -588,9 +563,9 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
         other = replace(robot, foot=replace(foot, below=below))
         stances = stances_beside(other, index, found, leaning(other))
         for force in (unknown, -unknown):
+            extra = {len(leg.chain) - 1: force}
             try:
-                extra = {len(leg.chain) - 1: force}
-                after = go_round(other, leg, stances, extra, found[index].turns).gait()
+                after = go_round(leg, stances, found[index].turns, extra).gait()
             except StaticsError:
                 return "not followed"  # so it is not sure
             if after != gait:
@@ -613,7 +588,7 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
     def thresholds(force: float) -> list[tuple[float, str]]:
         def pressed(share: float) -> str:
             leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
-            return go_round(robot, leg, one.stances, {last: force}, one.turns).gait()
+            return go_round(leg, one.stances, one.turns, {last: force}).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
@@ -661,7 +636,7 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
     def dragged(drag: float) -> str:
         other = replace(robot, floor=replace(robot.floor, drag=drag))
         out, back = (replace(foot, robot=other) for foot in one.stances)
-        return go_round(other, one.leg, (out, back), turns=one.turns).gait()
+        return go_round(one.leg, (out, back), one.turns).gait()
 
     start = robot.floor.drag
     if slips > start:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import groupby
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -38,12 +39,8 @@ TRIAL: Schema = (
 def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
     """States as "01", or None where a cell is in transit.
 
-    Args:
-        share: (n, cells) travel of each cell over its full travel [1].
-        tolerance: share of its travel within which a cell counts as at its stop [1].
-
-    Returns:
-        One for each of the n.
+    Each of the n is told of `share` (n, cells), the travel of each cell over its full travel [1]; a
+    cell counts as at its stop within `tolerance`, a share of its travel.
     """
     at_0, at_1 = np.asarray(share < tolerance), np.asarray(share > 1.0 - tolerance)
     resting = np.asarray((at_0 | at_1).all(axis=1))
@@ -54,23 +51,16 @@ def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
 
 
 def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
-    """The states that follow each other, as "00>10>11>01>00".
+    """The states that follow each other, as "00>10>11>01>00"; "" where none is visited.
 
-    Args:
-        share: (n, cells) travel of each cell over its full travel [1], over one cycle.
-        tolerance: share of its travel within which a cell counts as at its stop [1].
-
-    Returns:
-        The states without repetition, "" where none is visited.
+    Arguments are as for `states`, of one cycle.
     """
-    visited: list[str] = []
-    for state in states(share, tolerance):
-        if state is not None and (not visited or visited[-1] != state):
-            visited.append(state)
-    return ">".join(visited)
+    found = filter(None, states(share, tolerance))
+    return ">".join(state for state, _ in groupby(found))
 
 
 Extra = Mapping[int, float]
+Stances = tuple[Stance, Stance]
 
 MOST_PHASES = 16  # a foot that lands and lifts more often in one way is chattering
 PASSES = 3
@@ -91,35 +81,24 @@ class Turns(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FootPhase:
-    """A part of a way in which the foot stands, or is in the air.
-
-    Attributes:
-        foot: how it stands, where it does.
-        way: +1 out, -1 back.
-        stands: whether it does.
-        weighed: step at which the weight was taken that the last cell feels [m].
-        begin: (cells,) travels at its start [m].
-        travel: (n, cells) [m].
-        shared: (n,) force that all cells share as they are followed [N], see `_loaded`.
-        added: (k,) load of the stepping cell in place of the last one's, at the stance's steps [N].
-    """
+    """A part of a way in which the foot stands, or is in the air."""
 
     foot: Stance
-    way: int
+    way: int  # +1 out, -1 back
     stands: bool
-    weighed: float
-    begin: Floats
-    travel: Floats
-    shared: Floats
-    added: Floats
+    weighed: float  # step at which the weight was taken that the last cell feels [m]
+    begin: Floats  # (cells,) travels at its start [m]
+    travel: Floats  # (n, cells) [m]
+    shared: Floats  # (n,) force that all cells share as they are followed [N], see `_loaded`
+    added: (
+        Floats  # (k,) load of the stepping cell in the last one's place, at the stance's steps [N]
+    )
 
     def force(self) -> Floats:
-        """(n,) force with which the drive pushes this leg's outermost block out [N].
-
-        At a given stroke a force that is the same on every cell moves nothing, and the cells are
-        followed without it. The drive bears it: what holds the foot along the floor, less what
-        the stepping cell was given in place of the last one, and the other half of the lag.
-        """
+        """(n,) force with which the drive pushes this leg's outermost block out [N]."""
+        # The same force on every cell moves nothing at a given stroke, and the cells are followed
+        # without it. The drive bears it: what holds the foot along the floor, less what the
+        # stepping cell was given in place of the last one, and the other half of the lag.
         foot, step = self.foot, self.travel[:, :-1].sum(axis=1)
         along = foot.hold(self.load(), step) + _lag(foot.robot)
         return self.shared + self.way * along - np.interp(step, foot.step, self.added)
@@ -184,21 +163,13 @@ class HalfRound:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A leg's way out and back, and how its foot stands on each.
-
-    Attributes:
-        leg: whose.
-        halves: out and back.
-        stances: of its foot, out and back.
-        turns: where it begins, turns and ends.
-        before: the cycle before this one, None for the first, which begins with every cell at 0.
-    """
+    """A leg's way out and back, and how its foot stands on each."""
 
     leg: Leg
-    halves: tuple[HalfRound, HalfRound]
-    stances: tuple[Stance, Stance]
+    halves: tuple[HalfRound, HalfRound]  # out and back, as the stances of the foot
+    stances: Stances
     turns: Turns
-    before: "Round | None" = None
+    before: "Round | None" = None  # the cycle before, None for the first, from all cells at 0
 
     @property
     def first(self) -> "Round":
@@ -210,14 +181,17 @@ class Round:
         full = np.array(self.leg.chain.full_travels)
         return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
+    def alike(self, leg: Leg, stances: Stances) -> bool:
+        """Whether another leg does what this one does: the same one, or so in a mirror."""
+        pairs = zip(self.stances, stances, strict=True)
+        return self.leg.chain == leg.chain and all(own.alike(other) for own, other in pairs)
+
 
 @lru_cache(maxsize=32)
 def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
     """The round of every leg, each with the others where they are at the same stroke.
 
-    Args:
-        robot: any robot.
-        stiffness: of the drive [N/m]; its own by default.
+    The drive has another `stiffness` [N/m] than its own where that is given.
     """
     setting_out = leaning(robot)
     found: tuple[Round, ...] = ()
@@ -228,48 +202,29 @@ def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
 
 
 def go_rounds(
-    robot: Robot, stances: Sequence[tuple[Stance, Stance]], stiffness: float, more: float = 0.0
+    robot: Robot, stances: Sequence[Stances], stiffness: float, more: float = 0.0
 ) -> tuple[Round, ...]:
     """Follow all legs from all cells at 0, cycle after cycle until one ends where it began.
 
-    The legs' outermost blocks are one carriage that the drive pushes through a spring. At every
-    stroke the legs are chains of their own, and the carriage stands where the spring gives the
-    sum of their forces. It goes through a stretch in which they fall faster than the spring's at
-    once, and turns where the command, at its end, takes it no further.
-
-    Args:
-        robot: whose weight, floor and command.
-        stances: how the foot of each leg stands on the way out and back.
-        stiffness: of the drive [N/m].
-        more: force that the drive has to bear besides, against the carriage [N].
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
+    The legs' outermost blocks are one carriage that the drive pushes through a spring, against a
+    force `more` besides [N]. At every stroke the legs are chains of their own, and the carriage
+    stands where the spring gives the sum of their forces. It goes through a stretch in which they
+    fall faster than the spring's at once, and turns where the command takes it no further.
     """
     spring = Spring(robot.drive.amplitude, stiffness, more)
-    reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     begins: list[tuple[float, ...]] = [(0.0,) * len(leg.chain) for leg in robot.legs]
-    found = _cycle(robot, stances, spring, begins, reach)
+    found = _cycle(robot, stances, spring, begins)
     for _ in range(MOST_CYCLES - 1):
         ends = [tuple(one.halves[1].travel[-1].tolist()) for one in found]
         if all(_closes(one, end) for one, end in zip(found, ends, strict=True)):
             break
         try:
-            then = _cycle(robot, stances, spring, ends, reach)
+            then = _cycle(robot, stances, spring, ends)
         except ValueError:
             # It rests in the middle of a jump: the next cycle is not known.
             break
         found = [replace(one, before=past) for past, one in zip(found, then, strict=True)]
     return tuple(found)
-
-
-def _alike(one: Round, leg: Leg, stances: tuple[Stance, Stance], begin: tuple[float, ...]) -> bool:
-    """Whether another leg does what a leg did: the same one, or so in a mirror."""
-    return (
-        one.leg.chain == leg.chain
-        and one.turns.begin == begin
-        and all(a.alike(b) for a, b in zip(one.stances, stances, strict=True))
-    )
 
 
 def _closes(one: Round, end: Sequence[float]) -> bool:
@@ -279,86 +234,61 @@ def _closes(one: Round, end: Sequence[float]) -> bool:
 
 
 def _cycle(
-    robot: Robot,
-    stances: Sequence[tuple[Stance, Stance]],
-    spring: Spring,
-    begins: Sequence[tuple[float, ...]],
-    reach: float,
+    robot: Robot, stances: Sequence[Stances], spring: Spring, begins: Sequence[tuple[float, ...]]
 ) -> list[Round]:
     """All legs out and back, as far as the spring takes them."""
 
     def go(out: float, back: float) -> list[Round]:
         done: list[Round] = []
         for leg, each, begin in zip(robot.legs, stances, begins, strict=True):
+            turns = Turns(begin, out, back)
             # What legs that are alike do is the same.
-            twin = next((one for one in done if _alike(one, leg, each, begin)), None)
-            if twin is None:
-                done.append(go_round(robot, leg, each, turns=Turns(begin, out, back)))
-            else:
-                done.append(replace(twin, leg=leg))
+            twins = (one for one in done if one.turns == turns and one.alike(leg, each))
+            twin = next(twins, None) or go_round(leg, each, turns)
+            done.append(replace(twin, leg=leg))
         return done
 
-    least = math.fsum(begins[0])
-    found = go(max(reach, least), 0.0)
-    out = spring.stops([(one.halves[0].stroke, one.halves[0].force) for one in found], 1)
+    reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
+    found = go(max(reach, math.fsum(begins[0])), 0.0)
+    out = spring.stops(asked(found, 0), 1)
     if out < reach - ROUNDING:
         found = go(out, 0.0)
-    back = spring.stops([(one.halves[1].stroke, one.halves[1].force) for one in found], -1)
+    back = spring.stops(asked(found, 1), -1)
     return found if back < ROUNDING else go(out, back)
+
+
+def asked(found: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
+    """What a `Spring` takes of every leg, its strokes [m] and forces [N], out (0) or back (1)."""
+    return [(one.halves[half].stroke, one.halves[half].force) for one in found]
 
 
 def stances_beside(
     robot: Robot, index: int, found: Sequence[Round], setting_out: Floats
-) -> tuple[Stance, Stance]:
+) -> Stances:
     """How the foot of one leg stands, out and back, while the other legs go as found.
 
-    Args:
-        robot: the one that was found, or with another foot or floor.
-        index: of the leg.
-        found: the round of each leg; none while all are taken to step alike.
-        setting_out: (legs,) force of the floor on each foot before it has stepped [N].
+    All legs are taken to step alike while none is found. Before it has stepped the floor bears each
+    foot with the force `setting_out` (legs,) [N].
     """
     share, leg = np.linspace(0.0, 1.0, POINTS)[:, None], robot.legs[index]
-    alike = [
-        share * np.array([*(cell.full_travel for cell in one.chain.cells[:-1]), 0.0])
-        for one in robot.legs
-    ]
-    # Like legs step together, whatever either would do at that stroke alone.
     stroke = np.linspace(0.0, leg.stroke, POINTS)
     out, back = (
         [
-            together if one.leg.chain == leg.chain else one.first.halves[half].at(stroke)[0]
-            for one, together in zip(found, alike, strict=True)
+            # Like legs step together, whatever either would do at that stroke alone.
+            share * np.append(one.chain.full_travels[:-1], 0.0)
+            if not found or one.chain == leg.chain
+            else found[k].first.halves[half].at(stroke)[0]
+            for k, one in enumerate(robot.legs)
         ]
-        if found
-        else alike
         for half in (0, 1)
     )
     return stance(robot, index, out, setting_out[index]), stance(robot, index, back)
 
 
 def go_round(
-    robot: Robot,
-    leg: Leg,
-    stances: tuple[Stance, Stance],
-    extra: Extra = MappingProxyType({}),
-    turns: Turns | None = None,
+    leg: Leg, stances: Stances, turns: Turns, extra: Extra = MappingProxyType({})
 ) -> Round:
-    """Follow a leg out and back.
-
-    Args:
-        robot: whose weight and floor.
-        leg: of this robot, or with anchors moved.
-        stances: how its foot stands on the way out and back.
-        extra: cell number to a constant force against its travel to add [N].
-        turns: where it begins and turns; from all cells at 0 to the drive's amplitude and back by
-            default.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
-    """
-    reach = min(robot.drive.amplitude, leg.chain.full_stroke)
-    turns = turns or Turns((0.0,) * len(leg.chain), reach, 0.0)
+    """Follow a leg out and back; `extra` is a constant force against the travel of a cell [N]."""
     begin = np.array(turns.begin)
     out = _half(leg, stances[0], 1, begin, turns.out, extra)
     try:
@@ -398,11 +328,7 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
 
 
 def _phase(leg: Leg, phase: FootPhase, until: float, extra: Extra) -> tuple[FootPhase, FootPhase]:
-    """Follow from the beginning of a phase until the foot lifts or lands.
-
-    Returns:
-        The phase; and what would come past its end, if it went on.
-    """
+    """Follow until the foot lifts or lands: the phase, and what would come past its end."""
     foot, at = phase.foot, phase.begin
     # Half a handover either side tells a foot that stands from one that does not.
     margin = HANDOVER / 2 if phase.stands else -HANDOVER / 2
@@ -434,12 +360,10 @@ def _lag(robot: Robot) -> float:
 
 
 def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
-    """The leg's chain with all that the floor does to it, as loads of its cells.
+    """The leg's chain with all that the floor does to it, as loads of its cells, and `added`.
 
-    The last cell feels the weight that the foot carries at the step where it was weighed. While
-    it stands, the change of that from where it is, is a load on the cells that step: at a
-    given stroke the same force against those moves the chain as much as it would for the last.
-    That load of the stepping cell, at the stance's steps [N], comes with the chain.
+    While the foot stands, the change of the weight that the last cell feels is a load on the cells
+    that step: at a given stroke it moves the chain as its opposite would on the last cell.
     """
     foot, way, at = phase.foot, phase.way, phase.begin
     # Damping holds back what moves and not what rests. Half of it as friction on every cell
