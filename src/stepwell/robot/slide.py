@@ -11,87 +11,62 @@ from stepwell.robot.rounds import Round
 from stepwell.robot.stance import feet_places, supports_load, touch
 
 STEPS = 320  # into which each way, out and back, is cut
-# Slides shorter than this share of a step count as none.
-NONE = 1e-5
+NONE = 1e-5  # slides shorter than this share of a step count as none
 ROUNDS = 60
 
 
 @dataclass(frozen=True)
 class Slide:
-    """A cycle on the floor, in steps of the stroke, out and then back. n steps.
+    """A cycle on the floor, in n steps of the stroke, out and then back."""
 
-    Attributes:
-        twist: (n, 3) forward, to the left [m] and rotation to the left [rad], each step in the
-            frame of the body at its start.
-        push: (n, legs) how far each standing foot goes back under the body [m].
-        gain: (n, legs) how far the body goes forward over each standing foot's place [m].
-        slip: (n, legs) how far each standing foot slides on the floor [m].
-        load: (n, legs) force of the floor on each foot [N].
-    """
-
-    twist: Floats
-    push: Floats
-    gain: Floats
-    slip: Floats
-    load: Floats
+    twist: Floats  # (n, 3) forward, to the left [m] and to the left [rad], as the body then stands
+    push: Floats  # (n, legs) how far each standing foot goes back under the body [m]
+    gain: Floats  # (n, legs) how far the body goes forward over each standing foot's place [m]
+    slip: Floats  # (n, legs) how far each standing foot slides on the floor [m]
+    load: Floats  # (n, legs) force of the floor on each foot [N]
 
     def displacement(self) -> tuple[float, float, float]:
         """Forward, to the left [m] and to the left [rad], from the start of the cycle."""
-        x = y = yaw = 0.0
-        for along, across, turn in self.twist:
-            middle = yaw + turn / 2
-            x += along * np.cos(middle) - across * np.sin(middle)
-            y += along * np.sin(middle) + across * np.cos(middle)
-            yaw += turn
-        return float(x), float(y), float(yaw)
+        along, across, turn = self.twist.T
+        yaw = np.cumsum(turn)
+        ahead, aside = np.cos(yaw - turn / 2), np.sin(yaw - turn / 2)
+        x, y = along @ ahead - across @ aside, along @ aside + across @ ahead
+        return float(x), float(y), float(yaw[-1])
 
 
 def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
-    """What the legs' motion does to the body on the floor.
+    """What the rounds of the legs do to the body on the floor.
 
     At every step the body takes, of all small motions, the one in which friction under feet
     and supports takes least: that is Coulomb's friction without inertia, with feet that stick
     where that costs less than dragging them.
-
-    Args:
-        robot, rounds: the robot, and the round of each of its legs.
     """
-    edge = touch(robot)
-    rows: list[tuple[Floats, ...]] = []
-    supports = np.asarray(robot.body.supports, float)
+    edge, supports = touch(robot), np.asarray(robot.body.supports, float)
+    halves: list[tuple[Floats, ...]] = []
     for half in (0, 1):
         ways = [one.halves[half] for one in rounds]
         begin, end = ways[0].stroke[[0, -1]]
         stroke = np.linspace(min(begin, end), max(begin, end), STEPS + 1)[:: -1 if half else 1]
-        followed = [way.at(stroke) for way in ways]
-        middles = [way.at((stroke[1:] + stroke[:-1]) / 2) for way in ways]
-        for k in range(STEPS):
-            before, after = ([s[j] for s, _ in followed] for j in (k, k + 1))
-            middle = [s[k] for s, _ in middles]
-            load = np.array([carried[k] for _, carried in middles])
-            back = feet_places(robot, before)[:, 0] - feet_places(robot, after)[:, 0]
-            inside = [
-                _standing_share(a[-1], b[-1], edge) for a, b in zip(before, after, strict=True)
-            ]
-            push = np.where(load > 0.0, back * np.array(inside), 0.0)
-            held = supports_load(robot, middle, load)
-            grip = robot.floor.foot_friction * load
-            rubs = np.concatenate([grip, robot.support_friction * held])
-            moves = np.concatenate([-push, np.zeros(len(held))])
-            points = np.concatenate([feet_places(robot, middle), supports])
-            rows.append((points, rubs, moves, push, load))
-    points, rubs, moves, push, load = map(np.array, zip(*rows, strict=True))
+        followed = [way.at(stroke)[0] for way in ways]
+        middles, loads = zip(*(way.at((stroke[1:] + stroke[:-1]) / 2) for way in ways), strict=True)
+        load = np.stack(loads, axis=1)
+        back = -np.diff(feet_places(robot, followed)[..., 0], axis=0)
+        # The share of a step in which each foot touches.
+        last = np.stack([travel[:, -1] for travel in followed], axis=1)
+        low, high = np.minimum(last[1:], last[:-1]), np.maximum(last[1:], last[:-1])
+        part = np.where(high <= edge, 1.0, (edge - low) / np.where(high > low, high - low, 1.0))
+        push = np.where((load > 0.0) & (low < edge), back * part, 0.0)
+        held = supports_load(robot, middles, load)
+        rubs = np.hstack([robot.floor.foot_friction * load, robot.support_friction * held])
+        moves = np.hstack([-push, np.zeros_like(held)])
+        standing = np.broadcast_to(supports, (STEPS, *supports.shape))
+        points = np.concatenate([feet_places(robot, middles), standing], axis=1)
+        halves.append((points, rubs, moves, push, load))
+    points, rubs, moves, push, load = map(np.concatenate, zip(*halves, strict=True))
     twist, slid = _least(points, rubs, moves)
     across = np.array([leg.at[1] for leg in robot.legs])
     gain = np.where(load > 0.0, twist[:, :1] - twist[:, 2:] * across, 0.0)
     return Slide(twist, push, gain, np.where(load > 0.0, slid[:, : len(rounds)], 0.0), load)
-
-
-def _standing_share(a: float, b: float, edge: float) -> float:
-    """Share of a step from travel a to b of the last cell [m] in which the foot touches."""
-    if min(a, b) >= edge:
-        return 0.0
-    return 1.0 if max(a, b) <= edge else (edge - min(a, b)) / abs(b - a)
 
 
 def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -159,15 +159,13 @@ def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
     return np.where(stands, weight * share + own, 0.0)
 
 
-def supports_load(robot: Robot, travels: list[Floats], feet: Floats) -> Floats:
-    """Force of the floor on each support (supports,) [N] while the feet carry `feet` [N]."""
+def supports_load(robot: Robot, travels: Sequence[Floats], feet: Floats) -> Floats:
+    """Force of the floor on each support (..., supports) [N] while the feet carry `feet` [N]."""
     supports = np.asarray(robot.body.supports, float)
     own = robot.foot.mass * robot.floor.gravity
     weight, middle = _body_weight(robot, travels, feet - own)
-    if weight <= 0.0:
-        return np.zeros(len(supports))
     every = np.ones(len(supports), bool)
-    return weight * _shares(supports, np.zeros(len(supports)), every, middle)
+    return weight[..., None] * _shares(supports, np.zeros(len(supports)), every, middle)
 
 
 def stands_proud(robot: Robot, travel: Floats) -> bool:
@@ -175,62 +173,62 @@ def stands_proud(robot: Robot, travel: Floats) -> bool:
     return bool(travel[-1] <= max(robot.foot.contact_travel - HANDOVER, 0.0))
 
 
-def feet_places(robot: Robot, travels: list[Floats]) -> Floats:
-    """(legs, 2) of the feet in the body's frame [m]."""
+def feet_places(robot: Robot, travels: Sequence[Floats]) -> Floats:
+    """(..., legs, 2) of the feet in the body's frame [m], by travels (..., cells) of each leg."""
     # A tip hangs midway between the block before the outermost one and that one.
-    back = [travel[:-1].sum() + travel[-1] / 2 for travel in travels]
-    return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros(len(back))], axis=1)
+    back = np.stack([s[..., :-1].sum(axis=-1) + s[..., -1] / 2 for s in travels], axis=-1)
+    return np.array([leg.at for leg in robot.legs]) - np.stack([back, 0.0 * back], axis=-1)
 
 
-def _body_weight(robot: Robot, travels: list[Floats], lifted: Floats) -> tuple[float, Floats]:
-    """What feet that lift the body by these forces (legs,) [N] leave of its weight [N], and where.
+def _body_weight(robot: Robot, travels: Sequence[Floats], lifted: Floats) -> tuple[Floats, Floats]:
+    """What feet that lift the body by these forces (..., legs) leave of its weight [N], and where.
 
-    The weight acts on the point (x, y) [m].
+    It acts on the point (x, y) (..., 2) [m].
     """
     mass, centre = _without_feet(robot, travels)
     whole = mass * robot.floor.gravity
-    weight = whole - float(lifted.sum())
-    if weight <= 0.0:
-        return 0.0, centre
-    return weight, (whole * centre - lifted @ feet_places(robot, travels)) / weight
+    weight = np.maximum(whole - lifted.sum(axis=-1), 0.0)
+    moment = whole * centre - np.einsum("...k,...kj->...j", lifted, feet_places(robot, travels))
+    return weight, moment / np.where(weight > 0.0, weight, np.inf)[..., None]
 
 
-def _without_feet(robot: Robot, travels: list[Floats]) -> tuple[float, Floats]:
-    """Mass [kg] and (x, y) of the centre of mass [m] of all but the feet."""
-    parts = [(robot.body.mass, robot.body.centre[0], robot.body.centre[1])]
-    half = robot.foot.span / 2
-    for leg, travel in zip(robot.legs, travels, strict=True):
+def _without_feet(robot: Robot, travels: Sequence[Floats]) -> tuple[float, Floats]:
+    """Mass [kg] and (x, y) of the centre of mass (..., 2) [m] of all but the feet."""
+    parts: list[tuple[float, Any, Any]] = [(robot.body.mass, *robot.body.centre[:2])]
+    half, strokes = robot.foot.span / 2, [travel.sum(axis=-1) for travel in travels]
+    for leg, travel, stroke in zip(robot.legs, travels, strokes, strict=True):
         x, y = leg.at
-        ahead = robot.blocks.length * np.arange(len(travel) - 2, -1, -1)
-        places = [*(x + half + ahead - np.cumsum(travel[:-1])), x - half - travel.sum()]
-        parts += [(robot.blocks.mass, place, y) for place in places]
+        *moved, _ = np.moveaxis(np.cumsum(travel, axis=-1), -1, 0)
+        for ahead, back in zip(reversed(range(len(moved))), moved, strict=True):
+            parts.append((robot.blocks.mass, x + half + ahead * robot.blocks.length - back, y))
+        parts.append((robot.blocks.mass, x - half - stroke, y))
     x, y = np.mean([leg.at for leg in robot.legs], axis=0)
-    stroke = np.mean([travel.sum() for travel in travels])
-    parts.append((robot.blocks.carriage, x - half - stroke, y))
+    parts.append((robot.blocks.carriage, x - half - np.mean(strokes, axis=0), y))
     for antenna in robot.antennas:
         (x, y), reach = antenna.pivot, antenna.length / 2
         tip = (x + reach * np.cos(antenna.angle), y + reach * np.sin(antenna.angle))
         parts.append((antenna.mass, *tip))
-    table = np.array(parts)
-    mass = float(table[:, 0].sum())
-    return mass, table[:, 0] @ table[:, 1:] / mass
+    mass = sum(part[0] for part in parts)
+    moments = (sum(part[0] * part[k] for part in parts) for k in (1, 2))
+    return mass, np.stack(np.broadcast_arrays(*moments), axis=-1) / mass
 
 
 def _shares(points: Floats, height: Floats, usable: Bools, middle: Floats) -> Floats:
-    """(points,) share of the weight on each, 0 .. 1."""
+    """(..., points) share of a weight at (..., 2) [m] on each, 0 .. 1."""
     threes = np.array([*combinations(np.flatnonzero(usable), 3)])
     corners = np.insert(points[threes], 2, 1.0, axis=2).swapaxes(1, 2)
     wide = np.abs(np.linalg.det(corners)) >= 1e-12
     threes, corners = threes[wide], corners[wide]
-    weights = np.linalg.solve(corners, np.append(middle, 1.0)[:, None])[..., 0]
+    place = np.insert(middle, 2, 1.0, axis=-1)[..., None, :, None]
+    weights = np.linalg.solve(corners, place)[..., 0]
     # On an edge, rounding decides the side; outside of all, the nearest triangle carries.
-    outside = np.maximum(-weights, 0.0).sum(axis=1)
-    near = outside <= max(1e-9, outside.min() + 1e-9)
-    level = np.einsum("nk,nk->n", weights, height[threes])
-    rests = near & (level < level[near].min() + SAME)
-    out = np.zeros(len(points))
-    np.add.at(out, threes[rests], np.maximum(weights[rests], 0.0))
-    return out / out.sum()
+    outside = np.maximum(-weights, 0.0).sum(axis=-1)
+    near = outside <= np.maximum(1e-9, outside.min(axis=-1, keepdims=True) + 1e-9)
+    level = np.where(near, (weights * height[threes]).sum(axis=-1), np.inf)
+    rests = level < level.min(axis=-1, keepdims=True) + SAME
+    carried = np.where(rests[..., None], np.maximum(weights, 0.0), 0.0)
+    out = np.einsum("...tk,tkp->...p", carried, np.eye(len(points))[threes])
+    return out / out.sum(axis=-1, keepdims=True)
 
 
 STROKE_DECIMALS = 12  # decimals of a stroke [m] that count
