@@ -74,15 +74,7 @@ class Wall(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cylinder(ByValue):
-    """An upright cylinder.
-
-    Args:
-        at: (x, y) of its axis [m].
-        radius: [m], > 0.
-
-    Raises:
-        ValueError: a radius of nothing.
-    """
+    """An upright cylinder about the axis `at` (x, y) [m]; a `radius` [m] must be > 0."""
 
     at: Vec2
     radius: float = 0.025
@@ -94,14 +86,9 @@ class Cylinder(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Goal(ByValue):
-    """A disc that the body's origin has to reach.
+    """A disc that the body's origin has to reach, about `at` (x, y) [m].
 
-    Args:
-        at: (x, y) of its middle [m].
-        radius: [m], > 0.
-
-    Raises:
-        ValueError: a radius of nothing.
+    Its `radius` [m] is > 0, or a `ValueError`.
     """
 
     at: Vec2
@@ -129,8 +116,7 @@ class Arena(ByValue):
         unusual: True where an arena smaller than a hand or larger than a field is meant.
 
     Raises:
-        ValueError: a start inside a wall or a cylinder, or sizes that are probably in another
-            unit.
+        ValueError: a start inside a wall or a cylinder, or sizes probably in another unit.
     """
 
     walls: Sequence[Wall] = ()
@@ -181,38 +167,25 @@ class Arena(ByValue):
 def other_start(
     arena: Arena, seed: int, *, place: float = PLACE, heading: float = HEADING
 ) -> Arena:
-    """The same arena, entered a little elsewhere.
+    """The same arena, entered a little elsewhere, drawn by a seed.
 
     Args:
-        arena: any.
-        seed: of the draw.
         place: largest shift along x and along y [m].
         heading: largest rotation [rad].
-
-    Returns:
-        The arena with another start.
 
     Raises:
         ValueError: the start that was drawn lies inside an obstacle.
     """
-    draw = np.random.default_rng(seed).uniform(-1.0, 1.0, 3)
-    x, y = arena.start
-    return arena.from_start(
-        (x + place * draw[0], y + place * draw[1]), arena.heading + heading * draw[2]
-    )
+    dx, dy, turn = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * (place, place, heading)
+    return arena.from_start((arena.start[0] + dx, arena.start[1] + dy), arena.heading + turn)
 
 
 def other_layout(arena: Arena, seed: int, *, place: float = PLACE, angle: float = ANGLE) -> Arena:
-    """The same start among walls and cylinders that stand a little differently.
+    """The same start among walls and cylinders that stand a little differently, drawn by a seed.
 
     Args:
-        arena: any.
-        seed: of the draw.
         place: largest shift of each obstacle along x and along y [m].
         angle: largest rotation of each wall about its middle [rad].
-
-    Returns:
-        The arena with other obstacles.
 
     Raises:
         ValueError: the start lies inside an obstacle that was drawn.
@@ -225,8 +198,8 @@ def other_layout(arena: Arena, seed: int, *, place: float = PLACE, angle: float 
         along = np.array([math.cos(wall.angle + turn), math.sin(wall.angle + turn)])
         half = along * wall.length / 2
         walls.append(Wall(tuple(middle - half), tuple(middle + half), wall.thickness))
-    cylinders = []
-    for cylinder in arena.cylinders:
-        dx, dy = rng.uniform(-place, place, 2)
-        cylinders.append(replace(cylinder, at=(cylinder.at[0] + dx, cylinder.at[1] + dy)))
+    cylinders = [
+        replace(one, at=tuple(np.add(one.at, rng.uniform(-place, place, 2)).tolist()))
+        for one in arena.cylinders
+    ]
     return replace(arena, walls=tuple(walls), cylinders=tuple(cylinders))

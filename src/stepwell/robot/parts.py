@@ -16,27 +16,22 @@ from stepwell.mechanism import Chain
 class Antenna(ByValue):
     """A rod on a vertical hinge, coupled to the anchor p of one cell.
 
-    Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact
-    turns it back by up to `swing`, and the anchor moves with it, in proportion, by up to
-    `moves`.
+    Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact turns it
+    back by up to `swing`, and the anchor moves with it, in proportion, by up to `moves`.
 
     Args:
         name: what messages and figures call it.
         pivot: (x, y) of the hinge [m] from the body's origin.
-        length: of the rod [m], > 0.
-        angle: from straight ahead at rest [rad], between 0 and π; the antenna whose tip points
-            to the right carries a negative one.
-        leg, cell: the leg and the cell (index, 0 for the innermost, or name) whose anchor it
-            moves.
+        length, mass: of the rod [m], [kg], > 0.
+        angle: from straight ahead at rest [rad], 0 to π; negative for a tip on the right.
+        leg, cell: the leg and the cell (index, 0 for the innermost, or name) whose anchor it moves.
         moves: displacement of that anchor p at full swing [m], in the cell's frame.
         swing: largest rotation [rad], > 0, towards the back.
-        hook: length of the bent tip [m], >= 0.
-        hook_angle: of the bent tip from the rod, towards the back [rad].
-        mass: of the rod [kg], > 0.
+        hook, hook_angle: length of the bent tip [m], >= 0, and its angle from the rod [rad].
         damping: of the hinge [N m s/rad], > 0.
         friction: Coulomb's coefficient between rod and walls, >= 0.
-        connected: False leaves the rod but takes its lever off the anchor; a weak spring then
-            holds the rod at rest. The control experiment.
+        connected: False leaves the rod but takes its lever off the anchor; a weak spring then holds
+            the rod at rest. The control experiment.
 
     Raises:
         ValueError: a value out of range.
@@ -147,8 +142,8 @@ class Drive(ByValue):
     Args:
         amplitude: the stroke it goes out to [m], > 0.
         period: of one cycle out and back [s], > 0.
-        profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth
-            of the period at both ends (trapezoid).
+        profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth of
+            the period at both ends (trapezoid).
         stiffness: of the actuator that follows it [N/m], > 0.
 
     Raises:
@@ -167,14 +162,7 @@ class Drive(ByValue):
         check.fields(self, check.one_of, profile=Profile)
 
     def stroke(self, time: ArrayLike) -> Floats:
-        """The commanded stroke [m] at times [s] of any shape; 0 before time 0.
-
-        Args:
-            time: from the start of the first cycle [s].
-
-        Returns:
-            Strokes of the same shape, 0 .. `amplitude`.
-        """
+        """The commanded stroke [m] at times [s] of any shape, 0 .. `amplitude`; 0 before time 0."""
         time = np.asarray(time, float)
         phase = np.where(time > 0, time / self.period % 1.0, 0.0)
         out = 1.0 - np.abs(2.0 * phase - 1.0)
@@ -192,8 +180,7 @@ class Blocks(ByValue):
     Args:
         mass: of each block that moves [kg], > 0.
         carriage: of the actuator's moving part, which joins the outermost blocks [kg], > 0.
-        damping: of each cell's travel [N s/m], > 0; it stands for the loss in the rubber and
-            the joints.
+        damping: of each cell's travel [N s/m], > 0, for the loss in the rubber and the joints.
         width, length: outline that meets walls and other legs [m], > 0.
 
     Raises:
@@ -215,15 +202,14 @@ class Blocks(ByValue):
 class Foot(ByValue):
     """A foot at the tip of a V of two equal links.
 
-    The V hangs from the outermost block and the one before it. When the outermost cell opens
-    by a travel s, its pivots are `span` + s apart and the foot rises.
+    The V hangs from the outermost block and the one before it. When the outermost cell opens by a
+    travel s, its pivots are `span` + s apart and the foot rises.
 
     Args:
         link: length of each link [m], > 0.
         span: distance of the two pivots with the outermost cell at 0 [m], > 0.
         mass: of the foot [kg], > 0.
-        below: how far the feet stand below the plane of the supports with every cell
-            at 0 [m], >= 0.
+        below: depth of the feet below the plane of the supports, every cell at 0 [m], >= 0.
         radius: of the ball that touches the floor [m], > 0.
 
     Raises:
@@ -255,27 +241,17 @@ class Foot(ByValue):
             )
 
     def depth(self, travel: ArrayLike) -> Floats:
-        """Depth of the tip below the pivots [m] at travels [m] of the outermost cell.
+        """Depth of the tip below the pivots [m] at travels [m] of the outermost cell, of any shape.
 
-        Args:
-            travel: of any shape, 0 .. 2 `link` - `span`.
-
-        Returns:
-            √(link² - (span + travel)²/4), of the same shape.
+        √(link² - (span + travel)²/4), for travels 0 .. 2 `link` - `span`.
         """
         width = self.span + np.asarray(travel, float)
         return np.sqrt(np.maximum(self.link**2 - width**2 / 4.0, 0.0))
 
     def lever(self, travel: ArrayLike) -> Floats:
-        """Force that opens the outermost cell per newton that the foot carries [1].
+        """Force that opens the outermost cell per newton that the foot carries [1], at travels [m].
 
         By virtual work -d(depth)/d(travel) = (span + travel) / (4 depth).
-
-        Args:
-            travel: of any shape [m].
-
-        Returns:
-            The ratio, of the same shape.
         """
         width = self.span + np.asarray(travel, float)
         return width / (4.0 * self.depth(travel))
@@ -293,15 +269,15 @@ class Foot(ByValue):
 class Leg(ByValue):
     """A chain that carries a foot.
 
-    The innermost block is part of the body and the chain extends backwards, so that a cell
-    that opens while the foot is planted drives the body forward. The last cell lifts the
-    foot, the cells before it make the step.
+    The innermost block is part of the body and the chain extends backwards, so that a cell that
+    opens while the foot is planted drives the body forward. The last cell lifts the foot, the cells
+    before it make the step.
 
     Args:
         name: what messages and figures call it.
         chain: two cells or more, inner first, driven by a prescribed stroke.
-        at: (x, y) of the foot [m] from the body's origin with every cell at 0; x forward,
-            y left. Anchors' first coordinate points away from the midline.
+        at: (x, y) of the foot [m] from the body's origin with every cell at 0; x forward, y left.
+            Anchors' first coordinate points away from the midline.
 
     Raises:
         ValueError: too short a chain, or one with an actuator of its own stiffness.
@@ -340,38 +316,21 @@ class Leg(ByValue):
         return self.chain.full_stroke - self.chain.cells[-1].full_travel
 
     def with_anchors(self, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None) -> "Leg":
-        """The same leg with the anchors of one cell moved.
+        """The same leg with the anchors p, q [m] of one cell moved, None where one stays.
 
-        Args:
-            cell: index, 0 for the innermost, or a name.
-            p, q: anchors [m]; None leaves them.
-
-        Returns:
-            The new leg.
-
-        Raises:
-            ValueError: no such cell, or anchors that no cell can have.
+        The cell is given as for `cell_index`; a `ValueError` refuses anchors that no cell can have.
         """
-        index = self.cell_index(cell)
-        cells = list(self.chain.levers)
+        cells, index = list(self.chain.levers), self.cell_index(cell)
         cells[index] = cells[index].with_anchors(p, q)
         return replace(self, chain=replace(self.chain, cells=tuple(cells)))
 
     def with_moved_anchor(self, cell: int | str, moves: Vec2, share: float = 1.0) -> "Leg":
-        """The same leg with the anchor p of one cell moved by `share` [1] of `moves` [m].
-
-        Raises:
-            ValueError: no such cell, or an anchor that no cell can have.
-        """
+        """The same leg with the anchor p of one cell moved by `share` [1] of `moves` [m]."""
         p = self.chain.levers[self.cell_index(cell)].bands[0].p
         return self.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
 
     def cell_index(self, cell: int | str) -> int:
-        """The index of a cell, 0 for the innermost, given that index or its name.
-
-        Raises:
-            ValueError: no such cell.
-        """
+        """The index of a cell, 0 for the innermost, by that index or its name; or a `ValueError`."""
         names = self.chain.names
         if isinstance(cell, str) and cell in names:
             return names.index(cell)

@@ -26,8 +26,7 @@ class Robot(ByValue, Drawn):
     Args:
         legs: two or more, all with the same full stroke.
         body: what they carry.
-        foot: the V and the foot of every leg.
-        blocks: the moving blocks of every leg.
+        foot, blocks: the V and the foot, and the moving blocks, of every leg.
         floor: where it stands.
         drive: the command that all legs share.
         antennas: none or several.
@@ -37,10 +36,9 @@ class Robot(ByValue, Drawn):
         unusual: True where sizes far off the legs' stroke and bands are meant, as for a Cell.
 
     Raises:
-        ValueError: a geometry that cannot walk, with every reason found: strokes that do not
-            match the drive, legs or supports that collide, a centre of mass outside the
-            supports, links that do not reach, an antenna on no leg; or sizes that are probably
-            in another unit.
+        ValueError: a geometry that cannot walk, with every reason found: strokes that do not match
+            the drive, legs or supports that collide, a centre of mass outside the supports, links
+            that do not reach, an antenna on no leg; or sizes that are probably in another unit.
 
     Source: Kamp et al. 2024, Figs. 3 and 4.
     """
@@ -65,8 +63,7 @@ class Robot(ByValue, Drawn):
         require("legs", len(self.legs), "the robot has")
         require("antennas", len(self.antennas), "the robot has")
         refuse_slips(self, of_robot(self))
-        found = problems(self)
-        if found:
+        if found := problems(self):
             raise InputError("\n".join(found))
 
     @property
@@ -97,29 +94,18 @@ class Robot(ByValue, Drawn):
         return float(self.foot.depth(0.0)) - self.foot.below
 
     def leg(self, name: str) -> Leg:
-        """The leg of that name.
-
-        Raises:
-            ValueError: no such leg.
-        """
-        for leg in self.legs:
-            if leg.name == name:
-                return leg
-        names = ", ".join(repr(leg.name) for leg in self.legs)
-        raise InputError(f"leg = {name!r}: must be one of {names}.")
+        """The leg of that name; or a `ValueError`."""
+        legs = {leg.name: leg for leg in self.legs}
+        if name not in legs:
+            raise InputError(f"leg = {name!r}: must be one of {', '.join(map(repr, legs))}.")
+        return legs[name]
 
     def with_anchors(
         self, leg: str, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None
     ) -> Robot:
-        """The same robot with the anchors of one cell of one leg moved.
+        """The same robot with the anchors p, q [m] of one cell of one leg moved; None leaves one.
 
-        Args:
-            leg: its name.
-            cell: index, 0 for the innermost, or a name.
-            p, q: anchors [m]; None leaves them.
-
-        Returns:
-            The new robot.
+        The cell is an index, 0 for the innermost, or a name.
 
         Raises:
             ValueError: no such leg or cell, or anchors that no cell can have.
@@ -127,24 +113,17 @@ class Robot(ByValue, Drawn):
         return self._with_leg(self.leg(leg).with_anchors(cell, p, q))
 
     def pressed(self, swings: Mapping[str, float]) -> Robot:
-        """The same robot with antennas held back, as anchors that have moved.
-
-        Args:
-            swings: antenna name to rotation [rad], 0 .. its `swing`.
-
-        Returns:
-            A robot whose anchors are where these antennas would put them.
+        """The same robot with antennas held back by `swings` [rad], as anchors that have moved.
 
         Raises:
-            ValueError: no such antenna, or a rotation out of range.
+            ValueError: no such antenna, or a rotation that is not from 0 to its `swing`.
         """
-        robot = self
-        names = [antenna.name for antenna in self.antennas]
+        robot, antennas = self, {antenna.name: antenna for antenna in self.antennas}
         for name, swing in swings.items():
-            if name not in names:
-                allowed = ", ".join(map(repr, names)) or "none: this robot has no antennas"
+            if name not in antennas:
+                allowed = ", ".join(map(repr, antennas)) or "none: this robot has no antennas"
                 raise InputError(f"antenna = {name!r}: must be one of {allowed}.")
-            antenna = self.antennas[names.index(name)]
+            antenna = antennas[name]
             if not 0 <= swing <= antenna.swing:
                 raise InputError(
                     f"swing = {math.degrees(swing):.6g} deg of antenna {name!r}: must be from 0 "
@@ -156,7 +135,6 @@ class Robot(ByValue, Drawn):
         return robot
 
     def _with_leg(self, leg: Leg) -> Robot:
-        """The same robot with this leg for the one of its name."""
         return replace(self, legs=tuple(leg if one.name == leg.name else one for one in self.legs))
 
     def predict(self) -> Prediction:
@@ -167,8 +145,7 @@ class Robot(ByValue, Drawn):
         derives both.
 
         Returns:
-            Gait, advance, drag limits and antenna thresholds of every leg, and where it may be
-            wrong.
+            Gait, advance, drag limits and antenna thresholds of every leg, and its doubts.
 
         Raises:
             StaticsError: the engine could not go on; its text says what to do.
@@ -194,16 +171,15 @@ class Robot(ByValue, Drawn):
             cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
             arena: obstacles and where it starts; a bare floor by default.
             settings: of the simulation.
-            start: an earlier walk to go on from, of this robot or of one whose numbers alone
-                have changed, an anchor say. The command goes on from where it was.
+            start: an earlier walk to go on from, of this robot or of one whose numbers alone have
+                changed, an anchor say. The command goes on from where it was.
             progress: called with (done, total) [s].
 
         Returns:
             The walk. The same robot, settings and machine give identical numbers.
 
         Raises:
-            ValueError: no cycles, a start that ended early, or a robot that the simulator has
-                no terms for.
+            ValueError: no cycles, a start that ended early, or what the simulator has no terms for.
             ModuleNotFoundError: MuJoCo is not installed.
         """
         from stepwell.simulation import walk
@@ -227,9 +203,6 @@ class Robot(ByValue, Drawn):
             limit: time that it is given [s], > 0.
             settings: of the simulation.
             progress: called with (done, total) [s].
-
-        Returns:
-            Its way.
 
         Raises:
             ValueError: no time, or a robot that the simulator has no terms for.
