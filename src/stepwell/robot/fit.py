@@ -44,10 +44,8 @@ def _legs(robot: Robot) -> Iterator[str]:
             )
     for leg in robot.legs:
         for point in robot.body.supports:
-            swept = leg.chain.full_stroke
-            near = robot.foot.radius
-            across = abs(point[1] - leg.at[1])
-            if across < near and leg.at[0] - swept - near < point[0] < leg.at[0] + near:
+            near, back = robot.foot.radius, leg.at[0] - leg.chain.full_stroke
+            if abs(point[1] - leg.at[1]) < near and back - near < point[0] < leg.at[0] + near:
                 yield (
                     f"leg {leg.name!r}: its foot runs into the support at "
                     f"({to_unit(point[0], 'mm'):.6g}, {to_unit(point[1], 'mm'):.6g}) mm; move "
@@ -65,9 +63,7 @@ def _reach(robot: Robot) -> Iterator[str]:
                 f"{to_unit(2.0 * robot.foot.link, 'mm'):.6g} mm; use longer links, a smaller span "
                 "or a shorter lever."
             )
-        elif robot.foot.below >= float(
-            robot.foot.depth(0.0) - robot.foot.depth(widest - robot.foot.span)
-        ):
+        elif robot.foot.below >= robot.foot.depth(0.0) - robot.foot.depth(widest - robot.foot.span):
             yield (
                 f"leg {leg.name!r}: its foot stands {to_unit(robot.foot.below, 'mm'):.6g} mm below "
                 f"the supports and cannot be lifted off the floor; let the feet stand less deep."
@@ -85,9 +81,7 @@ def _strokes(robot: Robot) -> Iterator[str]:
         return
     least = min(strokes.values())
     if max(strokes.values()) - least > SAME:
-        each = ", ".join(
-            f"{name!r} {to_unit(stroke, 'mm'):.6g} mm" for name, stroke in strokes.items()
-        )
+        each = ", ".join(f"{name!r} {to_unit(own, 'mm'):.6g} mm" for name, own in strokes.items())
         yield f"legs share one actuator but not one full stroke: {each}; make them equal."
     if robot.drive.amplitude > least + SAME:
         yield (
@@ -98,29 +92,24 @@ def _strokes(robot: Robot) -> Iterator[str]:
 
 
 def _standing(robot: Robot) -> Iterator[str]:
-    supports = np.asarray(robot.body.supports)
+    supports = list(robot.body.supports)
     for x, y in supports:
-        corner = np.asarray([x, y])
-        others = supports[~np.all(supports == corner, axis=1)]
-        if len(others) < len(supports) - 1:
+        if supports.count((x, y)) > 1:
             at = f"({to_unit(x, 'mm'):.6g}, {to_unit(y, 'mm'):.6g}) mm"
             yield f"body.supports: {at} stands there twice."
             return
-    centre = np.asarray(robot.body.centre[:2])
-    gap = _inside(supports, centre)
+    x, y, _ = robot.body.centre
+    # Distance from there to the edge of the hull of the supports, negative outside.
+    angles = np.linspace(0.0, 2.0 * math.pi, 721)
+    gap = float(
+        (np.subtract(supports, (x, y)) @ [np.cos(angles), np.sin(angles)]).max(axis=0).min()
+    )
     if gap <= 0:
         yield (
-            f"body.centre = ({to_unit(centre[0], 'mm'):.6g}, {to_unit(centre[1], 'mm'):.6g}) mm "
+            f"body.centre = ({to_unit(x, 'mm'):.6g}, {to_unit(y, 'mm'):.6g}) mm "
             f"lies {to_unit(-gap, 'mm'):.3g} mm outside its supports: it falls over when the feet "
             f"lift; move the mass or a support."
         )
-
-
-def _inside(points: np.ndarray, point: np.ndarray) -> float:
-    """Distance from `point` to the edge of the hull of `points`, negative outside."""
-    angles = np.linspace(0.0, 2.0 * math.pi, 721)
-    normals = np.stack([np.cos(angles), np.sin(angles)])
-    return float(((points - point) @ normals).max(axis=0).min())
 
 
 def _antennas(robot: Robot) -> Iterator[str]:
@@ -191,8 +180,7 @@ def of_robot(robot: Robot) -> Iterator[Slip]:
         yield from _lengths(where, antenna, ("pivot", "length", "moves"), size)
         yield from _mass(f"{where}.mass", antenna.mass, own)
         for name in ("angle", "swing", "hook_angle"):
-            angle = getattr(antenna, name)
-            turned = math.degrees(angle)
+            turned = math.degrees(angle := getattr(antenna, name))
             if 0 < abs(angle) < sizes.LEAST_LIMIT:
                 likely = turned if abs(turned) <= math.pi else None
                 yield Slip(f"{where}.{name}", angle, likely, "rad", f"is {turned:.4g}°")
