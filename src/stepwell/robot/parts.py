@@ -330,7 +330,7 @@ class Leg(ByValue):
         return self.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
 
     def cell_index(self, cell: int | str) -> int:
-        """The index of a cell, 0 for the innermost, by that index or its name; or a `ValueError`."""
+        """The index of a cell, 0 the innermost, by that index or its name; or a `ValueError`."""
         names = self.chain.names
         if isinstance(cell, str) and cell in names:
             return names.index(cell)

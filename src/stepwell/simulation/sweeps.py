@@ -63,12 +63,7 @@ class Trial(base.ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep(base.ByValue, base.Drawn):
-    """What many robots did.
-
-    Attributes:
-        values: parameter name to its value in each trial (n,).
-        trials: (n,) what each robot did.
-    """
+    """What many robots did: `values` (n,) by the parameter's name, and (n,) `trials`."""
 
     values: Mapping[str, Sequence[float]] = field(repr=False)
     trials: tuple[Trial, ...] = field(repr=False)
@@ -85,29 +80,19 @@ class Sweep(base.ByValue, base.Drawn):
             columns[q.name] = xr.Variable("trial", np.array(self._all(q)), {"units": q.si})
         gaits = np.array([trial.gaits for trial in self.trials], dtype=str)
         columns["gait"] = xr.Variable(("trial", "leg"), gaits.reshape(len(self.trials), -1))
-        columns["stopped"] = xr.Variable(
-            "trial", np.array([trial.stopped for trial in self.trials], dtype=str)
-        )
+        stopped = np.array([trial.stopped for trial in self.trials], dtype=str)
+        columns["stopped"] = xr.Variable("trial", stopped)
         return xr.Dataset(columns)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write one line a trial, units in the headings.
-
-        Raises:
-            OSError: it cannot be written.
-        """
-        legs = len(self.trials[0].gaits) if self.trials else 0
+        """Write one line a trial, units in the headings; an `OSError` where that fails."""
         *numbers, gaits, stopped = TRIAL
+        legs = enumerate(zip(*self._all(gaits), strict=True), 1)
+        given = self.values.items()
         columns = [
-            *(
-                (base.Quantity(name), [repr(float(v)) for v in given])
-                for name, given in self.values.items()
-            ),
+            *((base.Quantity(name), [repr(float(v)) for v in values]) for name, values in given),
             *((q, self._all(q)) for q in numbers),
-            *(
-                (base.Quantity(f"gait_{i + 1}"), [g[i] for g in self._all(gaits)])
-                for i in range(legs)
-            ),
+            *((base.Quantity(f"gait_{i}"), list(each)) for i, each in legs),
             (stopped, self._all(stopped)),
         ]
         base.write_csv(path, columns, 6)
@@ -140,8 +125,8 @@ def sweep(
         cycles: of each walk, >= 1.
         settings: of the simulation.
         threads: how many run at once; all cores by default.
-        keep: folder in which finished robots are kept, so that a sweep that was interrupted
-            goes on where it stopped when it is called again with the same robots.
+        keep: folder in which finished robots are kept, so that a sweep that was interrupted goes on
+            where it stopped when it is called again with the same robots.
         progress: called with (done, total) robots.
 
     Returns:
@@ -156,7 +141,12 @@ def sweep(
     values = dict(values or {})
     if cycles < 1:
         raise base.InputError(f"cycles = {cycles}: must be >= 1.")
-    _require_one_a_robot(values, len(robots))
+    for name, numbers in values.items():
+        if len(numbers) != len(robots):
+            raise base.InputError(
+                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
+                f"robot."
+            )
     base.require("robots", len(robots), "these are")
     threads = threads or cores()
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
@@ -166,8 +156,7 @@ def sweep(
         batch = missing[first : first + PER_CORE * threads]
         step = partial(_step_together, threads=threads)
         walks = walked([SimulatedRun(robots[i], None, settings) for i in batch], cycles, step)
-        new = dict(zip(batch, map(Trial.of, walks), strict=True))
-        found |= new
+        found |= (new := dict(zip(batch, map(Trial.of, walks), strict=True)))
         if kept is not None:
             kept.add(new)
         if progress is not None:
@@ -175,23 +164,12 @@ def sweep(
     return Sweep(values, tuple(found[i] for i in range(len(robots))))
 
 
-def _require_one_a_robot(values: Mapping[str, Sequence[float]], robots: int) -> None:
-    for name, numbers in values.items():
-        if len(numbers) != robots:
-            raise base.InputError(
-                f"values[{name!r}] has {len(numbers)} numbers: must have {robots}, one a robot."
-            )
-
-
 def walked(
     runs: Sequence[SimulatedRun], cycles: int, step: Callable[[Sequence[SimulatedRun], float], None]
 ) -> list[Walk]:
-    """Every run's walk, stepped together where their models have the same size.
+    """The walk of every run on a bare floor, stepped together where models have one size.
 
-    Args:
-        runs: (n,) runs on a bare floor, at their start.
-        cycles: of each walk.
-        step: steps runs of one size and one period to a time [s].
+    `step` takes runs from their start to a time [s].
     """
     alike: dict[tuple[int, ...], list[SimulatedRun]] = {}
     for run in runs:
@@ -224,34 +202,27 @@ class _Kept:
     """Trials that are done, in a folder, a file for every batch."""
 
     def __init__(
-        self,
-        folder: str | os.PathLike[str],
-        robots: Sequence[Robot],
-        cycles: int,
-        settings: Settings,
+        self, folder: str | os.PathLike[str], robots: Sequence[Robot], cycles: int, given: Settings
     ):
         self.folder = Path(folder)
-        text = repr((base.__version__, cycles, settings, [_fingerprint(robot) for robot in robots]))
-        self.request = hashlib.sha256(text.encode()).hexdigest()
+        text = repr((base.__version__, cycles, given, [_fingerprint(robot) for robot in robots]))
+        request = hashlib.sha256(text.encode()).hexdigest()
         self.folder.mkdir(parents=True, exist_ok=True)
         note = self.folder / "sweep.json"
-        if note.exists():
-            if json.loads(note.read_text("utf-8")).get("request") != self.request:
-                raise base.InputError(
-                    f"{self.folder} holds another sweep (other robots, cycles or settings); name "
-                    f"another folder, or remove this one."
-                )
-        else:
-            base.write_atomic(
-                note, json.dumps({"request": self.request, "robots": len(robots)}) + "\n"
+        if not note.exists():
+            base.write_atomic(note, json.dumps({"request": request, "robots": len(robots)}) + "\n")
+        elif json.loads(note.read_text("utf-8")).get("request") != request:
+            raise base.InputError(
+                f"{self.folder} holds another sweep (other robots, cycles or settings); name "
+                f"another folder, or remove this one."
             )
 
     def trials(self) -> dict[int, Trial]:
-        found: dict[int, Trial] = {}
-        for file in sorted(self.folder.glob("part-*.json")):
-            for number, trial in json.loads(file.read_text("utf-8")).items():
-                found[int(number)] = Trial(**(trial | {"gaits": tuple(trial["gaits"])}))
-        return found
+        return {
+            int(number): Trial(**(trial | {"gaits": tuple(trial["gaits"])}))
+            for file in sorted(self.folder.glob("part-*.json"))
+            for number, trial in json.loads(file.read_text("utf-8")).items()
+        }
 
     def add(self, trials: Mapping[int, Trial]) -> None:
         record = {number: asdict(trial) for number, trial in trials.items()}

@@ -47,13 +47,11 @@ SAMPLES: base.Schema = (
 class Walk(base.ByValue, base.Drawn):
     """What a robot did while its actuator went out and back.
 
-    Forces of what touches are means over the time since the sample before, for they pass within
-    a sample; all else is as it is at the sample.
+    Forces of what touches are means over the time since the sample before, for they pass within a
+    sample; all else is as it is at the sample.
 
     Attributes:
-        robot: which walked, at the end of the run.
-        settings: of the simulation.
-        arena: where, None for a bare floor.
+        robot, settings, arena: which walked (as it was at the end), how, and where if anywhere.
         time: (n,) from the start of the first cycle [s].
         x, y, z: (n,) of the body's origin [m].
         yaw, pitch, roll: (n,) of the body [rad]; yaw counts on past a full turn.
@@ -64,8 +62,7 @@ class Walk(base.ByValue, base.Drawn):
         foot_speed: (n, legs) of each foot along the floor [m/s].
         support_force: (n, supports) that the floor carries under each support [N].
         actuator_force: (n,) that pushes the outermost blocks out [N].
-        antenna: (n, antennas) rotation from rest [rad].
-        touch: (n, antennas) force of what touches each antenna [N].
+        antenna, touch: (n, antennas) rotation from rest [rad], and force of what touches each [N].
         obstacle_force: (n, obstacles) on each wall, then each cylinder of the arena [N].
         stopped: why the run ended early, "" if it did not.
     """
@@ -94,8 +91,8 @@ class Walk(base.ByValue, base.Drawn):
     stopped: str
     _samples: RunSamples = field(repr=False)
     # What is computed when it is first asked for.
-    _kept: "dict[str, GaitComparison]" = field(
-        default_factory=dict, init=False, repr=False, compare=False
+    _kept: "list[GaitComparison]" = field(
+        default_factory=list, init=False, repr=False, compare=False
     )
 
     @property
@@ -119,10 +116,7 @@ class Walk(base.ByValue, base.Drawn):
 
     @property
     def starts(self) -> base.Floats:
-        """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
-
-        Empty for a walk without a whole cycle.
-        """
+        """(cycles + 1,) when each whole cycle begins and the last ends [s]; empty without one."""
         if not self.cycles:
             return np.empty(0)
         return self.robot.drive.period * (self._first + np.arange(self.cycles + 1.0))
@@ -181,14 +175,12 @@ class Walk(base.ByValue, base.Drawn):
     @property
     def work(self) -> float:
         """Work of the actuator [J], both ways."""
-        return float(np.trapezoid(self.actuator_force, self.stroke)) if len(self.time) else 0.0
+        return float(np.trapezoid(self.actuator_force, self.stroke))
 
     @property
     def distance(self) -> float:
         """From start to end in a straight line [m]."""
-        if len(self.time) == 0:
-            return 0.0
-        return float(np.hypot(self.x[-1] - self.x[0], self.y[-1] - self.y[0]))
+        return float(np.hypot(self.x[-1:] - self.x[:1], self.y[-1:] - self.y[:1]).sum())
 
     @property
     def cost_of_transport(self) -> float:
@@ -211,21 +203,18 @@ class Walk(base.ByValue, base.Drawn):
         """
         from stepwell.simulation.comparison import compare_gaits
 
-        if "comparison" not in self._kept:
-            self._kept["comparison"] = compare_gaits(self)
-        return self._kept["comparison"]
+        if not self._kept:
+            self._kept.append(compare_gaits(self))
+        return self._kept[0]
 
     def to_xarray(self) -> "xr.Dataset":
         """The samples with their units, for xarray, NetCDF or Zarr."""
         base.need("tables")
         import xarray as xr
 
+        about = {"units": "s", "long_name": "from the first cycle's start"}
         coordinates = {
-            "time": (
-                "time",
-                self.time,
-                {"units": "s", "long_name": "from the first cycle's start"},
-            ),
+            "time": ("time", self.time, about),
             "leg": [leg.name for leg in self.robot.legs],
             "support": np.arange(1, self.support_force.shape[1] + 1),
             "antennas": np.array([antenna.name for antenna in self.robot.antennas], dtype=str),
@@ -241,11 +230,7 @@ class Walk(base.ByValue, base.Drawn):
         return xr.Dataset(base.variables(SAMPLES, self, "time"), coordinates, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
-        """Write the samples as NetCDF; the file appears whole or not at all.
-
-        Raises:
-            OSError: it cannot be written.
-        """
+        """Write the samples as NetCDF; the file appears whole, or not at all with an `OSError`."""
         data = self.to_xarray()
         # Readers of NetCDF 3 take a dimension of length 0, of antennas or obstacles that are
         # none, for an unlimited one and stumble.
@@ -305,8 +290,8 @@ def walk(
 ) -> Walk:
     """Drive a robot's actuator out and back and let physics do the rest.
 
-    `look` is called after every half second of the run with a function that gives the walk so
-    far. All else as for `Robot.walk`.
+    `look` is called after every half second of the run with a function that gives the walk so far.
+    All else as for `Robot.walk`.
     """
     if not cycles > 0:
         raise base.InputError(f"cycles = {cycles}: must be > 0.")
@@ -333,26 +318,22 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
 
     position = read("body.position")
     yaw, pitch, roll = _angles(read("body.attitude"))
-    legs = robot.legs
-    most = max(len(leg.chain) for leg in legs)
-    travel = np.full((len(data), len(legs), most), np.nan)
+    legs, antennas = robot.legs, robot.antennas
+    travel = np.full((len(data), len(legs), max(len(leg.chain) for leg in legs)), np.nan)
     for i, leg in enumerate(legs):
         names = (f"{leg.name}.{cell}.travel" for cell in leg.chain.names)
         travel[:, i, : len(leg.chain)] = read(*names)
     tips = [read(f"{leg.name}.tip.position") for leg in legs]
     speeds = [read(f"{leg.name}.tip.velocity") for leg in legs]
-    obstacles = obstacle_names(arena) if arena is not None else ()
     return Walk(
-        robot=robot,
-        settings=settings,
-        arena=arena,
-        time=samples.time,
-        x=position[:, 0],
-        y=position[:, 1],
-        z=position[:, 2],
-        yaw=yaw,
-        pitch=pitch,
-        roll=roll,
+        robot,
+        settings,
+        arena,
+        samples.time,
+        *position.T,
+        yaw,
+        pitch,
+        roll,
         command=robot.drive.stroke(samples.time),
         stroke=read("stroke")[:, 0],
         travel=travel,
@@ -361,9 +342,9 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
         foot_speed=np.stack([np.hypot(speed[:, 0], speed[:, 1]) for speed in speeds], axis=1),
         support_force=read(*(f"support {i + 1}" for i in range(len(robot.body.supports)))),
         actuator_force=read("drive")[:, 0],
-        antenna=read(*(f"{antenna.name}.antenna" for antenna in robot.antennas)),
-        touch=read(*(f"{antenna.name}.feeler" for antenna in robot.antennas)),
-        obstacle_force=read(*obstacles),
+        antenna=read(*(f"{antenna.name}.antenna" for antenna in antennas)),
+        touch=read(*(f"{antenna.name}.feeler" for antenna in antennas)),
+        obstacle_force=read(*(obstacle_names(arena) if arena is not None else ())),
         stopped=samples.stopped,
         _samples=samples,
     )
