@@ -19,35 +19,20 @@ CHUNK = 0.5  # time between two looks at a run [s]
 
 @dataclass(frozen=True)
 class RunSamples:
-    """What came out of a run.
+    """What came out of a run."""
 
-    Attributes:
-        time: (n,) from the start of the first cycle [s].
-        data: (n, sensors) readings, forces of what touches as means since the sample before.
-        positions: (n, nq) joint positions, in MuJoCo's order.
-        where: sensor name to its columns.
-        stopped: why it ended early, or "".
-        state: (states,) MuJoCo's full state at the end, for going on from it.
-        steps: how many steps were taken since `begin`.
-        begin: time at which steps were first counted [s].
-        time_step: [s].
-        every: steps to a sample.
-        warm: (nv,) accelerations from which the solver's next search starts.
-        pending: (m, sensors) readings of the steps since the last sample.
-    """
-
-    time: Floats
-    data: Floats
-    positions: Floats
-    where: dict[str, slice]
-    stopped: str
-    state: Floats
-    steps: int
-    begin: float
-    time_step: float
-    every: int
-    warm: Floats
-    pending: Floats
+    time: Floats  # (n,) from the start of the first cycle [s]
+    data: Floats  # (n, sensors) readings, forces of what touches as means since the sample before
+    positions: Floats  # (n, nq) joint positions, in MuJoCo's order
+    where: dict[str, slice]  # the columns of each sensor
+    stopped: str  # why it ended early, or ""
+    state: Floats  # (states,) MuJoCo's full state at the end, for going on from it
+    steps: int  # taken since `begin`
+    begin: float  # time at which steps were first counted [s]
+    time_step: float  # [s]
+    every: int  # steps to a sample
+    warm: Floats  # (nv,) accelerations from which the solver's next search starts
+    pending: Floats  # (m, sensors) readings of the steps since the last sample
 
     @property
     def end(self) -> float:
@@ -99,11 +84,9 @@ class SimulatedRun:
         self._positions = [np.empty((0, self.model.nq))]
         self._warm = (self.data.qacc_warmstart if start is None else start.warm).copy()
         # Of every rod the column of its length, and what it should be [m].
+        lengths = self.model.tendon_length0
         self.rods = {
-            name: (
-                self.where[f"{name}.length"].start,
-                float(self.model.tendon_length0[self.model.tendon(name).id]),
-            )
+            name: (self.where[f"{name}.length"].start, float(lengths[self.model.tendon(name).id]))
             for name in rod_names(robot)
         }
 
@@ -140,15 +123,9 @@ class SimulatedRun:
         steps = round((until - self.now) / self.settings.time_step)
         if steps <= 0 or self.stopped:
             return
-        command = self.command(steps)
+        command, given = self.command(steps)[None, :, None], (self.model, self.data, self.state)
         with quietly():
-            states, readings = rollout.rollout(
-                self.model,
-                self.data,
-                self.state,
-                command[None, :, None],
-                initial_warmstart=self._warm,
-            )
+            states, readings = rollout.rollout(*given, command, initial_warmstart=self._warm)
         self._warm = self.data.qacc_warmstart.copy()
         self.take(states[0], readings[0])
 
@@ -160,9 +137,7 @@ class SimulatedRun:
     def take(self, states: Floats, readings: Floats) -> None:
         """Take what the next steps gave, up to where it goes wrong.
 
-        Args:
-            states: (steps, states) MuJoCo's full state after each.
-            readings: (steps, sensors).
+        That is MuJoCo's full state after each (steps, states), and the readings (steps, sensors).
         """
         if self.stopped:
             return
@@ -185,18 +160,16 @@ class SimulatedRun:
     def samples(self) -> RunSamples:
         """Everything so far."""
         return RunSamples(
-            time=np.concatenate(self._times),
-            data=np.concatenate(self._data),
-            positions=np.concatenate(self._positions),
-            where=self.where,
-            stopped=self.stopped,
-            state=self.state,
-            steps=self.steps,
-            begin=self.begin,
-            time_step=self.settings.time_step,
-            every=self.every,
-            warm=self._warm,
-            pending=self.pending,
+            *map(np.concatenate, (self._times, self._data, self._positions)),
+            self.where,
+            self.stopped,
+            self.state,
+            self.steps,
+            self.begin,
+            self.settings.time_step,
+            self.every,
+            self._warm,
+            self.pending,
         )
 
     def _after(self, steps: int) -> Floats:
@@ -208,16 +181,10 @@ class SimulatedRun:
 def stopped_at(
     time: Floats, data: Floats, where: dict[str, slice], rods: dict[str, tuple[int, float]]
 ) -> tuple[int, str]:
-    """How many samples are sound, and what is wrong with the next one.
+    """How many samples are sound, and what is wrong with the next one, "" where all n are.
 
-    Args:
-        time: (n,) [s].
-        data: (n, sensors) readings.
-        where: sensor name to its columns.
-        rods: rod name to its column and its length [m].
-
-    Returns:
-        The number n and "", or the number of the first bad sample and a sentence.
+    Given are the times (n,) [s], the readings (n, sensors), the columns of each sensor, and of every
+    rod its column and its length [m].
     """
     wrong: list[tuple[int, str]] = []
 

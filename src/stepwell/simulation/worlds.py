@@ -78,8 +78,8 @@ def screen_mazes(
         settings: of the simulation.
 
     Returns:
-        (n,) how each way ended, in single precision and not always the same; None where nothing
-        can be told: the robot has no model, or Warp ran out of room.
+        (n,) how each way ended, in single precision and not always the same; None where nothing can
+        be told: the robot has no model, or Warp ran out of room.
 
     Raises:
         ValueError: no time.
@@ -140,11 +140,7 @@ def alike(runs: Sequence[SimulatedRun]) -> list[list[SimulatedRun]]:
 
 
 class Worlds:
-    """Runs of one structure on a device, each in a world of its own.
-
-    Args:
-        runs: (n,) as `alike` groups them; all at the same time.
-    """
+    """Runs of one structure, as `alike` groups them, on a device, each in a world of its own."""
 
     def __init__(self, runs: Sequence[SimulatedRun]):
         self.runs = list(runs)
@@ -154,7 +150,12 @@ class Worlds:
         # Runs stop themselves where a number overflows, and Warp knows no other way.
         first.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         first.site_size[:] = np.max([run.model.site_size for run in runs], axis=0)
-        differ = {name: values for name in _batched() if _vary(values := _each(runs, name))}
+        each = {name: [getattr(run.model, name) for run in runs] for name in _batched()}
+        differ = {
+            name: values
+            for name, values in each.items()
+            if not all(np.array_equal(value, values[0]) for value in values[1:])
+        }
         with _silent(self._warp):
             self._model = self._mjw.put_model(first, batch_sizes=dict.fromkeys(differ, n))
             for name, values in differ.items():
@@ -173,21 +174,14 @@ class Worlds:
             self._step = self._stepping()
 
     def advance(self, until: float, going: Sequence[SimulatedRun] | None = None) -> None:
-        """Step to this time [s].
-
-        Args:
-            until: when.
-            going: runs that take what is read; all by default.
-        """
+        """Step to this time [s]; what is read goes to all runs, or to those that are `going`."""
         takes = set(self.runs if going is None else going)
-        left = round((until - self._now) / self._time_step)
-        self._now += left * self._time_step
-        while left > 0:
-            self._stretch(min(STEPS, left), takes)
-            left -= STEPS
+        total = round((until - self._now) / self._time_step)
+        self._now += total * self._time_step
+        for done in range(0, total, STEPS):
+            self._stretch(min(STEPS, total - done), takes)
 
     def _stretch(self, steps: int, takes: set[SimulatedRun]) -> None:
-        """Step so often, and give runs what is read."""
         data, copied, n = self._data, self._warp.copy, len(self.runs)
         state = data.qpos.shape[1], data.qvel.shape[1], data.sensordata.shape[1]
         with _silent(self._warp):
@@ -228,18 +222,13 @@ class Worlds:
 
 @cache
 def opened() -> tuple[Any, Any]:
-    """Warp and MuJoCo Warp.
-
-    Raises:
-        ExtraError: they are not installed, or are of another release than MuJoCo.
-    """
+    """Warp and MuJoCo Warp; or an `ExtraError` where they are not there, or not of MuJoCo's release."""
     need("gpu")
     warp = import_module("warp")
     with _silent(warp):
         warp.init()
         mjw = import_module("mujoco_warp")
-    ours, theirs = (version.split(".")[:2] for version in (mujoco.__version__, mjw.__version__))
-    if ours != theirs:
+    if mujoco.__version__.split(".")[:2] != mjw.__version__.split(".")[:2]:
         raise ExtraError(
             f"MuJoCo Warp is of release {mjw.__version__}, and MuJoCo of {mujoco.__version__}: "
             f"what the one simulates need not be what the other does. Install both of one release: "
@@ -289,14 +278,6 @@ def _structure(model: Model) -> Hashable:
         elif isinstance(value, int | float):
             found.append(value)
     return tuple(found)
-
-
-def _each(runs: Sequence[SimulatedRun], name: str) -> list[np.ndarray]:
-    return [getattr(run.model, name) for run in runs]
-
-
-def _vary(values: Sequence[np.ndarray]) -> bool:
-    return any(not np.array_equal(value, values[0]) for value in values[1:])
 
 
 def _fill(array: Any, values: Sequence[np.ndarray] | np.ndarray) -> None:
