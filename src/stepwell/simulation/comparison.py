@@ -20,8 +20,7 @@ class GaitComparison(ByValue):
     Attributes:
         robot: which walked.
         predicted: for each leg the predicted gait; empty where statics gives none.
-        same: whether all legs have their predicted gaits; None without a whole cycle, or where
-            statics gives none.
+        same: whether all legs have their predicted gaits; None without a whole cycle or prediction.
         text: one line: that they are the same, or which differ and why, as far as it is known.
     """
 
@@ -40,13 +39,10 @@ class GaitComparison(ByValue):
 
 
 def compare_gaits(walk: Walk) -> GaitComparison:
-    """Compare the last cycle of a walk with the gait that statics predicts.
+    """Compare the last cycle of a walk on a bare floor with the gait that statics predicts.
 
-    A cycle counts as the same wherever in it the command begins. Every reason that is given was
-    computed; where there is none, the text has the margin of the prediction.
-
-    Args:
-        walk: on a bare floor; antennas that obstacles press are not in the prediction.
+    A cycle counts as the same wherever in it the command begins. Every reason given was computed;
+    where there is none, the text has the margin of the prediction. Pressed antennas are not in it.
     """
     robot = walk.robot
     try:
@@ -77,15 +73,11 @@ def compare_gaits(walk: Walk) -> GaitComparison:
 def _same_cycle(one: str, other: str) -> bool:
     """Whether two gaits are one round of states, wherever it begins."""
     a, b = (gait.split(">") for gait in (one, other))
-    a, b = (
-        [*states[:-1]] if len(states) > 1 and states[0] == states[-1] else states
-        for states in (a, b)
-    )
+    a, b = (each[:-1] if len(each) > 1 and each[0] == each[-1] else each for each in (a, b))
     return len(a) == len(b) and any(a[k:] + a[:k] == b for k in range(len(a)))
 
 
 def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Iterator[str]:
-    """Why a leg walked otherwise than predicted, each computed."""
     robot, leg = walk.robot, prediction.legs[index]
     last = walk.time >= walk.starts[-2]
     if walk.cycles == 1 and leg.first_gait != leg.gait:
@@ -114,7 +106,6 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
 
 
 def _unknown(prediction: Prediction) -> str:
-    """What is said where no reason was found: how sure the prediction is."""
     least = min(prediction.legs, key=lambda leg: leg.margin - leg.uncertainty)
     return (
         f"no reason found; of the {to_unit(least.margin, 'mN'):.3g} mN that change the predicted "
@@ -135,8 +126,8 @@ class Resolution(NamedTuple):
         turn: rotation to the left a cycle [rad], after the first cycle.
         off: root mean square, over samples and contacts, of the difference of the floor's forces
             from those at the finest time step, over the robot's weight [1].
-        jumps: share of the steps in which the force under a foot or support changes by more
-            than a fifth [1].
+        jumps: share of the steps in which the force under a foot or support changes by more than a
+            fifth [1].
     """
 
     time_step: float
@@ -151,12 +142,7 @@ class Resolution(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Convergence(ByValue):
-    """A robot's walk at several time steps.
-
-    Attributes:
-        robot: which walked.
-        rows: a walk at each time step, coarsest first.
-    """
+    """A robot's walk at each of several time steps, coarsest first."""
 
     robot: Robot
     rows: tuple[Resolution, ...]
@@ -182,15 +168,10 @@ def convergence(
     """Walk a robot at several time steps.
 
     Args:
-        robot: any robot.
         time_steps: two or more [s]; the settings' sample is a multiple of each.
         cycles: of each walk, two or more, since the first is left out.
-        settings: of the simulation; their time step is replaced, the time constant of contacts
-            kept.
+        settings: of the simulation, with another time step; the time constant of contacts is kept.
         progress: called with (done, total), in parts of the work.
-
-    Returns:
-        What came out at each.
 
     Raises:
         ValueError: fewer than two time steps or cycles, a time step that does not divide the
@@ -211,8 +192,6 @@ def convergence(
             )
     costs = [1 / step for step in steps]
     walks: list[Walk] = []
-    forces: list[Floats] = []  # (n, contacts) of the floor in every step [N]
-    means: list[Floats] = []  # (samples, contacts) over each sample [N]
     for i, step in enumerate(steps):
 
         def tell(done: float, of: float, i: int = i) -> None:
@@ -225,10 +204,13 @@ def convergence(
             text = f"time_steps: at {step:g} s it does not walk to the end. {one.stopped}"
             raise InputError(text)
         walks.append(one)
-        forces.append(np.concatenate([one.foot_force, one.support_force], axis=1))
+    # Of the floor in every step (n, contacts), and over each sample (samples, contacts) [N].
+    forces = [np.concatenate([one.foot_force, one.support_force], axis=1) for one in walks]
+    means: list[Floats] = []
+    for force, step in zip(forces, steps, strict=True):
         every = round(settings.sample / step)
-        whole = len(forces[i]) // every
-        means.append(forces[i][: whole * every].reshape(whole, every, -1).mean(axis=1))
+        windows = force[: len(force) - len(force) % every]
+        means.append(windows.reshape(-1, every, force.shape[1]).mean(axis=1))
     rows = tuple(
         Resolution(
             step,

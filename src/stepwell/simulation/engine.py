@@ -181,10 +181,10 @@ class SimulatedRun:
 def stopped_at(
     time: Floats, data: Floats, where: dict[str, slice], rods: dict[str, tuple[int, float]]
 ) -> tuple[int, str]:
-    """How many samples are sound, and what is wrong with the next one, "" where all n are.
+    """How many samples are sound, and what is wrong with the next one, "" without one.
 
-    Given are the times (n,) [s], the readings (n, sensors), the columns of each sensor, and of every
-    rod its column and its length [m].
+    Given are times (n,) [s], readings (n, sensors), the columns of each sensor, and of every rod
+    its column and its length [m].
     """
     wrong: list[tuple[int, str]] = []
 

@@ -222,7 +222,7 @@ class Worlds:
 
 @cache
 def opened() -> tuple[Any, Any]:
-    """Warp and MuJoCo Warp; or an `ExtraError` where they are not there, or not of MuJoCo's release."""
+    """Warp and MuJoCo Warp; an `ExtraError` if not there, or of another release than MuJoCo."""
     need("gpu")
     warp = import_module("warp")
     with _silent(warp):
