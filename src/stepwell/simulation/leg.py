@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 from stepwell.robot import Leg, Robot
@@ -14,40 +15,24 @@ SIDEWAYS = 0.02
 
 @dataclass(frozen=True)
 class Places:
-    """Where the parts of a leg are in the reference position, every lever at θ = 0.
+    """Where the parts of a leg are in the reference position, every lever at θ = 0."""
 
-    Attributes:
-        blocks: (cells,) x of each moving block [m], inner first, at its pivot.
-        joints: (cells,) x at which the lever of each cell crosses from block to block [m].
-        sideways: (cells + 1,) y of the lever joints of each block [m], the body's first.
-        foot: (x, z) of the tip [m].
-    """
-
-    blocks: tuple[float, ...]
-    joints: tuple[float, ...]
-    sideways: tuple[float, ...]
-    foot: tuple[float, float]
+    blocks: tuple[float, ...]  # (cells,) x of each moving block [m], inner first, at its pivot
+    joints: tuple[float, ...]  # (cells,) x at which each cell's lever crosses between blocks [m]
+    sideways: tuple[float, ...]  # (cells + 1,) y of each block's lever joints [m], the body's first
+    foot: tuple[float, float]  # (x, z) of the tip [m]
 
 
 @dataclass(frozen=True)
 class LegModel:
-    """A leg and what it is added to.
+    """A leg and what it is added to."""
 
-    Attributes:
-        spec: the model.
-        robot: whose leg it is.
-        leg: the leg.
-        body, carriage: bodies of the model.
-        anchors: cell number to the body that carries its anchor p, where an antenna moves it.
-        settings: of the simulation.
-    """
-
-    spec: Any
-    robot: Robot
-    leg: Leg
+    spec: Any  # the model, and two bodies of it
     body: Any
     carriage: Any
-    anchors: dict[int, Any]
+    robot: Robot
+    leg: Leg
+    anchors: dict[int, Any]  # cell number to the body of its anchor p, where an antenna moves it
     settings: simulator.Settings
 
     @property
@@ -71,9 +56,7 @@ def places(robot: Robot, leg: Leg) -> Places:
     blocks.reverse()
     # A lever is drawn beside the block that it leaves; the body's first beside the first block.
     joints = [blocks[0], *blocks[:-1]]
-    sideways = [leg.at[1]]
-    for cell in cells:
-        sideways.append(sideways[-1] + leg.side * cell.lever)
+    sideways = accumulate((leg.side * cell.lever for cell in cells), initial=leg.at[1])
     width = robot.foot.span + half[-1]
     tip = (middle - width / 2, -math.sqrt(robot.foot.link**2 - width**2 / 4))
     return Places(tuple(blocks), tuple(joints), tuple(sideways), tip)
@@ -86,7 +69,7 @@ def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
 
 def add_leg(model: LegModel) -> None:
     """Add a leg on rods or on hinges, with the same names for what a recording reads."""
-    spec, robot, leg, settings = model.spec, model.robot, model.leg, model.settings
+    spec, robot, leg, soft = model.spec, model.robot, model.leg, parts.soft(model.settings)
     where, cells = places(robot, leg), leg.chain.levers
     previous, origin = model.body, (0.0, 0.0)
     before: dict[str, float] = {}
@@ -115,11 +98,7 @@ def add_leg(model: LegModel) -> None:
         parts.site(block, f"{name}.lever.out", outer[1])
         _add_line(model, f"{name}.lever", (f"{name}.lever.in", f"{name}.lever.out"), parts.LEVER)
         _add_bands(model, i, inner, outer)
-        stops: dict[str, Any] = {
-            "limited": True,
-            "range": (0.0, cell.full_travel),
-            "solref_limit": parts.soft(settings),
-        }
+        stops = {"limited": True, "range": (0.0, cell.full_travel), "solref_limit": soft}
         parts.combined(
             spec,
             f"{name}.travel",
@@ -127,7 +106,7 @@ def add_leg(model: LegModel) -> None:
             damping=robot.blocks.damping,
             frictionloss=cell.friction,
             # MuJoCo's own values let a slow cell creep at a fraction of its friction.
-            solref_friction=parts.soft(settings),
+            solref_friction=soft,
             solimp_friction=parts.STIFF,
             # On hinges the levers end at the stops.
             **({} if model.hinged else stops),
@@ -183,8 +162,7 @@ def _add_foot(model: LegModel, where: Places) -> None:
     parts.slider(tip, f"{name}.foot.x", (1.0, 0.0, 0.0))
     parts.slider(tip, f"{name}.foot.z", (0.0, 0.0, 1.0))
     parts.site(tip, f"{name}.tip")
-    foot = robot.foot
-    links = 2 * (hinges.LINK * foot.mass) if model.hinged else 0.0
+    foot, links = robot.foot, 2 * hinges.LINK * robot.foot.mass if model.hinged else 0.0
     parts.stand(
         tip,
         (f"{name}.foot", f"{name}.sole"),

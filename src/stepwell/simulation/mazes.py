@@ -46,8 +46,8 @@ class Contact(NamedTuple):
     Attributes:
         antenna: which.
         begin, end: from when to when [s].
-        swing: how far at most [rad].
-        moved: by how much it then had moved its anchor [m]; 0 with its lever off.
+        swing, moved: how far at most [rad], and by how much it then had moved its anchor [m]; 0
+            with its lever off.
     """
 
     antenna: str
@@ -74,14 +74,7 @@ class GaitChange(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Maze(ByValue, Drawn):
-    """A robot's way through an arena.
-
-    Attributes:
-        walk: all samples.
-        arena: the arena.
-        outcome: how it ended.
-        limit: time that it was given [s].
-    """
+    """A robot's way through an arena: all samples, how it ended, and the time it was given [s]."""
 
     walk: Walk
     arena: Arena
@@ -113,12 +106,13 @@ class Maze(ByValue, Drawn):
     @property
     def changes(self) -> tuple[GaitChange, ...]:
         """Every change of a leg's gait from one cycle to the next, dated by the later one."""
-        found: list[GaitChange] = []
         period = self.walk.robot.drive.period
-        for leg, gaits in self.walk.gaits.items():
-            for i, (before, after) in enumerate(pairwise(gaits), 1):
-                if after != before:
-                    found.append(GaitChange(i * period, leg, before, after))
+        found = (
+            GaitChange(i * period, leg, before, after)
+            for leg, gaits in self.walk.gaits.items()
+            for i, (before, after) in enumerate(pairwise(gaits), 1)
+            if after != before
+        )
         return tuple(sorted(found, key=lambda change: change.time))
 
     @property
@@ -126,8 +120,7 @@ class Maze(ByValue, Drawn):
         """Whether it ended free: antennas at rest, heading steady and still advancing.
 
         That is, over the last ten cycles no antenna was turned by more than a twentieth of its
-        swing, the heading stayed within 5° and the way covered was two fifths of u_max a cycle
-        or more.
+        swing, the heading stayed within 5° and the way covered was 2/5 of u_max a cycle or more.
         """
         walk = self.walk
         if walk.stopped or walk.cycles < FREE_FOR:
@@ -135,10 +128,9 @@ class Maze(ByValue, Drawn):
         late = walk.time >= walk.time[-1] - FREE_FOR * walk.robot.drive.period
         most = np.array([antenna.swing for antenna in walk.robot.antennas])
         pressed = (walk.antenna[late] > PRESSED * most).any()
-        heading = walk.yaw[late]
         ends = np.hypot(np.diff(walk.x[late][[0, -1]]), np.diff(walk.y[late][[0, -1]]))[0]
         step = ends / FREE_FOR / walk.robot.u_max
-        return bool(not pressed and np.ptp(heading) <= STEADY and step >= ADVANCING)
+        return bool(not pressed and np.ptp(walk.yaw[late]) <= STEADY and step >= ADVANCING)
 
     @property
     def duration(self) -> float:
@@ -160,11 +152,7 @@ class Maze(ByValue, Drawn):
 
 
 class Judge:
-    """Says of a run in progress how it has ended.
-
-    Attributes:
-        outcome: None as long as it goes on.
-    """
+    """Says of a run in progress how it has ended: an outcome, None as long as it goes on."""
 
     def __init__(self, arena: Arena):
         self.outcome: Outcome | None = None
@@ -180,17 +168,16 @@ class Judge:
             self.outcome = Outcome.STOPPED
         elif self._goal is not None and self._goal.reached(x, y):
             self.outcome = Outcome.REACHED
-        elif _stuck(self._places):
+        elif self._stuck():
             self.outcome = Outcome.TRAPPED
         return self.outcome
 
-
-def _stuck(places: list[tuple[float, float, float]]) -> bool:
-    now, x, y = places[-1]
-    if now - places[0][0] < STUCK_FOR:
-        return False
-    recent = np.array([place for place in places if now - place[0] <= STUCK_FOR])
-    return bool((np.hypot(recent[:, 1] - x, recent[:, 2] - y) < STUCK_WITHIN).all())
+    def _stuck(self) -> bool:
+        now, x, y = self._places[-1]
+        if now - self._places[0][0] < STUCK_FOR:
+            return False
+        recent = np.array([place for place in self._places if now - place[0] <= STUCK_FOR])
+        return bool((np.hypot(recent[:, 1] - x, recent[:, 2] - y) < STUCK_WITHIN).all())
 
 
 def maze(
@@ -239,11 +226,7 @@ def mazes(
         progress: called with (done, total) entries.
 
     Returns:
-        (n,) their ways, each what `maze` gives.
-
-    Raises:
-        ValueError: as `maze`.
-        ModuleNotFoundError: MuJoCo is not installed.
+        (n,) their ways, each what `maze` gives and with its errors.
     """
     # The stepping runs outside Python's lock, so threads are enough.
     stop = Event()
@@ -273,9 +256,5 @@ def mazes(
 def _stretches(time: np.ndarray, held: np.ndarray) -> list[tuple[int, int]]:
     """First and last sample of every stretch in which `held` is true, short gaps bridged."""
     samples = np.flatnonzero(held)
-    if len(samples) == 0:
-        return []
-    breaks = np.flatnonzero(np.diff(time[samples]) > APART)
-    firsts = samples[np.concatenate([[0], breaks + 1])]
-    lasts = samples[np.concatenate([breaks, [len(samples) - 1]])]
-    return [(int(a), int(b)) for a, b in zip(firsts, lasts, strict=True)]
+    parts = np.split(samples, np.flatnonzero(np.diff(time[samples]) > APART) + 1)
+    return [(int(part[0]), int(part[-1])) for part in parts if len(part)]

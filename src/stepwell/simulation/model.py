@@ -133,7 +133,7 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
         anchors[antenna.leg][cell] = add_anchor(robot, antenna, body, settings)
         add_rod(model, robot, antenna, body, settings)
     for leg in robot.legs:
-        add_leg(LegModel(model, robot, leg, body, carriage, anchors[leg.name], settings))
+        add_leg(LegModel(model, body, carriage, robot, leg, anchors[leg.name], settings))
     if arena is not None:
         _add_arena(model, arena)
     add_sensors(model, robot, arena)
