@@ -31,51 +31,26 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
     travel = math.hypot(*antenna.moves)
     x, y, _ = in_body(leg, antenna.moves)
     axis = (x / travel, y / travel, 0.0)
-    part = body.add_body(
-        name=f"{antenna.name}.anchor", pos=(where.joints[0] + p[0], leg.at[1] + p[1], parts.TOP)
-    )
-    most = travel if antenna.connected else 1e-6
-    parts.slider(
-        part,
-        f"{antenna.name}.anchor",
-        axis,
-        range=(0.0, most),
-        limited=True,
-        damping=SLIDING,
-        solref_limit=parts.soft(settings),
-    )
+    name, place = f"{antenna.name}.anchor", (where.joints[0] + p[0], leg.at[1] + p[1], parts.TOP)
+    part = body.add_body(name=name, pos=place)
+    stops = {"limited": True, "range": (0.0, travel if antenna.connected else 1e-6)}
+    parts.slider(part, name, axis, damping=SLIDING, solref_limit=parts.soft(settings), **stops)
     parts.ball(part, ROD, mass=ANCHOR, rgba=parts.ANTENNA, **parts.SEEN)
     return part
-
-
-def layer(robot: Robot, antenna: Antenna) -> float:
-    """Height of an antenna's plane over the pivots of the legs [m]."""
-    return LAYER * (robot.antennas.index(antenna) - (len(robot.antennas) - 1) / 2)
 
 
 def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> None:
     """The rod and its hinge, and the lever that couples it to the anchor."""
     name, side = antenna.name, antenna.side
-    height = layer(robot, antenna)
+    # The height of its plane over the pivots of the legs [m].
+    height = LAYER * (robot.antennas.index(antenna) - (len(robot.antennas) - 1) / 2)
     holder = body.add_body(name=f"{name}.antenna", pos=(*antenna.pivot, height))
-    parts.hinge(
-        holder,
-        f"{name}.antenna",
-        (0.0, 0.0, side),
-        range=(0.0, antenna.swing),
-        limited=True,
-        damping=antenna.damping,
-        stiffness=(0.0 if antenna.connected else LOOSE, 0.0, 0.0),
-        solref_limit=parts.soft(settings, 2),
-    )
-    touch = dict(
-        rgba=parts.ANTENNA,
-        priority=3,
-        condim=3,
-        friction=(antenna.friction, 0.0, 0.0),
-        solref=parts.soft(settings, 2),
-        **parts.ANTENNAS,
-    )
+    soft, loose = parts.soft(settings, 2), (0.0 if antenna.connected else LOOSE, 0.0, 0.0)
+    stops = {"limited": True, "range": (0.0, antenna.swing), "solref_limit": soft}
+    gives = {"damping": antenna.damping, "stiffness": loose}
+    parts.hinge(holder, f"{name}.antenna", (0.0, 0.0, side), **stops, **gives)
+    meets = {"priority": 3, "condim": 3, "friction": (antenna.friction, 0.0, 0.0), "solref": soft}
+    touch = {"rgba": parts.ANTENNA, **meets, **parts.ANTENNAS}
     whole, angle = antenna.length + antenna.hook, abs(antenna.angle)
     begin = (0.0, 0.0, 0.0)
     for length, bent in ((antenna.length, 0.0), (antenna.hook, antenna.hook_angle)):
@@ -85,12 +60,8 @@ def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Sett
             parts.rod(holder, begin, end, ROD, mass=antenna.mass * length / whole, **touch)
             begin = end
     reach = whole + 0.005
-    holder.add_site(
-        name=f"{name}.feeler",
-        size=(reach, reach, 0.02),
-        rgba=parts.HIDDEN,
-        type=parts.mujoco.mjtGeom.mjGEOM_BOX,
-    )
+    shape = {"size": (reach, reach, 0.02), "type": parts.mujoco.mjtGeom.mjGEOM_BOX}
+    holder.add_site(name=f"{name}.feeler", rgba=parts.HIDDEN, **shape)
     # An arm of the body carries the hinge.
     start = (robot.body.length / 2, 0.5 * antenna.pivot[1], 0.012)
     end = (*antenna.pivot, height + 0.004)

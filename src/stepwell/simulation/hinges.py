@@ -45,15 +45,9 @@ def add_levers(model: "LegModel", name: str, cell: Cell, inner: Place, outer: Pl
         label = f"{name}.lever.{end}"
         (x, y, z), (a, b, c) = inner[1], outer[1]
         lever = inner[0].add_body(name=label, pos=(x + shift, y, z))
-        parts.hinge(
-            lever,
-            label,
-            (0.0, 0.0, model.leg.side),
-            range=(-cell.limit, cell.limit),
-            limited=True,
-            solref_limit=parts.soft(model.settings),
-            solimp_limit=STIFF,
-        )
+        stops = {"limited": True, "range": (-cell.limit, cell.limit), "solimp_limit": STIFF}
+        soft = parts.soft(model.settings)
+        parts.hinge(lever, label, (0.0, 0.0, model.leg.side), solref_limit=soft, **stops)
         mass = LEVER * model.robot.blocks.mass
         parts.rod(lever, (0, 0, 0), tip, THICK, mass=mass, rgba=parts.LEVER, **parts.SEEN)
         parts.site(lever, f"{label}.tip", tip)

@@ -1,7 +1,7 @@
 """A robot as a MuJoCo model, and what is read from it at every sample."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -75,16 +75,8 @@ def contacts(model: Model) -> Ints:
 def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tuple[Floats, Floats]:
     """The readings of every so many steps, forces of what touches as means over these steps.
 
-    Between two samples feet land and lift; what one carries at an instant says little of it.
-
-    Args:
-        readings: (..., n, sensors) of each step.
-        pending: (..., m, sensors) of the m < `every` steps since the last sample.
-        every: steps to a sample.
-        columns: (k,) of these forces.
-
-    Returns:
-        The samples (..., (m + n) // every, sensors), and the steps since the last of them.
+    Readings of each step (..., n, sensors) come after those pending since the last sample;
+    `columns` are these forces. The samples come with the steps that are pending then.
     """
     steps = np.concatenate([pending, readings], axis=-2)
     *some, n, width = steps.shape
@@ -104,12 +96,7 @@ GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
 def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> Spec:
-    """The editable model of a robot in an arena.
-
-    Args:
-        robot: any robot.
-        arena: obstacles, and where it starts; a bare floor by default.
-        settings: of the simulation.
+    """The editable model of a robot in an arena, or on a bare floor, and with these settings.
 
     Returns:
         MuJoCo's MjSpec, in SI. Its reference position has every lever at θ = 0; the keyframe
@@ -119,7 +106,13 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
         ValueError: a band, load or antenna that the simulator has no term for.
     """
     settings = settings or Settings()
-    _refuse(robot)
+    for leg in robot.legs:
+        for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
+            if cell.load is not None:
+                raise InputError(
+                    f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
+                    f"loads from weight and floor; leave it out."
+                )
     model = mujoco.MjSpec()
     model.modelname = robot.title or "robot"
     model.compiler.degree = False
@@ -142,30 +135,10 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
 
 
 def mjcf(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> str:
-    """The model as MJCF, which MuJoCo's own viewer opens.
-
-    Args:
-        robot, arena, settings: as for `spec`.
-
-    Returns:
-        XML.
-
-    Raises:
-        ValueError: a band, load or antenna that the simulator has no term for.
-    """
+    """The model as MJCF, which MuJoCo's own viewer opens; arguments and errors as for `spec`."""
     model = spec(robot, arena, settings)
     model.compile()
     return model.to_xml()
-
-
-def _refuse(robot: Robot) -> None:
-    for leg in robot.legs:
-        for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
-            if cell.load is not None:
-                raise InputError(
-                    f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
-                    f"loads from weight and floor; leave it out."
-                )
 
 
 def _options(model: Any, robot: Robot, settings: Settings) -> None:
@@ -208,13 +181,8 @@ def _scenery(model: Any) -> None:
         specular=(0.0, 0.0, 0.0),
         castshadow=True,
     )
-    model.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=(0, 0, 0.05),
-        material="floor",
-        **parts.STANDS,
-    )
+    floor = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 0.05), "material": "floor"}
+    model.worldbody.add_geom(name="floor", **floor, **parts.STANDS)
 
 
 def _body(model: Any, robot: Robot, settings: Settings) -> Any:
@@ -226,21 +194,12 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
     parts.box(body, size, robot.body.centre, **weight)
     outline = {"mass": 0.0, "rgba": parts.BODY, **parts.OUTLINE}
     parts.hull(robot, body, size, (0.0, 0.0, 0.012), **outline)
+    seen = {"mass": 0.0, "rgba": parts.SUPPORT}
+    touch = {"friction": (robot.support_friction, 0.0, 0.0), **seen, **parts.STANDS}
     for i, (x, y) in enumerate(robot.body.supports):
         name, foot = f"support {i + 1}", (x, y, SUPPORT - robot.pivot_height)
-        parts.stand(
-            body,
-            (name, name),
-            SUPPORT,
-            foot,
-            settings,
-            friction=(robot.support_friction, 0.0, 0.0),
-            mass=0.0,
-            rgba=parts.SUPPORT,
-            **parts.STANDS,
-        )
-        arm = {"mass": 0.0, "rgba": parts.SUPPORT, **parts.SEEN}
-        parts.rod(body, foot, (0.4 * x, 0.4 * y, 0.0), 0.002, **arm)
+        parts.stand(body, (name, name), SUPPORT, foot, settings, **touch)
+        parts.rod(body, foot, (0.4 * x, 0.4 * y, 0.0), 0.002, **seen, **parts.SEEN)
     for leg in robot.legs:
         # The innermost block is part of the body.
         inner = (leg.at[0] + robot.foot.span / 2 + robot.blocks.length, leg.at[1], 0.0)
@@ -251,25 +210,20 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
 
 
 def _carriage(model: Any, robot: Robot, body: Any) -> Any:
-    full = robot.legs[0].chain.full_stroke
+    full, blocks = robot.legs[0].chain.full_stroke, robot.blocks
     carriage = body.add_body(name="carriage")
     parts.slider(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
     ends = [leg.at[0] - robot.foot.span / 2 - full / 2 for leg in robot.legs]
     across = [leg.at[1] for leg in robot.legs]
     middle = (min(ends), (min(across) + max(across)) / 2, 0.012)
     bar = (0.008, max(max(across) - min(across), 0.008), 0.006)
-    parts.box(carriage, bar, middle, mass=robot.blocks.carriage, rgba=parts.BLOCK, **parts.SEEN)
-    for leg, end in zip(robot.legs, ends, strict=True):
-        size = (robot.blocks.length, robot.blocks.width, 0.008)
-        outline = {"mass": 0.0, "rgba": parts.BLOCK, **parts.OUTLINE}
-        parts.hull(robot, carriage, size, (end, leg.at[1], 0.0), **outline)
-    drive = model.add_actuator(
-        name="drive",
-        target="stroke",
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        ctrllimited=True,
-        ctrlrange=(0.0, full),
-    )
+    parts.box(carriage, bar, middle, mass=blocks.carriage, rgba=parts.BLOCK, **parts.SEEN)
+    size = (blocks.length, blocks.width, 0.008)
+    outline = {"mass": 0.0, "rgba": parts.BLOCK, **parts.OUTLINE}
+    for end, y in zip(ends, across, strict=True):
+        parts.hull(robot, carriage, size, (end, y, 0.0), **outline)
+    reach = {"trntype": mujoco.mjtTrn.mjTRN_JOINT, "ctrllimited": True, "ctrlrange": (0.0, full)}
+    drive = model.add_actuator(name="drive", target="stroke", **reach)
     drive.set_to_position(kp=robot.drive.stiffness, dampratio=1.0)
     return carriage
 
@@ -277,25 +231,25 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
 def _add_arena(model: Any, arena: Arena) -> None:
     """Add every obstacle, each a body of its own, so that what touches it is known."""
     names = iter(obstacle_names(arena))
-    for wall in arena.walls:
-        x, y = ((a + b) / 2 for a, b in zip(wall.start, wall.end, strict=True))
-        half = wall.angle / 2
+
+    def add(at: Sequence[float], shape: Any, size: Sequence[float], angle: float = 0.0) -> None:
         body = model.worldbody.add_body(
-            name=next(names), pos=(x, y, HEIGHT / 2), quat=(math.cos(half), 0, 0, math.sin(half))
+            name=next(names),
+            pos=(*at, HEIGHT / 2),
+            quat=(math.cos(angle / 2), 0, 0, math.sin(angle / 2)),
         )
-        size = (wall.length, wall.thickness, HEIGHT)
-        parts.box(body, size, rgba=parts.WALL, **parts.OBSTACLE)
-        _feel(body, mujoco.mjtGeom.mjGEOM_BOX, [length / 2 + 0.01 for length in size])
-    for cylinder in arena.cylinders:
-        body = model.worldbody.add_body(name=next(names), pos=(*cylinder.at, HEIGHT / 2))
-        shape = mujoco.mjtGeom.mjGEOM_CYLINDER
-        size = (cylinder.radius, HEIGHT / 2, 0.0)
         body.add_geom(type=shape, size=size, rgba=parts.WALL, **parts.OBSTACLE)
-        _feel(body, shape, (cylinder.radius + 0.01, HEIGHT / 2 + 0.01, 0.0))
+        # What feels the touch reaches a little further.
+        felt = [length + 0.01 if length else 0.0 for length in size]
+        body.add_site(name=body.name, type=shape, size=felt, rgba=parts.HIDDEN)
 
-
-def _feel(body: Any, shape: Any, size: Any) -> None:
-    body.add_site(name=body.name, type=shape, size=size, rgba=parts.HIDDEN)
+    for wall in arena.walls:
+        middle = [(a + b) / 2 for a, b in zip(wall.start, wall.end, strict=True)]
+        size = (wall.length / 2, wall.thickness / 2, HEIGHT / 2)
+        add(middle, mujoco.mjtGeom.mjGEOM_BOX, size, wall.angle)
+    for cylinder in arena.cylinders:
+        size = (cylinder.radius, HEIGHT / 2, 0.0)
+        add(cylinder.at, mujoco.mjtGeom.mjGEOM_CYLINDER, size)
 
 
 def _start_position(

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from stepwell.base import InputError
 from stepwell.mechanism import Band, Cubic, Linear
 from stepwell.robot import Robot
@@ -14,8 +12,7 @@ Vec3 = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 Place = tuple[Any, Vec3]  # a body, and a point of it [m]
 
-# Levers and bands lie on top of the blocks, where they are seen [m].
-TOP = 0.007
+TOP = 0.007  # levers and bands lie on top of the blocks, where they are seen [m]
 
 # As figures draw them, which a test compares: red, green, blue, opacity.
 BODY = (0.45, 0.47, 0.50, 0.55)
@@ -139,20 +136,14 @@ def fixed_length(spec: Any, tendon: str, settings: Settings) -> None:
 
 
 def stretch(band: Band) -> dict[str, Any]:
-    """Stiffness and rest length of a band as a line between its anchors has them.
-
-    Raises:
-        ValueError: a law that the simulator has no term for.
-    """
+    """Stiffness and rest length of a band as a line between its anchors has them."""
     law = band.law
-    if isinstance(law, Linear):
-        stiffness = (band.stiffness, 0.0, 0.0)
-    elif isinstance(law, Cubic):
-        stiffness = tuple(band.stiffness * np.array([1.0, law.a2, law.a3]))
-    else:
+    if not isinstance(law, Linear | Cubic):
         raise InputError(
             f"law = {type(law).__name__}: the simulation takes linear and cubic bands; fit a cubic "
             "to it (quadratic_per_mm, cubic_per_mm2)."
         )
+    a2, a3 = (law.a2, law.a3) if isinstance(law, Cubic) else (0.0, 0.0)
+    stiffness = (band.stiffness, band.stiffness * a2, band.stiffness * a3)
     least = band.rest_length if band.two_sided else 0.0
     return {"stiffness": stiffness, "springlength": (least, band.rest_length)}
