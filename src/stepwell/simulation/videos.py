@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import Floats, InputError, StepwellError, most, need, problem, write_atomic
+from stepwell.base import InputError, StepwellError, most, need, problem, write_atomic
+from stepwell.robot import Arena
 from stepwell.simulation import render
 from stepwell.simulation.mazes import Maze
 from stepwell.simulation.model import spec
@@ -52,17 +53,14 @@ def video(
     """Write a run as video, drawn off screen.
 
     Args:
-        result: a walk, seen from the side and above and followed; or a way through an arena,
-            all of which is seen, with the path left behind.
+        result: a walk, seen from the side and above and followed; or a way through an arena, all of
+            which is seen, with the path left behind.
         files: where to; .mp4 or .gif each, written whole or not at all.
         width, height: of the picture [pixels], even numbers.
         fps: frames a second.
-        speed: times real time; by default real time for a walk, and what makes an arena's
-            video last 20 s.
+        speed: times real time; by default real time for a walk, and what makes an arena's video
+            last 20 s.
         progress: called with (done, total) frames.
-
-    Returns:
-        The files.
 
     Raises:
         ValueError: a file that is neither .mp4 nor .gif, an odd size or a speed of nothing.
@@ -79,7 +77,10 @@ def video(
     count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed
     if count > most("frames"):
         raise VideoError(f"{problem('frames', count, 'These are')} Or a higher speed makes fewer.")
-    chosen = _chosen(walk, fps, speed)
+    begin = max(walk.time[0], 0.0) if walk.time[-1] > 0 else walk.time[0]
+    times = np.arange(begin, walk.time[-1], speed / fps)
+    # The samples that become frames.
+    chosen = np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
     encoders = [_ENCODERS[target.suffix.lower()](width, height, fps) for target in targets]
     with _drawn(walk, result, chosen, width, height) as frames:
         for done, frame in enumerate(frames, 1):
@@ -102,13 +103,6 @@ def _require_usable(targets: Iterable[Path], width: int, height: int, speed: flo
         raise InputError(f"speed = {speed}: must be > 0.")
 
 
-def _chosen(walk: Walk, fps: int, speed: float) -> NDArray[np.intp]:
-    """The samples that become frames."""
-    begin = max(walk.time[0], 0.0) if walk.time[-1] > 0 else walk.time[0]
-    times = np.arange(begin, walk.time[-1], speed / fps)
-    return np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
-
-
 @contextmanager
 def _drawn(
     walk: Walk, result: Walk | Maze, chosen: NDArray[np.intp], width: int, height: int
@@ -125,9 +119,11 @@ def _drawn(
             trail=trail if isinstance(result, Maze) else trail[:0],
         )
         tried: list[str] = []
+        drawing = [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)]
+        pipe = subprocess.PIPE
         for system in SYSTEMS:
-            process = _start(system, model, run)
-            assert process.stdout is not None and process.stderr is not None
+            process = subprocess.Popen(drawing, stdout=pipe, stderr=pipe, env=_environment(system))
+            assert process.stdout is not None
             try:
                 if process.stdout.readline() == render.READY:
                     yield _frames(process, len(chosen), width, height)
@@ -166,15 +162,6 @@ def _environment(system: str) -> dict[str, str]:
     return os.environ | given
 
 
-def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env=_environment(system),
-    )
-
-
 def _last_line(process: subprocess.Popen[bytes]) -> str:
     _, errors = process.communicate(timeout=PATIENCE)
     lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
@@ -194,15 +181,19 @@ def _frames(
 
 
 def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]:
-    """Where the camera stands."""
     view: dict[str, object] = {"width": width, "height": height, "trail": TRAIL}
     if not whole:
         near = {"camera": (0.36, 145.0, -28.0), "lookat": (0.0, 0.0, 0.015)}
         return view | near | {"follow": True, "width_m": 0.001, "shadows": True}
-    goal = walk.arena.goal if walk.arena is not None else None
-    if goal is not None:
-        view["goal"] = (*goal.at, goal.radius)
-    low, high = _extent(walk)
+    arena = walk.arena or Arena()
+    if arena.goal is not None:
+        view["goal"] = (*arena.goal.at, arena.goal.radius)
+    # Everything that is to be seen [m].
+    points = [*zip(walk.x, walk.y, strict=True)]
+    points += [end for wall in arena.walls for end in (wall.start, wall.end)]
+    for disc in (*arena.cylinders, *filter(None, [arena.goal])):
+        points += [np.add(disc.at, disc.radius), np.subtract(disc.at, disc.radius)]
+    low, high = np.min(points, axis=0) - EDGE, np.max(points, axis=0) + EDGE
     middle, size = (low + high) / 2, high - low
     # MuJoCo's free camera sees 45° upwards and downwards together; a little is left at the edge.
     across = max(size[1], size[0] * height / width) * 1.10
@@ -213,17 +204,6 @@ def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]
         "shadows": False,
         "width_m": 0.002 * max(1.0, across),
     }
-
-
-def _extent(walk: Walk) -> tuple[Floats, Floats]:
-    """Lower and upper corner of everything that is to be seen [m]."""
-    points = [np.stack([walk.x, walk.y], axis=1)]
-    if walk.arena is not None:
-        points += [np.array([wall.start, wall.end]) for wall in walk.arena.walls]
-        for disc in (*walk.arena.cylinders, *filter(None, [walk.arena.goal])):
-            points.append(np.array(disc.at) + disc.radius * np.array([[-1, -1], [1, 1]]))
-    all_points = np.concatenate(points)
-    return all_points.min(axis=0) - EDGE, all_points.max(axis=0) + EDGE
 
 
 class _Mp4:
@@ -283,15 +263,8 @@ class _Gif:
             picture.quantize(palette=palette, dither=self._image.Dither.NONE)
             for picture in self._pictures
         ]
-        out = io.BytesIO()
-        pictures[0].save(
-            out,
-            format="GIF",
-            save_all=True,
-            append_images=pictures[1:],
-            duration=self._duration,
-            loop=0,
-        )
+        out, timed = io.BytesIO(), {"duration": self._duration, "loop": 0}
+        pictures[0].save(out, format="GIF", save_all=True, append_images=pictures[1:], **timed)
         return out.getvalue()
 
 
