@@ -55,11 +55,9 @@ class GapError(base.StepwellError, RuntimeError):
 
 @dataclass(frozen=True, eq=False)
 class Gap(base.ByValue):
-    """Designs that a store lacks, from `first` to `last`, and whether they were there once.
+    """Designs that a store lacks, from `first` to `last`.
 
-    Attributes:
-        first, last: numbers of designs.
-        damaged: a file is there whose checksum does not hold; else it is not there (yet).
+    `damaged` tells a file whose checksum does not hold from one that is not there (yet).
     """
 
     first: int
@@ -95,6 +93,11 @@ class Study(base.ByValue):
     chunk: int
     given: Mapping[str, Any] = field(default_factory=dict, repr=False)
     version: str = base.__version__
+    # The columns that were opened, and what was read last of each: of which chunks, and what.
+    _opened: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _known: dict[str, tuple[tuple[int, ...], np.ndarray[Any, Any]]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def __post_init__(self):
         base.refuse_address(self.folder)
@@ -187,11 +190,7 @@ class Study(base.ByValue):
         return [chunk for chunk in range(self.chunks) if not self.is_done(chunk)]
 
     def gaps(self, missing: Sequence[int] | None = None) -> list[Gap]:
-        """Designs that are missing, in stretches of one kind.
-
-        Args:
-            missing: the chunks that `missing` lists, where they are known already.
-        """
+        """Designs that are missing, in stretches of one kind; `missing` are chunks known to be."""
         found: list[Gap] = []
         for chunk in self.missing() if missing is None else missing:
             rows = self.rows(chunk)
@@ -205,11 +204,7 @@ class Study(base.ByValue):
         return found
 
     def require_whole(self) -> None:
-        """Refuse a store that lacks designs.
-
-        Raises:
-            GapError: it does.
-        """
+        """Refuse a store that lacks designs with a `GapError`."""
         if gaps := self.gaps():
             raise GapError(
                 f"{self.folder}: {gaps_text(gaps, self.count)}. `stepwell sweep resume "
@@ -221,11 +216,7 @@ class Study(base.ByValue):
         return all(_holds(self.folder / name / "c" / str(chunk)) for name in self.columns)
 
     def write(self, chunk: int, columns: dict[str, np.ndarray[Any, Any]]) -> None:
-        """Write the rows of a chunk; each column's file is replaced as a whole.
-
-        Args:
-            chunk: which.
-            columns: (rows,) of every column.
+        """Write (rows,) of every column of a chunk; each column's file is replaced as a whole.
 
         Raises:
             OSError: it cannot be written; what is there then is no chunk.
@@ -238,13 +229,7 @@ class Study(base.ByValue):
     def once(self, name: str, chunk: int, find: Callable[[], Sequence[str]]) -> list[str]:
         """What is found of a chunk and need not come out alike twice: who is first decides it.
 
-        Args:
-            name: of the column for which it is found; it is kept beside its chunks.
-            chunk: which.
-            find: finds it.
-
-        Raises:
-            OSError: it cannot be written.
+        It is kept beside the chunks of the column for which it is found, or an `OSError` is raised.
         """
         rows = self.rows(chunk)
         place = self.folder / name / f".found-{rows.start}-{rows.stop}.json"
@@ -275,18 +260,15 @@ class Study(base.ByValue):
         return [k for k in range(self.chunks) if k not in missing]
 
     def _chunks(self, partial: bool) -> list[int]:
-        """All chunks; where some are missing, those that are done, if that is wanted."""
-        chunks = self.done_chunks()
-        if len(chunks) < self.chunks and not partial:
-            self.require_whole()
-        return chunks
+        if partial:
+            return self.done_chunks()
+        self.require_whole()
+        return list(range(self.chunks))
 
     def values(self, name: str, chunks: Sequence[int] | None = None) -> np.ndarray[Any, Any]:
         """What a column holds, row after row, as it is kept.
 
-        Args:
-            name: of the column.
-            chunks: those that are read, all of them done; by default all that hold.
+        Of these chunks, all of them done; by default of all that hold.
         """
         if chunks is None:
             files = self.folder / name / "c"
@@ -304,11 +286,6 @@ class Study(base.ByValue):
             found.flags.writeable = False
             self._known[name] = wanted, found
         return found
-
-    @cached_property
-    def _known(self) -> dict[str, tuple[tuple[int, ...], np.ndarray[Any, Any]]]:
-        """What was read last of each column: of which chunks, and what."""
-        return {}
 
     def best(self, count: int, by: Sequence[str], *, partial: bool = False) -> ListedDesigns:
         """The best of the designs that are done, best first, as a list of designs.
@@ -340,17 +317,10 @@ class Study(base.ByValue):
         return ListedDesigns(tuple(self.varied), np.column_stack(rows))
 
     def to_csv(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
-        """Write a study as CSV, a line for every design, units in the headings.
-
-        Args:
-            file: where to.
-            partial: write what is done, where designs are missing.
-
-        Returns:
-            How many designs are written.
+        """Write a study as CSV, a line for every design, units in the headings; returns how many.
 
         Raises:
-            GapError: designs are missing.
+            GapError: designs are missing, and `partial` does not allow it.
             OSError: it cannot be written.
         """
         done, columns = self._table(partial)
@@ -358,40 +328,26 @@ class Study(base.ByValue):
         return len(done)
 
     def to_parquet(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
-        """Write a study as Parquet, columns as in `to_csv`; all else as there.
-
-        Raises:
-            ExtraError: the extra parquet is not installed.
-            OSError: it cannot be written.
-        """
+        """Write a study as Parquet, all as for `to_csv`; an `ExtraError` without that extra."""
         base.need("parquet")
         import pyarrow as pa
         from pyarrow import parquet
 
         done, columns = self._table(partial)
-        table = pa.table(
-            {
-                q.key: values if isinstance(values, list) else np.asarray(values) * q.factor
-                for q, values in columns
-            }
-        )
-
+        table = {q.key: v if isinstance(v, list) else np.asarray(v) * q.factor for q, v in columns}
         whole = BytesIO()
-        parquet.write_table(table, whole)
+        parquet.write_table(pa.table(table), whole)
         base.write_atomic(file, whole.getvalue())
         return len(done)
 
     def _table(self, partial: bool) -> tuple[list[int], list[tuple[base.Quantity, Any]]]:
-        """What is done, and every column of it in SI with how it is told."""
         chunks = self._chunks(partial)
         done = [number for k in chunks for number in self.rows(k)]
         columns: list[tuple[base.Quantity, Any]] = [(base.Quantity("design"), done)]
         for name, unit in self.columns.items():
-            told, _ = self.told(name)
             values = self.values(name, chunks)
-            columns.append(
-                (base.Quantity(name, told), [str(v) for v in values] if unit == TEXT else values)
-            )
+            told = list(map(str, values)) if unit == TEXT else values
+            columns.append((base.Quantity(name, self.told(name)[0]), told))
         return done, columns
 
     @cached_property
@@ -405,16 +361,11 @@ class Study(base.ByValue):
         """The Zarr array of a column (count,), in which a chunk of empty words is there too."""
         import zarr
 
-        if name not in self._columns:
+        if name not in self._opened:
             # An array takes what holds when it is opened, in every version of Zarr.
             with zarr.config.set({"array.write_empty_chunks": True}):
-                self._columns[name] = self.group[name]
-        return self._columns[name]
-
-    @cached_property
-    def _columns(self) -> dict[str, Any]:
-        """The columns that were opened."""
-        return {}
+                self._opened[name] = self.group[name]
+        return self._opened[name]
 
     def asked(self) -> dict[str, Any]:
         """All that is asked, as the store holds it."""
@@ -529,11 +480,7 @@ def begun(study: Study) -> Study:
 
 
 def same_version(study: Study, version: str) -> None:
-    """Refuse to go on with what another version of Stepwell has begun.
-
-    Raises:
-        StudyError: it has.
-    """
+    """Refuse to go on with what another version of Stepwell has begun, with a `StudyError`."""
     if study.version != version:
         raise StudyError(
             f"{study.folder}: was begun by Stepwell {study.version}, and this is {version}: "
@@ -545,12 +492,9 @@ def same_version(study: Study, version: str) -> None:
 def extended(study: Study, count: int) -> Study:
     """The study with more designs; those that there are stay. Nobody may be working on it.
 
-    Args:
-        study: whose designs were drawn one by one: of a Sobol' sequence, at random, as built.
-        count: of designs in all.
-
     Raises:
-        StudyError: fewer designs, or designs of which more would move the others.
+        StudyError: fewer designs, or designs of which more would move the others: only those of a
+            Sobol' sequence, at random or as built were drawn one by one.
         OSError: it cannot be written; the same call goes on.
     """
     designs = study.designs
@@ -635,7 +579,6 @@ def _holds(file: Path) -> bool:
 
 
 def _read(file: Path) -> list[str] | None:
-    """What a file holds, None where there is none."""
     return json.loads(file.read_text("utf-8")) if file.exists() else None
 
 
