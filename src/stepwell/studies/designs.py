@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -79,8 +79,7 @@ class Axis(ByValue):
 def unit_in(subject: Subject, name: str) -> str:
     """The unit in which a store keeps a number: SI of a chain, that of the key of a robot.
 
-    Raises:
-        ValueError: the design has no number of that name, or several in different units.
+    A `ValueError` refuses names that the design has no number of, or several in different units.
     """
     if isinstance(subject, Chain):
         wanted = parameter(subject, name)
@@ -94,23 +93,16 @@ def unit_in(subject: Subject, name: str) -> str:
 
 def _keys(name: str) -> dict[str, float]:
     """The keys of a robot that take a number together, each with the sign that it takes it with."""
-    found = {}
-    for key in _TOGETHER.split(name):
-        bare = key.removeprefix("-")
-        found[bare] = -1.0 if bare != key else 1.0
-    return found
+    keys = _TOGETHER.split(name)
+    return {key.removeprefix("-"): -1.0 if key.startswith("-") else 1.0 for key in keys}
 
 
 def changed(subject: Subject, names: Sequence[str], values: Sequence[float]) -> Subject:
-    """The design with other numbers, in the units of `unit_in`.
-
-    Raises:
-        ValueError: a design that cannot be.
-    """
+    """The design with other numbers, in the units of `unit_in`; a `ValueError` if none can be."""
+    told = zip(names, values, strict=True)
     if isinstance(subject, Robot):
-        told = zip(names, values, strict=True)
         return vary(subject, {k: sign * v for name, v in told for k, sign in _keys(name).items()})
-    for name, value in zip(names, values, strict=True):
+    for name, value in told:
         subject = parameter(subject, name).changed(subject, value)
     return subject
 
@@ -216,32 +208,21 @@ class Workshop(ByValue):
 
     Attributes:
         tolerances: how far they may be from the drawing.
-        count: how many are made.
-        seed: which ones.
-
-    Raises:
-        ValueError: none is made, or a negative seed.
+        count: how many are made, >= 1 or a `ValueError`.
+        seed: which ones, >= 0 or a `ValueError`.
     """
 
     tolerances: Tolerances
     count: int
     seed: int = 0
+    how: ClassVar[str] = "as built"
+    grows: ClassVar[bool] = True  # more mechanisms leave those that there are as they are
 
     def __post_init__(self):
         if self.count < 1:
             raise InputError(f"count = {self.count}: must be 1 or more.")
         if self.seed < 0:
             raise InputError(f"seed = {self.seed}: must be >= 0.")
-
-    @property
-    def how(self) -> str:
-        """How they come about, in a word."""
-        return "as built"
-
-    @property
-    def grows(self) -> bool:
-        """Whether more mechanisms leave those that there are as they are."""
-        return True
 
     def names(self, subject: Subject) -> tuple[str, ...]:
         """What differs from the drawing, of every cell."""
@@ -290,6 +271,9 @@ class ListedDesigns(ByValue):
 
     columns: tuple[str, ...]
     rows: Floats = field(repr=False)
+    how: ClassVar[str] = "listed"
+    grows: ClassVar[bool] = False
+    seed: ClassVar[int] = 0  # nothing is drawn
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(self.columns))
@@ -309,24 +293,9 @@ class ListedDesigns(ByValue):
         object.__setattr__(self, "rows", rows)
 
     @property
-    def how(self) -> str:
-        """How they come about, in a word."""
-        return "listed"
-
-    @property
     def count(self) -> int:
         """How many designs are listed."""
         return len(self.rows)
-
-    @property
-    def seed(self) -> int:
-        """Nothing is drawn."""
-        return 0
-
-    @property
-    def grows(self) -> bool:
-        """Whether more designs leave those that there are as they are."""
-        return False
 
     @property
     def digest(self) -> str:
@@ -342,15 +311,7 @@ class ListedDesigns(ByValue):
         return _each(subject, self.columns, self.rows[first:last])
 
     def to_csv(self, file: str | os.PathLike[str], subject: Subject) -> None:
-        """Write the list as `read_table` reads it.
-
-        Args:
-            file: where to.
-            subject: the design in which they differ.
-
-        Raises:
-            OSError: it cannot be written.
-        """
+        """Write the list as `read_table` reads it; an `OSError` where it cannot be written."""
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), range(self.count))]
         for name, values in zip(self.columns, self.rows.T, strict=True):
             unit = told_in(unit_in(subject, name))[0] if isinstance(subject, Chain) else ""
@@ -359,14 +320,7 @@ class ListedDesigns(ByValue):
 
 
 class Block(NamedTuple):
-    """Many designs of one space at once.
-
-    Attributes:
-        subject: the design that is varied.
-        first: number of the first of them.
-        space: in which they lie.
-        size: how many they are.
-    """
+    """Many designs of one space at once, from number `first` on."""
 
     subject: Subject
     first: int
@@ -397,6 +351,8 @@ class IndependentBlocks(ByValue):
     size: int
     count: int
     seed: int = 0
+    how: ClassVar[str] = "random blocks"
+    grows: ClassVar[bool] = True
 
     def __post_init__(self):
         if self.size < 1 or self.count < 1:
@@ -407,16 +363,6 @@ class IndependentBlocks(ByValue):
     def space(self) -> Space:
         """All of them, one by one."""
         return Space(tuple(self.axes), How.RANDOM, self.size * self.count, self.seed)
-
-    @property
-    def how(self) -> str:
-        """How they come about, in a word."""
-        return "random blocks"
-
-    @property
-    def grows(self) -> bool:
-        """Whether more designs leave those that there are as they are."""
-        return True
 
     def names(self, _subject: Subject) -> tuple[str, ...]:
         """Nothing differs from block to block but the block."""
@@ -437,8 +383,8 @@ def read_table(file: str | os.PathLike[str], subject: Subject) -> ListedDesigns:
 
     Args:
         file: its first line names what differs, as `unit_in` takes it, with or without the unit in
-            which people are told it: outer.q.x_mm, 1.stiffness_N_per_m. A column "design" is only
-            a number; any other is refused.
+            which people are told it: outer.q.x_mm, 1.stiffness_N_per_m. A column "design" is only a
+            number; any other is refused.
         subject: the design in which it differs.
 
     Raises:
@@ -475,14 +421,10 @@ def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:
             problem = problem or error
             continue
         told, factor = told_in(unit) if isinstance(subject, Chain) else (unit, 1.0)
-        if head in (name, heading(name, told)):
+        # With the unit in which a table tells it, or without.
+        if head in (name, Quantity(name, "" if told == "1" else told).key):
             return name, factor
     raise InputError(f"{file}: column {head!r}: {problem}")
-
-
-def heading(name: str, unit: str) -> str:
-    """What a table calls a column: its name with the unit in which it is told."""
-    return Quantity(name, "" if unit == "1" else unit).key
 
 
 def _each(subject: Subject, names: Sequence[str], points: Floats) -> Iterator[Made]:
