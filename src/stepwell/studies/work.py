@@ -25,50 +25,30 @@ Given = Mapping[str, Any]
 
 
 class Screen(NamedTuple):
-    """What looks at many designs at once beforehand, and leaves to `Work.row` those worth it.
+    """What looks at many designs at once beforehand, and leaves to `Work.row` those worth it."""
 
-    Attributes:
-        verdicts: of designs, each in the words of `verdict`, "" where it can tell nothing.
-        verdict: the same of a row that was computed.
-        kept: whether a design of this verdict is worth it.
-        aim: what `kept` wants, by the verdict of the design that is varied.
-    """
-
-    verdicts: Callable[[Sequence[Any]], list[str]]
-    verdict: Callable[[Row], str]
-    kept: Callable[[str], bool]
-    aim: Callable[[str], Any]
+    verdicts: Callable[[Sequence[Any]], list[str]]  # of designs, "" where nothing can be told
+    verdict: Callable[[Row], str]  # the same of a row that was computed
+    kept: Callable[[str], bool]  # whether a design of this verdict is worth it
+    aim: Callable[[str], Any]  # what `kept` wants, by the verdict of the design that is varied
 
 
 class Work(NamedTuple):
-    """What is computed.
+    """What is computed."""
 
-    Attributes:
-        columns: unit of every column by its name; `TEXT` for words, "1" for ratios and counts.
-        row: the values of one design, from the design and a seed of its own.
-        screen: what chooses the designs that are computed; all of them by default.
-    """
-
-    columns: Mapping[str, str]
-    row: Callable[[Any, int], Row]
-    screen: Screen | None = None
+    columns: Mapping[str, str]  # unit by name; `TEXT` for words, "1" for ratios and counts
+    row: Callable[[Any, int], Row]  # the values of a design, from the design and its own seed
+    screen: Screen | None = None  # what chooses the designs that are computed, else all
 
 
 def work_of(what: str, given: Given, subject: Subject) -> Work:
-    """What is computed under a name.
+    """What is computed under a name, one of `WORKS`, of a design; "atlas" takes blocks of designs.
 
-    Args:
-        what: one of `WORKS`; "atlas" takes blocks of designs.
-        given: what it takes besides the design, by name: of a program `start` and `target`; of a
-            walk `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the
-            `first` of them, and the largest `place` [m] and `angle` [rad] by which their walls
-            differ; of both `engine` ("cpu", or "warp" to screen them) and what is `wanted` of those
-            that are kept; of a call what `function_of` gives.
-        subject: the design that is varied.
-
-    Raises:
-        ValueError: nothing is computed under this name, it takes something else, or another kind of
-            design; the text says which name is nearest.
+    Besides the design there is `given` by name: of a program `start` and `target`; of a walk
+    `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the `first` of them,
+    and the largest `place` [m] and `angle` [rad] by which their walls differ; of both `engine`
+    ("cpu", or "warp" to screen them) and what is `wanted` of those kept; of a call what
+    `function_of` gives. A `ValueError` refuses other names, other kinds of design and what is not taken.
     """
     if what not in WORKS:
         near = nearest_word(what, WORKS)
@@ -78,13 +58,14 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
     if not isinstance(subject, kind):
         wanted = "a robot" if kind is Robot else "a chain"
         raise InputError(f"{what}: takes {wanted}, and this design is none.")
-    takes = inspect.signature(make).parameters.keys() - {"subject"}
+    parameters = inspect.signature(make).parameters.keys()
+    takes = parameters - {"subject"}
     if unknown := given.keys() - takes:
         raise InputError(
             f"{what}: takes {', '.join(sorted(takes)) or 'nothing else'}, not "
             f"{', '.join(sorted(unknown))}."
         )
-    if "subject" in inspect.signature(make).parameters:
+    if "subject" in parameters:
         make = partial(make, subject)
     try:
         return make(**given)
@@ -131,8 +112,12 @@ def _yield() -> Work:
     def row(chain: Chain, seed: int) -> Row:
         found = yields(chain, seed=seed)
         low, high = found.interval
-        shares = {"share": found.share, "share_low": low, "share_high": high}
-        return {"sequence": found.target, **shares}
+        return {
+            "sequence": found.target,
+            "share": found.share,
+            "share_low": low,
+            "share_high": high,
+        }
 
     return Work({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, row)
 
@@ -257,11 +242,9 @@ def _maze(
         from stepwell.simulation import screen_mazes
 
         entries = [(robot, one) for robot in robots for one in places]
-        ends, found = screen_mazes(entries, limit=limit), list[str]()
-        for k in range(0, len(ends), len(places)):
-            ways = [end for end in ends[k : k + len(places)] if end is not None]
-            found.append(told(ways) if len(ways) == len(places) else "")
-        return found
+        ends, n = screen_mazes(entries, limit=limit), len(places)
+        of_each = ([e for e in ends[k : k + n] if e is not None] for k in range(0, len(ends), n))
+        return [told(ways) if len(ways) == n else "" for ways in of_each]
 
     def reached(told: str) -> int:
         return told.split(", ").count("reached")
@@ -271,10 +254,9 @@ def _maze(
             raise InputError("the design itself reaches no goal, so every other does as well.")
         return reached(told)
 
-    def verdict(found: Row) -> str:
-        return str(found["outcomes"])
-
-    screen = Screen(verdicts, verdict, lambda told: reached(told) >= wanted, aim)
+    screen = Screen(
+        verdicts, lambda found: str(found["outcomes"]), lambda told: reached(told) >= wanted, aim
+    )
     columns = {"reached": "1", "time": "s", "outcomes": TEXT}
     return Work(columns, row, _with(engine, screen))
 
@@ -307,15 +289,11 @@ def _call(
 
 
 def function_of(where: str, subject: Subject) -> dict[str, Any]:
-    """What a study takes to call a function of one's own on every design.
+    """What a study takes to call a function of one's own, FILE.py:NAME, on every design.
 
     The function takes a design and a seed, and gives a number or a text by name, the same ones for
     every design. It is called once, on the design as it is. An attribute `units` of it may give SI
-    units by name.
-
-    Args:
-        where: FILE.py:NAME; the file is found again by whoever fills the study.
-        subject: the design that is varied.
+    units by name. The file is found again by whoever fills the study.
 
     Raises:
         ValueError: no such file or function, or what it gives is no mapping of numbers and texts.
