@@ -31,33 +31,26 @@ def ways_of(graph: TransitionGraph) -> tuple[Way, ...]:
 def canonical(ways: Iterable[Way], cells: int) -> str:
     """A text that two graphs share exactly if one is the other with its cells renumbered.
 
-    Of all numberings the one is taken whose text comes first.
-
-    Args:
-        ways: as `concave.closed_graph` gives them.
-        cells: how many there are.
+    Of all numberings the one is taken whose text comes first; ways as `concave.closed_graph` gives.
     """
     return _canonical(frozenset(ways), cells)
 
 
 @lru_cache(4096)
 def _canonical(ways: frozenset[Way], cells: int) -> str:
-    best = ""
-    for places in permutations(range(cells)):
-        text = " ".join(sorted(_told(way, places) for way in ways))
-        if not best or text < best:
-            best = text
-    return best
+    def text(places: tuple[int, ...]) -> str:
+        def moved(label: str) -> str:
+            # What follows the cells tells nodes of one state apart.
+            return "".join(label[place] for place in places) + label[cells:]
 
+        return " ".join(
+            sorted(
+                f"{moved(a)}{'+' if up > 0 else '-'}{'!' * snaps}{moved(b)}"
+                for a, b, up, snaps in ways
+            )
+        )
 
-def _told(way: Way, places: tuple[int, ...]) -> str:
-    a, b, direction, snaps = way
-    return f"{_moved(a, places)}{'+' if direction > 0 else '-'}{'!' * snaps}{_moved(b, places)}"
-
-
-def _moved(label: str, places: tuple[int, ...]) -> str:
-    # What follows the cells tells nodes of one state apart.
-    return "".join(label[place] for place in places) + label[len(places) :]
+    return min(map(text, permutations(range(cells))))
 
 
 def name_of(text: str) -> str:
@@ -75,32 +68,25 @@ def possible(cells: int, drive: int) -> frozenset[str] | None:
 
     Where end forces alone tell the graph, it is that of their order, and the orders can be listed:
     every F1 is below its own F0, and which cell is which does not matter. Under a stroke that is so
-    of two cells; of more, a snap may land by forces in between, and None is returned. Chains with
-    a tie are none of these.
-
-    Args:
-        cells: how many.
-        drive: STROKE or FORCE.
+    of two cells; of more, a snap may land by forces in between, and None is returned. Chains with a
+    tie are none of these. The drive is STROKE or FORCE.
 
     Source: ours (theory page, "Graphs in closed form").
     """
     if cells > _MOST or (drive == STROKE and cells > 2):
         return None
-    found: set[str] = set()
-    for order in permutations(range(2 * cells)):
-        ends = np.array(order, float).reshape(cells, 2)
-        rising = np.all(np.diff(ends[:, 0]) > 0)
-        if rising and np.all(ends[:, 1] < ends[:, 0]):
-            found.add(canonical(graph_by_ends(ends, drive), cells))
-    return frozenset(found)
+    orders = (np.array(one, float).reshape(cells, 2) for one in permutations(range(2 * cells)))
+    return frozenset(
+        canonical(graph_by_ends(ends, drive), cells)
+        for ends in orders
+        if np.all(np.diff(ends[:, 0]) > 0) and np.all(ends[:, 1] < ends[:, 0])
+    )
 
 
 def proved_space(chain: Chain, axes: tuple[Axis, ...]) -> bool:
     """Whether every design of a space has concave taut cells of one travel, proved.
 
-    Args:
-        chain: that is varied.
-        axes: what varies; anchors and stiffness, on which the proof does not hang.
+    The axes are anchors and stiffness, on which the proof does not hang.
     """
     numbers = packed(chain, [axis.name for axis in axes])
     values = np.array([(axis.low, axis.high) for axis in axes])
@@ -130,23 +116,21 @@ class Machine(ByValue):
     Attributes:
         name: the first digits of the SHA-256 of its canonical text.
         share: of the designs that closed form tells.
-        design: number of its most robust design.
-        chain: that design.
+        design, chain: number of its most robust design, and that design.
         gap: by how much of the largest force two of its forces could come nearer before the graph
             is another one.
-        kept: of so many mechanisms built after it within the tolerances, those with this graph;
-            the engine follows what closed form does not tell.
+        kept: of so many mechanisms built after it within the tolerances, those with this graph; the
+            engine follows what closed form does not tell.
         agrees: whether the engine finds the same graph of that design.
         cycle: what a full stroke to and fro does; cells are numbered as they load.
-        states: with every cell at a stop.
-        reached: of these, how many one actuator reaches from all cells at 0.
+        states, reached: with every cell at a stop, and of these, how many one actuator reaches from
+            all cells at 0.
         snaps: ways that cannot be turned back.
         sub_loops: loops besides the main one.
         remembers: whether it has return-point memory.
         scrambled: pairs of cells that flip in either order.
-        counts: cycles of the drive that it takes to come into a rhythm, at most; 0 if it is in one
-            at once.
-        counts_by_hand: the same from states that a hand sets.
+        counts, counts_by_hand: cycles of the drive that it takes to come into a rhythm, at most, 0
+            if it is in one at once; and from states that a hand sets.
         gardens: states to which nothing leads, so that only a hand sets them.
         latches: moves that no later drive takes back.
         ways: of that design.
@@ -199,8 +183,7 @@ class Cycling(ByValue):
     Attributes:
         sequence: such as "00>10>11>01>00".
         share: of the designs whose cells closed form tells.
-        design: number of the one whose forces are farthest from another order.
-        chain: that design.
+        design, chain: number of the one whose forces are farthest from another order, and itself.
         gap: by how much of the largest force two of its forces could come nearer before the cycle
             is another one.
     """
@@ -217,11 +200,10 @@ class Cycling(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Sampled(ByValue):
-    """What the engine found of designs that closed form does not tell: a sample of them.
+    """What the engine found of a sample of the designs that closed form does not tell.
 
     Attributes:
-        asked: designs that it followed.
-        failed: of these, those that it could not.
+        asked, failed: designs that it followed, and of these, those that it could not.
         machines: how often each graph came, by name; those of `Atlas.machines` and others.
     """
 
@@ -235,26 +217,22 @@ class Atlas(ByValue, Shown, Drawn):
     """What a space of designs holds.
 
     Attributes:
-        chain: that was varied.
-        axes: what varied, between which values.
+        chain, axes: what was varied, and what of it, between which values.
         drive: "stroke" or "force".
-        seed: of the designs.
-        designs: how many were drawn, evenly over the space.
+        seed, designs: of the draw, and how many were drawn, evenly over the space.
         told: how many closed form tells.
         not_proved: how many have a cell that is not proved concave and taut.
         ties: how many have two forces that tie.
         wakes: how many land by a flow of several cells that two step widths do not agree on.
         tolerances: within which designs are built.
-        machines: every graph that occurs, most frequent first.
-        cycles: every full cycle that occurs, most frequent first.
+        machines, cycles: every graph and every full cycle that occurs, most frequent first.
         unseen: of the designs in the second half of the blocks, those with a graph that none in the
             first half has; the share of all designs with a graph that was not found is at most its
             upper end, in 95 of 100 atlases. None of fewer than two blocks.
         sampled: what the engine found of designs that are not told.
         checked, agreed: designs drawn anew that closed form tells, and those of which the engine
             finds the same graph.
-        possible: how many graphs concave cells can have at all, proved; None where that is not
-            known.
+        possible: how many graphs concave cells can have at all, proved; None where not known.
         space_proved: whether every design of the space is proved to have concave cells, not only
             those that were drawn.
     """
@@ -291,11 +269,7 @@ class Atlas(ByValue, Shown, Drawn):
 
 
 def atlas_blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> IndependentBlocks:
-    """At least so many designs of a space, in blocks of a size for chains of so many cells.
-
-    Raises:
-        ValueError: what `IndependentBlocks` refuses.
-    """
+    """At least so many designs of a space, in blocks of a size for chains of so many cells."""
     size = min(_SIZES.get(cells, _FEW), designs)
     return IndependentBlocks(axes, size, -(-designs // max(size, 1)), seed)
 
@@ -315,20 +289,16 @@ def atlas(
     """Draw designs evenly over a space and count what they do, into a store that loses nothing.
 
     A call with the same arguments goes on with what is missing. `charted` makes an atlas of the
-    store, finished or not.
+    store, finished or not. Other arguments and errors are those of `sweep`.
 
     Args:
         chain: that is varied: cells of one linear band each, without load or friction.
         axes: what varies, as `Axis` tells: anchors, stiffness, rest length, lever.
         designs: how many, rounded up to whole blocks.
-        folder: of the store.
         drive: "stroke" or "force".
-        seed: of the designs.
-        workers, scheduler, progress: as for `sweep`.
 
     Raises:
         ValueError: cells or numbers that closed form does not take.
-        StudyError, SweepError, ExtraError: as for `sweep`.
     """
     packed(chain, [axis.name for axis in axes])  # or refused, before there is a store
     of = atlas_blocks(len(chain), axes, designs, seed)

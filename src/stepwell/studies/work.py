@@ -48,7 +48,7 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
     `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the `first` of them,
     and the largest `place` [m] and `angle` [rad] by which their walls differ; of both `engine`
     ("cpu", or "warp" to screen them) and what is `wanted` of those kept; of a call what
-    `function_of` gives. A `ValueError` refuses other names, other kinds of design and what is not taken.
+    `function_of` gives. A `ValueError` refuses other names, kinds of design and what is not taken.
     """
     if what not in WORKS:
         near = nearest_word(what, WORKS)
