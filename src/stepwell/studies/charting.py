@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from itertools import islice, zip_longest
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,9 @@ def charted(
     checks: int = 100,
     progress: Callable[[int, int], None] | None = None,
 ) -> Atlas:
-    """The atlas of a store, of all blocks that are done.
+    """The atlas of a store that `atlas` has begun, of all blocks that are done.
 
     Args:
-        study: begun by `atlas`.
         tolerances: of anchors, stiffness and rest length, within which designs are built.
         samples: mechanisms that are built after each design.
         checks: designs that are told, and others that are not, that the engine follows; at most.
@@ -56,31 +56,26 @@ def charted(
     graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
     machines: list[Machine] = []
-    most = sorted(graphs.items(), key=lambda one: (-one[1][0], one[0]))
-    for place, (key, (count, best)) in enumerate(most):
+    for key, (count, best) in graphs.items():
         if progress is not None:
-            progress(place, len(most))
-        machines.append(
-            space.machine(key, share_of(count, sums["told"]), best, tolerances, samples)
-        )
+            progress(len(machines), len(graphs))
+        share = share_of(count, sums["told"])
+        machines.append(space.machine(key, share, best, tolerances, samples))
     if progress is not None:
-        progress(len(most), len(most))
+        progress(len(graphs), len(graphs))
     known = sums["told"] + sums["wakes"]
     agreed, checked = space.agreement(checks)
     allowed = possible(len(chain), space.drive)
-    often = sorted(cycles.items(), key=lambda one: (-one[1][0], one[0]))
     return Atlas(
-        chain=chain,
-        axes=tuple(designs.axes),
-        drive=drive,
-        seed=designs.seed,
-        designs=total,
+        chain,
+        tuple(designs.axes),
+        drive,
+        designs.seed,
+        total,
         **sums,
         tolerances=tolerances,
         machines=tuple(machines),
-        cycles=tuple(
-            space.cycling(code, share_of(count, known), best) for code, (count, best) in often
-        ),
+        cycles=tuple(space.cycling(code, share_of(n, known), b) for code, (n, b) in cycles.items()),
         unseen=_unseen(study, done),
         sampled=space.sampled(_asked(study, done, checks)),
         checked=checked,
@@ -106,15 +101,15 @@ _COUNTS = ("told", "not_proved", "ties", "wakes")
 
 
 def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
-    """By key how often it came, and its best designs, largest gap first."""
+    """By key, the most frequent first, how often it came, and its best designs by falling gap."""
     counts, best = Counter[int](), dict[int, _Best]()
     for text in blocks:
         for key, count, gap, design in json.loads(str(text)):
             counts[key] += count
             best.setdefault(key, []).append((-gap, design))
     return {
-        key: (counts[key], [(-gap, design) for gap, design in sorted(of)[:_CANDIDATES]])
-        for key, of in best.items()
+        key: (count, [(-gap, design) for gap, design in sorted(best[key])[:_CANDIDATES]])
+        for key, count in sorted(counts.items(), key=lambda one: (-one[1], one[0]))
     }
 
 
@@ -134,9 +129,8 @@ def _unseen(study: Study, done: Sequence[int]) -> Share | None:
 def _asked(study: Study, done: Sequence[int], most: int) -> list[int]:
     """Designs that closed form does not tell: the first of every block, then the second."""
     found = [json.loads(str(text)) for text in study.values("asked", done)]
-    rounds = max(map(len, found), default=0)
-    turns = [one[k] for k in range(rounds) for one in found if k < len(one)]
-    return turns[:most]
+    turns = (design for turn in zip_longest(*found) for design in turn if design is not None)
+    return list(islice(turns, most))
 
 
 class _Space:
@@ -150,17 +144,14 @@ class _Space:
 
     def chain(self, design: int) -> Chain:
         """A design as the engine takes it."""
-        (point,) = self.space.points(design, design + 1).tolist()
-        return self.made(point)
+        return self.made(self.space.points(design, design + 1)[0].tolist())
 
     def made(self, point: Sequence[float]) -> Chain:
-        """The design of these values."""
         made = changed(self.study.subject, self.names, point)
         assert isinstance(made, Chain)
         return made
 
     def graph(self, chain: Chain) -> TransitionGraph:
-        """What the engine says of it."""
         return chain.graph("force" if self.drive else None)
 
     def cells(self, design: int) -> Any:
@@ -190,13 +181,14 @@ class _Space:
         times += sum(self._followed(draws, number) == name for number in others)
         graph = self.graph(chain)
         agrees = sorted(machines.ways_of(graph)) == sorted(ways)
-        reading = graph.reading
-        counting, vertices, reached = (
-            reading.counting.accumulators,
-            graph.vertices,
-            graph.reachable(),
+        reading, vertices, reached = graph.reading, graph.vertices, graph.reachable()
+        counts, by_hand = (
+            max(
+                (one.transient for one in reading.counting.accumulators if one.by_hand == hand),
+                default=0,
+            )
+            for hand in (False, True)
         )
-        by_hand = [one.transient for one in counting if one.by_hand]
         loading, unloading = (order.tolist() for order in motion_orders(proved_ends(cells)[0]))
         # Numbered as they load, the cells load in order.
         cycle = _visited(range(len(loading)), [loading.index(cell) for cell in unloading])
@@ -215,8 +207,8 @@ class _Space:
             reading.sub_loop_count,
             reading.return_point_memory.holds,
             len(reading.scrambling),
-            max((one.transient for one in counting if not one.by_hand), default=0),
-            max(by_hand, default=0),
+            counts,
+            by_hand,
             len(reading.garden_of_eden or ()),
             len(reading.latches),
             ways,
@@ -252,14 +244,13 @@ class _Space:
         seed = self.space.seed + 1
         points = replace(self.space, seed=seed, count=max(self.space.count, most)).points(0, most)
         _, _, _, told = classed(self.numbers.at(points), self.drive)
-        agreed = checked = 0
-        for point in points[told == TOLD]:
-            ways = closed_graph(self.numbers.at(point[None])[0], self.drive)
-            checked += 1
-            agreed += sorted(machines.ways_of(self.graph(self.made(point.tolist())))) == sorted(
-                ways
+        checked, agreed = points[told == TOLD], 0
+        for point in checked:
+            ways = machines.ways_of(self.graph(self.made(point.tolist())))
+            agreed += sorted(ways) == sorted(
+                closed_graph(self.numbers.at(point[None])[0], self.drive)
             )
-        return agreed, checked
+        return agreed, len(checked)
 
     def sampled(self, designs: Sequence[int]) -> machines.Sampled:
         """What the engine finds of these designs."""
@@ -276,8 +267,7 @@ def _visited(loading: Sequence[int], unloading: Sequence[int]) -> list[str]:
     """The states of a full cycle."""
     state = ["0"] * len(loading)
     found = ["".join(state)]
-    for order, digit in ((loading, "1"), (unloading, "0")):
-        for cell in order:
-            state[cell] = digit
-            found.append("".join(state))
+    for cell, digit in [*((c, "1") for c in loading), *((c, "0") for c in unloading)]:
+        state[cell] = digit
+        found.append("".join(state))
     return found
