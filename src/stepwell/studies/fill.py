@@ -6,12 +6,12 @@ import time
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from statistics import median_low
+from statistics import fmean, median_low
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import InputError, StepwellError, __version__
+from stepwell.base import InputError, __version__
 from stepwell.studies.screen import verdicts_of
 from stepwell.studies.store import PROBLEM, Study, StudyError, edition, opened, same_version
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
@@ -23,14 +23,7 @@ _SAMPLE, _PATIENCE = 8, 10.0
 def fill(folder: str, identity: str, chunk: int) -> None:
     """Compute a chunk and write it: the same bytes whoever does it, and however often.
 
-    Args:
-        folder: of the store.
-        identity: of the study that is meant.
-        chunk: which.
-
-    Raises:
-        StudyError: the folder holds another study, or one that another version has begun.
-        OSError: it cannot be written.
+    A `StudyError` refuses a folder with another study than is meant, or one of another version.
     """
     study = _meant(folder, identity, edition(folder))
     if not study.is_done(chunk):
@@ -88,18 +81,13 @@ def _computed(
                 continue
         try:
             found = study.work.row(design, study.seed_of(number))
-            _refuse_others(study, found)
-        # A function of one's own may raise anything.
-        except (StepwellError, Exception) as error:
+            if found.keys() != study.work.columns.keys():
+                wanted = ", ".join(study.work.columns)
+                raise StudyError(f"gave {', '.join(found)}: must give {wanted}.")
+        except Exception as error:  # a function of one's own may raise anything
             yield row | {PROBLEM: _told(error)}
             continue
         yield row | dict(found)
-
-
-def _refuse_others(study: Study, found: Any) -> None:
-    if found.keys() != study.work.columns.keys():
-        wanted = ", ".join(study.work.columns)
-        raise StudyError(f"gave {', '.join(found)}: must give {wanted}.")
 
 
 def _told(error: Exception) -> str:
@@ -127,14 +115,10 @@ class StudyEstimate(NamedTuple):
 
 
 def estimate(study: Study, workers: int) -> StudyEstimate:
-    """What a study will take; it need not be begun.
+    """What a study, begun or not, will take on so many cores.
 
     A few of its designs, evenly over all, are computed here and now. The first of them is not
     counted where there are others: it compiles and opens what the others find ready.
-
-    Args:
-        study: any.
-        workers: cores that will work on it.
 
     Raises:
         ValueError: nothing can be computed.
@@ -152,17 +136,11 @@ def estimate(study: Study, workers: int) -> StudyEstimate:
         text = max(text, sum(len(v.encode()) for v in row.values() if isinstance(v, str)))
         if time.perf_counter() - begin > _PATIENCE:
             break
-    counted = spent[1:] or spent
-    each = sum(counted) / len(counted)
-    numbers = sum(unit != TEXT for unit in study.columns.values())
-    return StudyEstimate(
-        study.count,
-        len(spent),
-        each,
-        each * study.count / workers,
-        workers,
-        study.count * (8 * numbers + text + 4 * (len(study.columns) - numbers)),
-    )
+    each = fmean(spent[1:] or spent)
+    texts = sum(unit == TEXT for unit in study.columns.values())
+    disk = study.count * (8 * (len(study.columns) - texts) + text + 4 * texts)
+    seconds = each * study.count / workers
+    return StudyEstimate(study.count, len(spent), each, seconds, workers, disk)
 
 
 # So many chunks are looked at, and a pause is longer than these seconds and than so many gaps.
@@ -186,9 +164,7 @@ class Pace(NamedTuple):
 def pace(study: Study, now: float | None = None) -> Pace | None:
     """How fast a study goes; None where fewer than two chunks were written without a pause.
 
-    Args:
-        study: whose store is looked at; nothing but the times of its files.
-        now: seconds since the epoch; the clock's by default.
+    Nothing but the times of its files is looked at, from `now` [s] since the epoch or by the clock.
     """
     try:
         with os.scandir(study.folder / PROBLEM / "c") as files:
@@ -203,7 +179,7 @@ def pace(study: Study, now: float | None = None) -> Pace | None:
     first = max((k + 1 for k, gap in enumerate(gaps) if gap > pause), default=0)
     stretch = written[first:]
     spent = stretch[-1][0] - stretch[0][0]
-    if len(stretch) < 2 or spent <= 0:
+    if spent <= 0:
         return None
     designs = sum(len(study.rows(chunk)) for _, chunk in stretch[1:])
     since = (time.time() if now is None else now) - stretch[-1][0]

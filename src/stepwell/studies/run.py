@@ -2,8 +2,8 @@
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -44,9 +44,6 @@ class Status(ByValue, Shown):
         done: chunks that are there and hold.
         gaps: designs that are missing.
         problems: how many designs could not be computed, by the kind of their problem.
-        varied, outcomes, numbers, decided, screened: read from the store once, when they are asked
-            for: what varies, how often each outcome occurs, the range of every number, which number
-            decides what, and how a screen and what was computed agree.
     """
 
     study: Study
@@ -124,9 +121,6 @@ def sweep(
             the folder under this name, and have this version of Stepwell.
         progress: called with (done, all) chunks.
 
-    Returns:
-        How far it is: finished.
-
     Raises:
         ValueError: a number that the design does not have, or nothing of that name to compute.
         StudyError: the folder holds another study, or one that another version has begun.
@@ -170,12 +164,8 @@ def resumed(
 ) -> Status:
     """Compute what is missing of a study; arguments and errors as for `sweep`.
 
-    Args:
-        problems: called after every chunk with the kinds of the problems of its designs.
-
-    Raises:
-        ValueError: fewer than no workers.
-        CancelledError: somebody has called `cancel` meanwhile.
+    `problems` is called after every chunk with the kinds of the problems of its designs; after
+    `cancel` a `CancelledError` is raised.
     """
     wanted = cores() if workers is None else workers
     if wanted < 0:
@@ -191,34 +181,28 @@ def resumed(
     else:
         ended = mapped_on(scheduler, fill, tasks)
     failed: list[str] = []
-    with closing(ended), _how_far(study, lambda: done):
-        for task, raised in ended:
-            if raised is not None:
-                failed.append(f"chunk {task[-1]}: {raised}")
-                # The disk is full, or this is another version: no other chunk can do better.
-                if isinstance(raised, OSError | StudyError):
-                    break
-                continue
-            done += 1
-            if problems is not None:
-                problems(_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
-            if progress is not None:
-                progress(done, study.chunks)
-            if cancelled.exists() and done < study.chunks:
-                raise CancelledError(_left(study, done, "It was cancelled."))
+    try:
+        with closing(ended):
+            for task, raised in ended:
+                if raised is not None:
+                    failed.append(f"chunk {task[-1]}: {raised}")
+                    # The disk is full, or this is another version: no other chunk can do better.
+                    if isinstance(raised, OSError | StudyError):
+                        break
+                    continue
+                done += 1
+                if problems is not None:
+                    problems(_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
+                if progress is not None:
+                    progress(done, study.chunks)
+                if cancelled.exists() and done < study.chunks:
+                    raise CancelledError(_left(study, done, "It was cancelled."))
+    except WorkerError as error:
+        raise SweepError(_left(study, done, str(error))) from None
     if failed:
         more = f"; and {len(failed) - 1} more" if len(failed) > 1 else ""
         raise SweepError(_left(study, done, f"{failed[0]}{more}."))
     return status(study)
-
-
-@contextmanager
-def _how_far(study: Study, done: Callable[[], int]) -> Iterator[None]:
-    """What ends all of the work says how far it is."""
-    try:
-        yield
-    except WorkerError as error:
-        raise SweepError(_left(study, done(), str(error))) from None
 
 
 def _left(study: Study, done: int, why: str) -> str:
@@ -229,20 +213,12 @@ def _left(study: Study, done: int, why: str) -> str:
 
 
 def cancel(study: Study) -> None:
-    """Have whoever works on a study stop after the chunks that are being computed.
-
-    Raises:
-        OSError: the store cannot be written.
-    """
+    """Have whoever works on a study stop after the chunks that are being computed."""
     (study.folder / _CANCELLED).touch()
 
 
 def status(study: Study | str | os.PathLike[str]) -> Status:
-    """How far a study is, by what its store holds.
-
-    Raises:
-        StudyError: the folder holds no study.
-    """
+    """How far a study is, by what its store holds; a `StudyError` for a folder without one."""
     study = study if isinstance(study, Study) else opened(study)
     missing = study.missing()
     done = sorted({*range(study.chunks)} - {*missing})
