@@ -28,15 +28,12 @@ class WorkerError(StepwellError, RuntimeError):
 def mapped(
     call: Callable[..., Any], tasks: Iterable[Sequence[Any]], workers: int
 ) -> Generator[tuple[Sequence[Any], Exception | None]]:
-    """Make calls in processes of their own, and tell each as it ends.
+    """Make calls in processes of their own, and give each as it ends with what it raised.
 
     Args:
         call: importable; what it returns is not told.
         tasks: its arguments; as many are waiting as there are processes, and no more.
         workers: processes at once; 0 makes the calls in this one, which dies if they do.
-
-    Yields:
-        The arguments of a call that has ended, and what it raised.
     """
     if workers == 0:
         yield from _here(call, tasks)
@@ -106,7 +103,7 @@ def _here(
 def mapped_on(
     address: str, call: Callable[..., Any], tasks: Iterable[Sequence[Any]]
 ) -> Generator[tuple[Sequence[Any], Exception | None]]:
-    """Make calls on the workers of a Dask cluster, and tell each as it ends.
+    """Make calls on the workers of a Dask cluster, and give each as it ends with what it raised.
 
     A call whose worker dies is made again elsewhere, as often as the scheduler allows; its memory
     holds nothing that the next scheduler would need.
@@ -116,22 +113,13 @@ def mapped_on(
         call: importable by the workers.
         tasks: its arguments; some for each thread are waiting there, and no more.
 
-    Yields:
-        The arguments of a call that has ended, and what it raised.
-
     Raises:
         WorkerError: no scheduler answers there, or it is lost.
         ExtraError: the extra cluster is not installed.
     """
-    need("cluster")
-    from distributed import Client, KilledWorker, as_completed
+    client = _client(address)
+    from distributed import KilledWorker, as_completed
 
-    # What is lost is told below, in a line.
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-    try:
-        client = Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise WorkerError(f"{address}: no Dask scheduler answers there ({error}).") from None
     with client:
         left, going = iter(tasks), dict[Any, Sequence[Any]]()
         ended = as_completed(loop=client.loop)
@@ -156,6 +144,18 @@ def mapped_on(
             yield task, raised
 
 
+def _client(address: str) -> Any:
+    need("cluster")
+    from distributed import Client
+
+    # What is lost is told by whoever asks, in a line.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    try:
+        return Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise WorkerError(f"{address}: no Dask scheduler answers there ({error}).") from None
+
+
 def _room(client: Any, address: str) -> int:
     """How many calls may wait there at once; an error where nobody comes to do them."""
     if not client.nthreads():
@@ -168,14 +168,8 @@ def _room(client: Any, address: str) -> int:
 
 def dashboard(address: str) -> str:
     """Where the page of a Dask cluster is; errors as for `mapped_on`."""
-    need("cluster")
-    from distributed import Client
-
-    try:
-        with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
-            return client.dashboard_link or "none"
-    except (OSError, ValueError) as error:
-        raise WorkerError(f"{address}: no Dask scheduler answers there ({error}).") from None
+    with _client(address) as client:
+        return client.dashboard_link or "none"
 
 
 def _told(process: BaseProcess) -> str:
