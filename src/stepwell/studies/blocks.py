@@ -24,15 +24,10 @@ _LOOKS, _SAME = (0.3, 0.7, 1.1), 1e-12
 
 
 class Packed(NamedTuple):
-    """The numbers of a chain as a sum of what varies.
+    """The numbers of a chain as a sum of what varies."""
 
-    Attributes:
-        base: (N, 6) cells as the fields of `Simple`, where all that varies is 0.
-        slopes: (axes, N, 6) by how much each number grows with each value.
-    """
-
-    base: Floats
-    slopes: Floats
+    base: Floats  # (N, 6) cells as the fields of `Simple`, where all that varies is 0
+    slopes: Floats  # (axes, N, 6) by how much each number grows with each value
 
     def at(self, points: Floats) -> Floats:
         """(m, N, 6) numbers of the designs at points (m, axes).
@@ -51,11 +46,8 @@ class Packed(NamedTuple):
 def packed(chain: mechanism.Chain, names: Sequence[str]) -> Packed:
     """The numbers of a chain by what varies, so that those of many designs are a few sums.
 
-    What is found by two values of each is compared with the chain itself at others.
-
-    Args:
-        chain: of cells with one linear band each, without load or friction.
-        names: of numbers that vary, as `unit_in` takes them.
+    What is found by two values of each name, as `unit_in` takes it, is compared with the chain
+    itself at others. The cells have one linear band each, without load or friction.
 
     Raises:
         ValueError: other cells, too many, or a number on which those of a cell do not hang in
@@ -106,15 +98,8 @@ def _numbers(chain: Subject, what: str) -> Floats:
 def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
     """What a block of designs does.
 
-    Args:
-        block: of designs.
-        numbers: of the chain, by what varies.
-        drive: STROKE or FORCE.
-
-    Returns:
-        How many were told, and how many were not and why; and as JSON the graphs and the cycles,
-        each [key, how often, largest gap, the design that has it], and the first designs that
-        were not told.
+    That is how many were told, and how many were not and why; and as JSON the graphs and the
+    cycles, each [key, how often, largest gap, the design that has it], and the first not told.
     """
     most = min(block.size, _GRAPHS)
     graphs, cycles = concave.KeyCounts(most), concave.KeyCounts(most)

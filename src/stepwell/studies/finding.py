@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,20 +40,12 @@ class Border(NamedTuple):
 
 
 def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
-    """The neighbours of every machine of an atlas: what one small change makes of it.
+    """The neighbours of every machine of the atlas of a store: what one small change makes of it.
 
     From its most robust design every number that varies is changed by itself, down and up to the
     ends of the space, until closed form tells another graph. A machine that takes up less than a
     thirty-second of such a way may be passed over. Where closed form does not tell what lies at a
-    border, nothing is said.
-
-    Args:
-        study: the store of the atlas.
-        found: what `charted` made of it.
-
-    Returns:
-        Of every machine in the order of the atlas, the numbers in the order of the space, down
-        before up.
+    border, nothing is said. The order is of the atlas, then of the space, down before up.
 
     Raises:
         ValueError: the study is that of no atlas.
@@ -141,7 +134,6 @@ def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[Machine, ...]:
     """The machines that do all that is asked, the highest yield first.
 
     Args:
-        atlas: in which they are looked for.
         query: phrases of `QUERIES`, "counts to two" and the like ("by hand" too), a cycle such as
             "00>10>11>01>00" with cells numbered as they load, or a name; several with "and", each
             with "not" before it or without.
@@ -150,12 +142,9 @@ def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[Machine, ...]:
     Raises:
         ValueError: a phrase that means nothing here; the text names the nearest.
     """
-    wanted = understood(query)
-    found = [
-        one
-        for one in atlas.machines
-        if all(holds(one) for holds in wanted) and one.kept.low >= least
-    ]
+    found = [one for one in atlas.machines if one.kept.low >= least]
+    for holds in understood(query):
+        found = list(filter(holds, found))
     return tuple(sorted(found, key=lambda one: (-one.kept.share, -one.share.share, one.name)))
 
 
@@ -177,11 +166,9 @@ def _asked(phrase: str) -> Callable[[Machine], bool]:
         return lambda machine: machine.name == phrase
     if counts := _COUNTS.fullmatch(phrase):
         word, by_hand = counts.groups()
-        number = _WORDS.get(word) or (int(word) if word.isdecimal() else 0)
-        if number:
-            if by_hand:
-                return lambda machine: machine.counts_by_hand >= number
-            return lambda machine: machine.counts >= number
+        counter = attrgetter("counts_by_hand" if by_hand else "counts")
+        if number := _WORDS.get(word) or (int(word) if word.isdecimal() else 0):
+            return lambda machine: counter(machine) >= number
     near = nearest_word(phrase, QUERIES)
     guess = f" Did you mean {near!r}?" if near else ""
     raise InputError(

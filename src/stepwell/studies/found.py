@@ -16,12 +16,9 @@ _VALUES = 20
 
 
 class Varied(NamedTuple):
-    """A number that differs from design to design, and between which values.
+    """A number that differs from design to design, between two values in a unit, "" for a ratio.
 
-    Attributes:
-        parameter: its name.
-        unit: in which its ends are reported; "" for a ratio.
-        low, high: of what is not bounded, such as samples, those so far; None before any design.
+    The ends of what is not bounded, such as samples, are those so far; None before any design.
     """
 
     parameter: str
@@ -31,13 +28,10 @@ class Varied(NamedTuple):
 
 
 class Frequency(NamedTuple):
-    """How often a column of words has a value.
+    """How often a column of words has one of its most frequent values.
 
-    Attributes:
-        column: its name.
-        value: one of its most frequent.
-        share: of the designs that have a value; of a screened study of those drawn at random.
-        sampled: whether the designs are a sample; else the interval of the share means nothing.
+    The share is of the designs that have a value; of a screened study of those drawn at random. Its
+    interval means nothing where the designs are no sample (`sampled`).
     """
 
     column: str
@@ -47,13 +41,9 @@ class Frequency(NamedTuple):
 
 
 class Extent(NamedTuple):
-    """The values of a column of numbers.
+    """The values of a column of numbers, in a unit, "" for a ratio or a count.
 
-    Attributes:
-        column: its name.
-        unit: in which they are reported; "" for a ratio or a count.
-        least, median, most: None where no design has a value.
-        designs: that have a value.
+    Of the `designs` that have a value; least, median and most are None where none has.
     """
 
     column: str
@@ -70,12 +60,9 @@ def varied(study: Study) -> tuple[Varied, ...]:
     found: list[Varied] = []
     for name in study.varied:
         unit, factor = study.told(name)
-        low, high = (None, None)
-        if name in axes:
-            low, high = (float(end) * factor for end in axes[name])
-        elif len(values := _finite(study, name)):
-            low, high = float(values.min()) * factor, float(values.max()) * factor
-        found.append(Varied(name, unit, low, high))
+        values = np.array(axes[name]) if name in axes else _finite(study, name)
+        ends = [float(of(values)) * factor if len(values) else None for of in (np.min, np.max)]
+        found.append(Varied(name, unit, *ends))
     return tuple(found)
 
 

@@ -61,17 +61,12 @@ class DecidingNumbers(ByValue):
 
 
 def decided(study: Study) -> tuple[DecidingNumbers, ...]:
-    """Which numbers decide what a study has found so far.
+    """Which numbers decide what a study has found so far, of every column that differs.
 
     Every number's values are cut into classes of as many designs each, and a column's variance
     within them is compared with all of it. What numbers only do together is none's share. It takes
-    for granted that the numbers were varied independently, as a grid and every draw vary them.
-
-    Args:
-        study: of 50 designs or more; of fewer, and of those that a screen chose, nothing is said.
-
-    Returns:
-        One for every column that differs from design to design.
+    for granted that the numbers were varied independently, as a grid and every draw vary them. Of
+    fewer than 50 designs, and of those that a screen chose, nothing is said.
 
     Source: first-order indices from given data, Plischke, Borgonovo and Smith 2013; without the
     bias of few designs a class, Kelley 1935; the floor by the F distribution.
@@ -85,12 +80,9 @@ def decided(study: Study) -> tuple[DecidingNumbers, ...]:
         # What an atlas counts is JSON.
         if name in varied or (unit == TEXT and study.what == "atlas"):
             continue
-        values, common = study.values(name, chunks), ""
-        if unit == TEXT:
-            values, known, common = _of_text(name, values)
-        else:
-            known = np.isfinite(values)
-        if one := _decided(name, common, values, known, varied):
+        values = study.values(name, chunks)
+        texts = _of_text(name, values) if unit == TEXT else (values, np.isfinite(values), "")
+        if one := _decided(name, *texts, varied):
             found.append(one)
     return tuple(found)
 
@@ -108,7 +100,7 @@ def _of_text(column: str, values: Any) -> tuple[Floats, np.ndarray, str]:
 
 
 def _decided(
-    column: str, value: str, y: Floats, told: np.ndarray, varied: dict[str, Floats]
+    column: str, y: Floats, told: np.ndarray, value: str, varied: dict[str, Floats]
 ) -> DecidingNumbers | None:
     from scipy.stats import f as fisher
 
@@ -155,6 +147,6 @@ def explained(x: Floats, y: Floats) -> tuple[float, int]:
 def _trend(x: Floats, y: Floats) -> float:
     from scipy.stats import rankdata
 
-    ranks = [rankdata(one) - (len(one) + 1) / 2 for one in (x, y)]
-    size = float(np.sqrt(np.prod([one @ one for one in ranks])))
-    return float(ranks[0] @ ranks[1]) / size if size else 0.0
+    a, b = (rankdata(one) - (len(one) + 1) / 2 for one in (x, y))
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size else 0.0

@@ -16,15 +16,10 @@ if TYPE_CHECKING:
 
 
 def ranked(columns: Mapping[str, Floats], by: Sequence[str]) -> list[int]:
-    """Designs from the best to the worst.
+    """Numbers of the designs from the best to the worst, by columns (n,) of these names.
 
-    Args:
-        columns: by name, (n,) each.
-        by: names, each for its largest values first or, with - before it, its least; the next
-            decides where one has ties, and at last who stands first.
-
-    Returns:
-        Their numbers from 0; a design without a value in the first of `by` is none of them.
+    Each name counts for its largest values first or, with - before it, its least; the next decides
+    where one has ties, and at last who stands first. Designs without a value in the first are none.
     """
     keys = [columns[one[1:]] if one.startswith("-") else -np.asarray(columns[one]) for one in by]
     # A value that is missing sorts behind all others.
@@ -35,9 +30,7 @@ def ranked(columns: Mapping[str, Floats], by: Sequence[str]) -> list[int]:
 def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, Any]:
     """What a study is given, with what its screen keeps: what does as the design itself does.
 
-    Raises:
-        ValueError: the design does nothing that others could keep.
-        ExtraError: the extra gpu is not installed.
+    A `ValueError` refuses a design that does nothing that others could keep.
     """
     if given.get("engine") != WARP or "wanted" in given:
         return dict(given)
@@ -66,12 +59,11 @@ class Screened(ByValue):
     """How a screen and what was computed agree.
 
     Attributes:
-        designs: of which the screen could tell something.
-        kept: of these, so many were worth it by the screen.
+        designs, kept: of which the screen could tell something, and of these, worth it by it.
         computed: designs that were computed.
         alike: of designs drawn by lot, those of which both say the same.
         held: of those kept, those that are worth it by what was computed.
-        missed: of designs that were not kept but drawn by lot, those that are worth it after all.
+        missed: of designs not kept but drawn by lot, those that are worth it after all.
     """
 
     designs: int
