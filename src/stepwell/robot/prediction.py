@@ -535,7 +535,9 @@ def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
     for cell, sense in product(tried, (1.0, -1.0)):
 
         def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
-            return go_round(one.leg, one.stances, one.turns, {cell: sense * force}).gait()
+            extra = {cell: sense * force}
+            # Without a force it is the round that is known.
+            return go_round(one.leg, one.stances, one.turns, extra).gait() if force else one.gait()
 
         nearer = [force for force in FORCES if force < margin]
         looks = [*nearer, margin] if math.isfinite(margin) else nearer
