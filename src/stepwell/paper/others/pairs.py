@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from itertools import pairwise, permutations, product
+from itertools import accumulate, pairwise, permutations, product
 
 import numpy as np
 
@@ -58,10 +58,7 @@ def reached(graph: Graph) -> Graph:
 
 def stations(way: str) -> tuple[str, ...]:
     """The states through which a way leads, from the first to the last."""
-    found = [way[:2]]
-    for cell in way[3:]:
-        found.append(_flipped(found[-1], int(cell) - 1))
-    return tuple(found)
+    return tuple(accumulate(way[3:], lambda at, cell: _flipped(at, int(cell) - 1), initial=way[:2]))
 
 
 def way_to(state: str, sign: str, first: int, end: str) -> str:
@@ -88,13 +85,10 @@ def _orders() -> Iterator[_Fields]:
 
 
 def _graph(fields: _Fields) -> Graph | None:
-    ways: list[str] = []
-    for state, sign in _WAYS:
-        flips = _avalanche(fields, state, sign)
-        if flips is None:
-            return None
-        ways.append(f"{state}{sign}{flips}")
-    return tuple(sorted(ways))
+    flips = [_avalanche(fields, *way) for way in _WAYS]
+    if None in flips:
+        return None
+    return tuple(sorted(f"{''.join(way)}{flip}" for way, flip in zip(_WAYS, flips, strict=True)))
 
 
 def _avalanche(fields: _Fields, state: str, sign: str) -> str | None:
@@ -109,14 +103,10 @@ def _avalanche(fields: _Fields, state: str, sign: str) -> str | None:
             return None
         seen.add(state)
         past = [
-            i
-            for i in (0, 1)
-            if (drive > fields[state][i] if state[i] == "0" else drive < fields[state][i])
+            i for i in (0, 1) if (drive - fields[state][i]) * (1 if state[i] == "0" else -1) > 0
         ]
-        if not past:
-            return flips
-        if len(past) > 1:
-            return None
+        if len(past) != 1:
+            return None if past else flips
         (cell,) = past
 
 
@@ -142,12 +132,7 @@ _DENSE = 8
 
 
 def straight(corners: Sequence[tuple[float, float]], scale: float = 1.0) -> Element:
-    """An element whose curve is straight between corners by arc, and may fold back.
-
-    Args:
-        corners: travel [mm] and force [N].
-        scale: of the forces.
-    """
+    """An element straight by arc between corners [mm], [N], which may fold back; forces scaled."""
     if all(a[0] < b[0] for a, b in pairwise(corners)):
         return Element.from_points([1e-3 * s for s, _ in corners], [scale * f for _, f in corners])
     given = np.array(corners)
@@ -168,17 +153,14 @@ class Inequalities:
     def __init__(self, graph: Graph, forces: Floats, ends: tuple[int, int, int, int]):
         """What a graph says of the order of valleys and peaks, and of travels nothing.
 
-        Args:
-            graph: of two hysterons.
-            forces: (n,) rising.
-            ends: where in `forces` the lower and the higher valley and peak are.
+        The lower and the higher valley and peak are at the places `ends` of the rising forces (n,).
         """
         self.graph, self.forces = graph, forces
         up, down = (_first(graph, way) for way in ("00+", "11-"))
         # What goes up first has the lower peak, what goes down first the higher valley.
         self.ends = ({up: ends[2], 1 - up: ends[3]}, {down: ends[1], 1 - down: ends[0]})
         self.size = 2
-        self.rows: list[tuple[_Sum, float]] = []
+        self.rows: list[_Sum] = []
         self.travel = {
             (cell, phase): dict(zip(places, self.numbers(len(places)), strict=True))
             for cell in (0, 1)
@@ -193,9 +175,9 @@ class Inequalities:
         self.size += count
         return range(self.size - count, self.size)
 
-    def below(self, small: _Sum, large: _Sum, room: float = 1.0, by: float = 0.0) -> None:
-        """Require of two sums: small + so much of the room + by <= large."""
-        self.rows.append((_sum(_sum(small, large, -1.0), {_ROOM: room}), -by))
+    def below(self, small: _Sum, large: _Sum, room: float = 1.0) -> None:
+        """Require of two sums: small + so much of the room <= large."""
+        self.rows.append(_sum(_sum(small, large, -1.0), {_ROOM: room}))
 
     def rise(self) -> None:
         """Travel rises with force in every phase."""
@@ -207,10 +189,8 @@ class Inequalities:
     def fall(self, cell: int, *, alone: bool) -> None:
         """The second phase begins beyond the end of the first, with a straight fall between them.
 
-        Args:
-            cell: which.
-            alone: nothing in series holds the element in its fall: in both of its phases the other
-                one gives way faster, from where the fall begins at either end.
+        `alone`, nothing in series holds the element in its fall: in both of its phases the other
+        one gives way faster, from where the fall begins at either end.
         """
         (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
         self.below({p: 1.0}, {q: 1.0}, _FOLD if alone else 0.0)
@@ -249,8 +229,7 @@ class Inequalities:
     def make(self, *, spring: bool) -> None:
         """The lengths at which states end are in the order that the graph wants.
 
-        Args:
-            spring: lengths are those of a drive behind a spring, with whatever it gives.
+        Behind a spring they are those of the drive, with whatever the spring gives.
         """
         given = self.numbers(len(self.forces)) if spring else ()
         for x, y in pairwise(given):
@@ -283,11 +262,11 @@ class Inequalities:
     ) -> Floats | None:
         from scipy.optimize import linprog
 
-        matrix, right = np.zeros((len(self.rows), self.size)), np.zeros(len(self.rows))
-        for k, (row, bound) in enumerate(self.rows):
+        matrix = np.zeros((len(self.rows), self.size))
+        for k, row in enumerate(self.rows):
             matrix[k, list(row)] = list(row.values())
-            right[k] = bound
         bounds = [room, compliance, *[(-_REACH, _REACH)] * (self.size - 2)]
+        right = np.zeros(len(self.rows))
         found = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
         return found.x if found.status == 0 and found.x[goal] > _LEAST else None
 
@@ -369,13 +348,9 @@ SPRING = 10e3
 def possible(graph: Graph, *, plain: bool) -> bool:
     """Whether any pair makes a graph, under a prescribed length or behind a spring.
 
-    Only the order of the four forces at which phases end counts, and the graph tells it. The
-    travels are any that rise with the force, and so is what the spring gives.
-
-    Args:
-        graph: of two hysterons.
-        plain: only with elements whose force is a function of travel, so that the second phase
-            begins beyond the end of the first.
+    Only the order of the four forces at which phases end counts, and the graph tells it. Travels
+    are any that rise with the force, and so is what the spring gives. Of `plain` elements force is
+    a function of travel, so that the second phase begins beyond the end of the first.
     """
     asked = Inequalities(graph, np.arange(4.0), (0, 1, 2, 3))
     asked.rise()
@@ -427,13 +402,12 @@ def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
     found = chain.graph(drive)
     fields = [cell.fields[0] for cell in chain.elements]
     ways: list[str] = []
-    for state in ("00", "01", "10", "11"):
-        for sign, phase, first in (("+", "0", min), ("-", "1", max)):
-            cells = [cell for cell in (0, 1) if state[cell] == phase]
-            if cells:
-                leaving = first(cells, key=lambda cell: fields[cell][int(phase)])
-                end = next_state(found, state, +1 if sign == "+" else -1)
-                ways.append(way_to(state, sign, leaving, end))
+    for state, sign in _WAYS:
+        phase, first = (0, min) if sign == "+" else (1, max)
+        cells = [cell for cell in (0, 1) if state[cell] == str(phase)]
+        leaving = first(cells, key=lambda cell, phase=phase: fields[cell][phase])
+        end = next_state(found, state, +1 if sign == "+" else -1)
+        ways.append(way_to(state, sign, leaving, end))
     return tuple(sorted(ways))
 
 
@@ -493,11 +467,8 @@ def pairs_behind_a_spring() -> Finding:
 @claim(OURS, "not asked", "each design followed")
 def pairs_that_fold() -> Finding:
     """With curves that fold back, pairs make all of the 13, under a length and behind a spring."""
-    made = {
-        graph
-        for graph, chain in pairs().items()
-        if _makes(chain, graph, None) and _makes(chain, graph, SPRING)
-    }
+    found = pairs().items()
+    made = {g for g, chain in found if all(_makes(chain, g, drive) for drive in (None, SPRING))}
     never = [graph for graph in graphs() if not possible(graph, plain=False)]
     undecided = len(graphs()) - len(made) - len(never)
     folded = [folding(pairs()[graph]) for graph in made]
@@ -513,7 +484,8 @@ def pairs_that_fold() -> Finding:
 
 def _whether_made(drive: float | None) -> Finding:
     """Whether plain elements make just those graphs that are not excluded."""
-    made = {graph for graph, chain in _plain().items() if _makes(chain, graph, drive)}
+    plain = ((graph, chain) for graph, chain in pairs().items() if not folding(chain))
+    made = {graph for graph, chain in plain if _makes(chain, graph, drive)}
     others = {graph for graph in graphs() if possible(graph, plain=True)}
     return judged(
         made == others,
@@ -522,11 +494,6 @@ def _whether_made(drive: float | None) -> Finding:
         "in any avalanche the elements go opposite ways. The other graphs have one in which they "
         "do not, and their inequalities contradict each other.",
     )
-
-
-def _plain() -> dict[Graph, Chain]:
-    """The pairs of which no curve folds back."""
-    return {graph: chain for graph, chain in pairs().items() if not folding(chain)}
 
 
 def folding(chain: Chain) -> int:
