@@ -1,6 +1,6 @@
 """Claims about the order of motion, of two cells and of more."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 
 import numpy as np
@@ -82,8 +82,7 @@ def _sorted(cycle: Cycle) -> bool:
     cells = cycle.chain.levers
     by_0 = sorted(range(len(cells)), key=lambda i: cells[i].force_0)
     by_1 = sorted(range(len(cells)), key=lambda i: -cells[i].force_1)
-    flips = tuple((i,) for i in (*by_0, *by_1))
-    return cycle.sequence.flips == flips
+    return cycle.sequence.flips == tuple((i,) for i in (*by_0, *by_1))
 
 
 def _is_directed(cycle: Cycle) -> bool:
@@ -93,23 +92,22 @@ def _is_directed(cycle: Cycle) -> bool:
 
 def _left_between(snap: Event, cycle: Cycle) -> int | None:
     """The cell between its stops after a snap; None if there is none."""
-    full = [cycle.chain.cells[cell].full_travel for cell in snap.cells]
-    between = (
-        cell
-        for cell, after, whole in zip(snap.cells, snap.after, full, strict=True)
-        if _TOUCH * whole < after < (1 - _TOUCH) * whole
-    )
-    return next(between, None)
+    return next(_between(snap, cycle, snap.after), None)
+
+
+def _between(snap: Event, cycle: Cycle, travels: Iterable[float]) -> Iterator[int]:
+    """The cells of a snap that are between their stops at these travels [m]."""
+    for cell, travel in zip(snap.cells, travels, strict=True):
+        full = cycle.chain.cells[cell].full_travel
+        if _TOUCH * full < travel < (1 - _TOUCH) * full:
+            yield cell
 
 
 def _least_held(snap: Event, cycle: Cycle) -> int:
     """Of the cells that have moved already, the one whose stop holds it least."""
     cells = cycle.chain.levers
     order = cycle.loading_order if snap.direction > 0 else cycle.unloading_order
-    full = np.array([cells[cell].full_travel for cell in snap.cells])
-    before = np.array(snap.before)
-    moving = (before > _TOUCH * full) & (before < (1 - _TOUCH) * full)
-    mover = snap.cells[int(np.argmax(moving))]
+    mover = next(_between(snap, cycle, snap.before), snap.cells[0])
     moved = order[: order.index(mover)]
     if snap.direction > 0:
         return max(moved, key=lambda cell: cells[cell].force_1)
@@ -166,9 +164,8 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
             found = make(cells, tolerances, _MADE)
         return found if found.yield_.interval[0] >= WANTED else None
 
-    best = works(BUILT)
+    best, low, high = works(BUILT), BUILT, 2 * BUILT
     assert best is not None
-    low, high = BUILT, 2 * BUILT
     while high <= _MOST and (longer := works(high)) is not None:
         low, high, best = high, 2 * high, longer
     while high - low > 1:

@@ -16,7 +16,6 @@ from stepwell.mechanism import Cell, Chain
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle
 from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.sequences import Cycle, Pathway
-from stepwell.statics import Event
 
 # Shares of area that the paper's equations and parameters give, with q_out over x 0 to 20 and
 # y -15 to 15 mm.
@@ -33,21 +32,14 @@ _BAND = 0.005  # m
 
 @dataclass(frozen=True)
 class PaperMap:
-    """The paper's map at the middles of equal rectangles, so that a mean is a share of area.
+    """The paper's map at the middles of equal rectangles, so that a mean is a share of area."""
 
-    Attributes:
-        x, y: (n,) anchor q of the outer cell [m].
-        pathway: (n, n) code, by place in `Pathway`.
-        snap_loading, snap_unloading: (n, n) stroke [m], NaN where there is no snap.
-        full_stroke: of every design [m].
-    """
-
-    x: Floats
+    x: Floats  # (n,) anchor q of the outer cell [m]
     y: Floats
-    pathway: NDArray[np.int8]
-    snap_loading: Floats
+    pathway: NDArray[np.int8]  # (n, n) code, by place in `Pathway`
+    snap_loading: Floats  # (n, n) stroke [m], NaN where there is no snap
     snap_unloading: Floats
-    full_stroke: float
+    full_stroke: float  # of every design [m]
 
     def takes(self, *pathways: Pathway) -> Bools:
         """(n, n) whether a design takes one of these pathways."""
@@ -206,8 +198,7 @@ def undirected_boundary() -> Finding:
 )
 def directed_snaps() -> Finding:
     """Directed pathways snap near 11 while loading and near 00 while unloading."""
-    worst = 0.0
-    parts: list[str] = []
+    parts, worst = list[str](), 0.0
     for pathway in (Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE):
         cycle = pair_cycle(pathway)
         loading, unloading = (_distances(cycle, way) for way in (1, -1))
@@ -218,10 +209,8 @@ def directed_snaps() -> Finding:
                 otherwise="One snap while loading and one while unloading were expected.",
             )
         worst = max(worst, *loading, *unloading)
-        parts.append(
-            f"{to_unit(loading[0], 'mm'):.2f} and {to_unit(unloading[0], 'mm'):.2f} mm "
-            f"{pathway.label}"
-        )
+        both = (f"{to_unit(each, 'mm'):.2f}" for each in (*loading, *unloading))
+        parts.append(f"{' and '.join(both)} mm {pathway.label}")
     shown = paper_map()
     far = np.maximum(shown.full_stroke - shown.snap_loading, shown.snap_unloading)[shown.directed]
     lone = max(*_distances(monostable_pair(), 1), *_distances(monostable_pair(), -1))
@@ -239,12 +228,8 @@ def directed_snaps() -> Finding:
 
 def _distances(cycle: Cycle, direction: int) -> list[float]:
     """Stroke [m] from each snap to the corner that it leads to."""
-    full = cycle.chain.full_stroke
-
-    def left(snap: Event) -> float:
-        return full - snap.stroke if direction > 0 else snap.stroke
-
-    return [left(snap) for snap in cycle.snaps if snap.direction == direction]
+    corner = cycle.chain.full_stroke if direction > 0 else 0.0
+    return [abs(corner - snap.stroke) for snap in cycle.snaps if snap.direction == direction]
 
 
 def _claim(pathway: Pathway) -> Claim:
@@ -286,11 +271,8 @@ def wells() -> Finding:
 def stable_states(chain: Chain) -> list[str]:
     """Corners of the square of travels that are local minima of the total energy, strictly.
 
-    The energy is a sum over the cells, so it is lowest where each cell's is; and cells whose
-    force falls have no minimum between their stops.
-
-    Raises:
-        ValueError: a cell without the proof that its force falls.
+    The energy is a sum over the cells, so it is lowest where each cell's is; and cells whose force
+    falls have no minimum between their stops. A `ValueError` refuses a cell without that proof.
     """
     return ["".join(state) for state in product(*map(_held, chain.levers))]
 

@@ -38,10 +38,8 @@ NOT_SAID = (
 def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> mechanism.Chain:
     """Inner and outer cell of a leg of the robot with antennas, feet and weight left out.
 
-    Args:
-        q_out: x of the outer cell's outer anchor [m].
-        bands: stiffness of the inner cell's bands over the outer one's.
-        pressed: p_in where the paper has it under a contact.
+    `q_out` is x of the outer cell's outer anchor [m], `bands` the stiffness of the inner cell's
+    bands over the outer one's; pressed, p_in is where the paper has it under a contact.
     """
     inner, outer = robot("antennas").legs[0].chain.levers
     stiffness = bands * outer.bands[0].stiffness
@@ -129,12 +127,7 @@ _STARTED = f"Starts ± 40 mm and ± 10°, seeds {_through(STARTS)}"
 
 
 def wall_ahead(angle: float, clear: float = 0.28) -> Arena:
-    """A flat wall that the robot meets at an angle [rad] after a free way.
-
-    Args:
-        angle: between heading and wall [rad]; negative for its mirror image.
-        clear: distance of the start from the wall [m].
-    """
+    """A flat wall at an angle [rad] to the heading, mirrored where negative, `clear` [m] away."""
     ahead = clear / math.sin(abs(angle))
     x, y = 0.9 * math.cos(angle), 0.9 * math.sin(angle)
     return Arena([Wall((ahead - x, -y), (ahead + x, y))], title=f"Wall at {math.degrees(angle):g}°")
@@ -165,9 +158,9 @@ def antennas_paper_numbers() -> Finding:
     base = robot("antennas")
     ratios = sorted({*BANDS.values(), *(r / 10 for r in range(10, 27))})
     robots = [_with_bands(base, ratio) for ratio in ratios]
-    both = [each for one in robots for each in (one, _pressed(one, MOVED))]
-    trials = iter(sweep(both, cycles=3).trials)
-    found = {ratio: (next(trials), next(trials)) for ratio in ratios}
+    trials = sweep([*robots, *(_pressed(one, MOVED) for one in robots)], cycles=3).trials
+    n = len(ratios)
+    found = dict(zip(ratios, zip(trials[:n], trials[n:], strict=True), strict=True))
     flips = {
         ratio: free.gaits == (FORWARD, FORWARD) and held.gaits == (FORWARD, BACKWARD)
         for ratio, (free, held) in found.items()
@@ -256,10 +249,8 @@ def antennas_walls() -> Finding:
 @claim("Fig. 4", "avoided", "8 of 9 or better, in both sets")
 def antennas_cylinder() -> Finding:
     """It avoids a cylinder of 50 mm from many offsets."""
-    sets = OFFSETS_MM, OTHER_OFFSETS_MM
-    return _obstacles(
-        ([cylinder_ahead(from_unit(mm, "mm")) for mm in each] for each in sets), 160.0
-    )
+    offsets = ([from_unit(mm, "mm") for mm in each] for each in (OFFSETS_MM, OTHER_OFFSETS_MM))
+    return _obstacles((map(cylinder_ahead, each) for each in offsets), 160.0)
 
 
 @claim("ours", "away", "8 of 9 or better")
@@ -279,21 +270,18 @@ def antennas_head_on() -> Finding:
     )
 
 
-def _crossed(ways: "tuple[Maze, ...]") -> int:
-    """How many reached the goal having touched the first three walls."""
+def _crossed(design: Robot, arenas: Iterable[Arena]) -> int:
+    """In how many arenas it reached the goal in 700 s having touched the first three walls."""
     from stepwell.simulation import Outcome
 
-    walls = [f"wall {i + 1}" for i in range(3)]
-    return sum(
-        way.outcome is Outcome.REACHED and all(way.touched[wall] is not None for wall in walls)
-        for way in ways
-    )
+    ways = (way for way in _ways(design, arenas, 700.0) if way.outcome is Outcome.REACHED)
+    return sum(all(way.touched[f"wall {i}"] is not None for i in (1, 2, 3)) for way in ways)
 
 
 def _from_starts(design: Robot, name: str) -> int:
     """How many of the starts in an arena that comes with the package lead to the goal."""
     arena = files.load_arena(name)
-    return _crossed(_ways(design, (other_start(arena, seed) for seed in STARTS), 700.0))
+    return _crossed(design, (other_start(arena, seed) for seed in STARTS))
 
 
 def _three_walls(name: str) -> Finding:
@@ -340,8 +328,7 @@ def three_walls_two_bands() -> Finding:
 def three_walls_layouts() -> Finding:
     """It does so when the walls stand differently."""
     arena = files.load_arena("three-walls")
-    layouts = (other_layout(arena, seed) for seed in LAYOUTS)
-    count = _crossed(_ways(robot("explorer"), layouts, 700.0))
+    count = _crossed(robot("explorer"), (other_layout(arena, seed) for seed in LAYOUTS))
     return judged(
         count >= 8,
         f"{count} of {len(LAYOUTS)}",
@@ -353,8 +340,8 @@ def three_walls_layouts() -> Finding:
 def field(seed: int) -> Arena:
     """Five walls at random before the robot, with gaps of 0.35 m or more between them."""
     rng = np.random.default_rng(seed)
-    start, walls = np.zeros((1, 2)), []
-    points: list[np.ndarray] = [start]
+    walls: list[Wall] = []
+    points = [np.zeros((1, 2))]
     while len(walls) < 5:
         middle = rng.uniform((0.2, -0.9), (2.2, 0.9))
         angle, length = rng.uniform(0.0, math.pi), rng.uniform(0.3, 0.9)
@@ -393,12 +380,13 @@ def robot_linkage() -> Finding:
     """The fast model and one with every lever and link as a body agree."""
     from stepwell.simulation import Linkage, Settings, walk
 
-    worst, turned = 0.0, 0.0
+    moved, turns = [], []
     for name in ("forward", "backward", "left", "right", "15", "explorer"):
         rods = walk(robot(name), 4)
         hinges = walk(robot(name), 4, settings=Settings(linkage=Linkage.HINGES))
-        worst = max(worst, float(np.abs(rods.advance[1:] - hinges.advance[1:]).max()))
-        turned = max(turned, float(np.degrees(np.abs(rods.turn[1:] - hinges.turn[1:])).max()))
+        moved += np.abs(rods.advance[1:] - hinges.advance[1:]).tolist()
+        turns += np.degrees(np.abs(rods.turn[1:] - hinges.turn[1:])).tolist()
+    worst, turned = max(moved), max(turns)
     return judged(
         worst <= 0.05 and turned <= 2.0,
         f"{worst:.3f} in d/u_max, {turned:.1f}° in turn",
