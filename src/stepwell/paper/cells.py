@@ -87,12 +87,9 @@ def _two(forces: tuple[float, float]) -> str:
 def curves() -> Finding:
     """E against θ follows from band length and stiffness, and F is its slope along travel."""
     off = max(_distance_from_equations(cell) for cell in six_cells().values())
-    return judged(
-        off <= _CURVE_TOLERANCE,
-        f"the same for all {len(six_cells())}"
-        if off <= _CURVE_TOLERANCE
-        else f"off by {off:.1g} k r² or k r",
-    )
+    agrees = off <= _CURVE_TOLERANCE
+    same, other = f"the same for all {len(six_cells())}", f"off by {off:.1g} k r² or k r"
+    return judged(agrees, same if agrees else other)
 
 
 def _distance_from_equations(cell: Cell) -> float:
@@ -118,11 +115,10 @@ def _distance_from_equations(cell: Cell) -> float:
 def force_falls() -> Finding:
     """F falls all the way from state 0 to state 1 in all six designs."""
     proved = [q for q, cell in six_cells().items() if _proved_falling(cell)]
-    ours = f"proved for {len(proved)} of {len(six_cells())}"
     missing = [q for q in six_cells() if q not in proved]
     return judged(
         not missing,
-        ours,
+        f"proved for {len(proved)} of {len(six_cells())}",
         note="Proved by bounds over whole stretches of θ, not sampled. It holds for these six, "
         "and not for every anchor: short or folded-back bands rise.",
         otherwise=f"No proof for q = {', '.join(missing)} mm.",
@@ -151,12 +147,11 @@ def _eq_3(cell: Cell) -> float:
 
 def _highest(cell: Cell) -> float:
     """θ where the energy itself is highest: the place where the force changes sign."""
-    low, high = -cell.limit, cell.limit
-    if cell.force(low) <= 0:
-        return low
-    if cell.force(high) >= 0:
-        return high
-    return bisected(lambda theta: bool(cell.force(theta) > 0), low, high, 60)[0]
+    if cell.force_0 <= 0:
+        return -cell.limit
+    if cell.force_1 >= 0:
+        return cell.limit
+    return bisected(lambda at: bool(cell.force(at) > 0), -cell.limit, cell.limit, 60)[0]
 
 
 @claim("Eq. 3, Fig. 1E", "all but (0, -15) mm", "exact")

@@ -45,8 +45,7 @@ class Claim(ByValue):
 
     Attributes:
         id: a short name that stays.
-        claim: what is said, in our words.
-        where: where the paper says it.
+        claim, where: what is said, in our words, and where the paper says it.
         paper_value: the paper's value.
         tolerance: how far ours may be from it and still agree.
         find: computes ours.
@@ -72,14 +71,7 @@ class Claim(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClaimVerdict(ByValue):
-    """What became of a claim.
-
-    Attributes:
-        claim: what the paper says.
-        ours: our value.
-        verdict: how they compare.
-        reason: why; empty where they simply agree.
-    """
+    """What became of a claim: our value, how it compares, and why, "" where both simply agree."""
 
     claim: Claim
     ours: str
@@ -110,12 +102,9 @@ class Verdicts(tuple[ClaimVerdict, ...], Shown):
 def claim(
     where: str, paper_value: str, tolerance: str
 ) -> Callable[[Callable[..., Finding]], Claim]:
-    """Make a claim of the function that computes ours.
+    """Make a claim of the function that computes ours; arguments as for `Claim`.
 
     The function's name is the claim's, with dashes, and its docstring is what is said.
-
-    Args:
-        where, paper_value, tolerance: as for `Claim`.
     """
 
     def made(find: Callable[..., Finding]) -> Claim:
@@ -137,11 +126,7 @@ END = "<!-- end of claims -->"
 
 
 def markdown(verdicts: Iterable[ClaimVerdict]) -> str:
-    """The verdicts as a Markdown table, reasons and notes below it.
-
-    Args:
-        verdicts: what `run` returns.
-    """
+    """The verdicts that `run` returns as a Markdown table, reasons and notes below it."""
     verdicts = tuple(verdicts)
     lines = ["| Claim | Where | Paper | Stepwell | Within | Verdict |", "|---|---|---|---|---|---|"]
     for verdict in verdicts:
@@ -155,11 +140,7 @@ def markdown(verdicts: Iterable[ClaimVerdict]) -> str:
 
 
 def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str = "claims") -> str:
-    """A page with the text between its two markers replaced; `what` it is, for who forgot them.
-
-    Raises:
-        ValueError: a marker is missing.
-    """
+    """A page with the text between its two markers replaced; `what` it is, for who forgot them."""
     before, first, rest = page.partition(begin)
     _, last, after = rest.partition(end)
     if not (first and last):
@@ -169,13 +150,8 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
 
 def _count(verdicts: tuple[ClaimVerdict, ...]) -> str:
     found = [verdict.verdict for verdict in verdicts]
-    words = {
-        Judgement.AGREES: "agree",
-        Judgement.DIFFERS: "differ",
-        Judgement.UNDETERMINED: "are undetermined",
-        Judgement.NEEDS_DATA: "need data",
-        Judgement.NEEDS_MUJOCO: "need MuJoCo",
-    }
+    words = "agree", "differ", "are undetermined", "need data", "need MuJoCo"
     seldom = {Judgement.UNDETERMINED, Judgement.NEEDS_MUJOCO}.difference(found)
-    parts = [f"{found.count(one)} {word}" for one, word in words.items() if one not in seldom]
+    each = zip(Judgement, words, strict=True)
+    parts = [f"{found.count(one)} {word}" for one, word in each if one not in seldom]
     return f"Of {len(found)} claims {', '.join(parts)}."

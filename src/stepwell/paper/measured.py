@@ -94,15 +94,10 @@ def measured_falling(data: Recorded) -> Finding:
         for test in tests
         for start, end, height in test.rises
     ]
-    falling = sum(not test.rises for test in tests)
-    ours = f"{falling} of {len(tests)} series"
+    ours = f"{sum(not test.rises for test in tests)} of {len(tests)} series"
     note = "Means of repeats over half a millimetre, without the first half millimetre of stroke."
-    return judged(
-        not rising and bool(tests),
-        ours,
-        note=note,
-        otherwise=f"It rises in {'; '.join(rising)}. {note}",
-    )
+    otherwise = f"It rises in {'; '.join(rising)}. {note}"
+    return judged(not rising and bool(tests), ours, note=note, otherwise=otherwise)
 
 
 @claim("Fig. 1D, unit-cell tests", "they agree", "0.15 k r, mean over geometries")
@@ -144,10 +139,9 @@ def measured_order(data: Recorded) -> Finding:
 def measured_snaps(data: Recorded) -> Finding:
     """Pairs on directed pathways snap on the test machine."""
     pairs = [test for test in data.comparison.pairs if test.snaps_predicted and not test.tie]
-    right = [test for test in pairs if test.right_snaps]
+    right = sum(test.right_snaps for test in pairs)
     told = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
-    ours = f"{len(right)} of {len(pairs)} series"
-    return judged(len(right) == len(pairs) > 0, ours, note=f"{told}.")
+    return judged(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{told}.")
 
 
 @claim("Fig. 2F and 2G, two-cell tests", "no snap", "every run of every series")

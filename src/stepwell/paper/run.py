@@ -63,14 +63,7 @@ def others() -> tuple[Claim, ...]:
 
 
 def validate(progress: Progress | None = None) -> Verdicts:
-    """Compute every claim of others.
-
-    Args:
-        progress: called with (done, total) claims.
-
-    Returns:
-        A verdict for each claim, in the order of `others()`.
-    """
+    """Compute every claim of others; `progress` is called with (done, total) claims."""
     return _judged(others(), progress)
 
 
@@ -87,9 +80,6 @@ def run(
         everything: also the claims that take many simulated runs, minutes of them.
         data: folder of the recordings published with the paper; without it the claims that they
             decide say that they need data.
-
-    Returns:
-        A verdict for each claim, in the order of `claims()`.
 
     Raises:
         LabError: a folder of data without a recording.

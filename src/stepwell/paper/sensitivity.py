@@ -123,10 +123,8 @@ RESULTS = (
 
 
 def _changed(design: Robot, variation: Variation, value: float) -> Robot:
-    return files.vary(
-        design,
-        {key.lstrip("-"): -value if key.startswith("-") else value for key in variation.keys},
-    )
+    signs = {key: -1 if key.startswith("-") else 1 for key in variation.keys}
+    return files.vary(design, {key.lstrip("-"): sign * value for key, sign in signs.items()})
 
 
 @cache
@@ -142,12 +140,8 @@ def sensitivities() -> tuple[Sensitivity, ...]:
         "integrator: Euler, implicit": {0.0: euler, 1.0: implicit},
     }
     designs = [robot(result.robot) for result in RESULTS]
-    varied = [
-        _changed(design, variation, value)
-        for design in designs
-        for variation in VARIATIONS
-        for value in (variation.low, variation.high)
-    ]
+    ends = [(variation, value) for variation in VARIATIONS for value in variation[2:]]
+    varied = [_changed(design, *end) for design in designs for end in ends]
     trials = iter(sweep(varied, cycles=CYCLES).trials)
     nominal = sweep(designs, cycles=CYCLES).trials
     stepped = [

@@ -74,15 +74,13 @@ def robot_backward() -> Finding:
 )
 def robot_turn() -> Finding:
     """With one leg of each kind it turns on the spot, to either side."""
-    turns, moves = [], []
-    for name, sign in (("left", 1), ("right", -1)):
-        walk = walk_of(name)
-        turns.append(sign * float(np.degrees(_late(walk.turn))))
-        moves.append(float(np.hypot(_late(walk.advance), _late(walk.sideways))))
-    agrees = max(abs(turn - TURN_DEG[0]) for turn in turns) <= TURN_DEG[1]
+    walks = walk_of("left"), walk_of("right")
+    left, right = (float(np.degrees(_late(walk.turn))) for walk in walks)
+    moved = max(float(np.hypot(_late(walk.advance), _late(walk.sideways))) for walk in walks)
+    off = max(abs(turn - TURN_DEG[0]) for turn in (left, -right))
     return judged(
-        agrees and max(moves) < STANDS_STILL,
-        f"{turns[0]:.1f}° to the left, {turns[1]:.1f}° to the right; |d|/u_max {max(moves):.2f}",
+        off <= TURN_DEG[1] and moved < STANDS_STILL,
+        f"{left:.1f}° to the left, {-right:.1f}° to the right; |d|/u_max {moved:.2f}",
         note=ASSUMED,
         otherwise=f"Outside the tolerance. {ASSUMED}",
     )
@@ -145,25 +143,15 @@ NEAR = 0.005  # of the end of the stroke: near 11 [m], as in the claim about the
 
 
 class Loss(NamedTuple):
-    """What one forward step of the left leg loses, in shares of the largest step.
+    """What one forward step of the left leg loses, in shares of the largest step."""
 
-    Attributes:
-        whole: the step less what the body advances in the cycle.
-        start: lost until the last cell, which opens as the actuator sets out, is shut again.
-        snap: lost in the last 5 mm of the way out, in which the snap near 11 is.
-        opened: how far the last cell opens at the start, over its travel.
-        carried: least force on the foot while it is open [N].
-        stood: force on the foot while that cell is shut and the leg steps, median [N].
-        airborne: largest force on the foot in those last 5 mm [N].
-    """
-
-    whole: float
-    start: float
-    snap: float
-    opened: float
-    carried: float
-    stood: float
-    airborne: float
+    whole: float  # the step less what the body advances in the cycle
+    start: float  # lost until the last cell, which opens as the actuator sets out, is shut again
+    snap: float  # lost in the last 5 mm of the way out, in which the snap near 11 is
+    opened: float  # how far the last cell opens at the start, over its travel
+    carried: float  # least force on the foot while it is open [N]
+    stood: float  # force on the foot while that cell is shut and the leg steps, median [N]
+    airborne: float  # largest force on the foot in those last 5 mm [N]
 
 
 def forward_loss() -> Loss:
