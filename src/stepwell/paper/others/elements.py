@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def line(balloons: tuple[tuple[float, float, float], ...]) -> Chain:
 
 def arrows(graph: TransitionGraph) -> _Arrows:
     """Where each state leads, states in transit left out."""
-    ways = ((state, direction) for state in graph.vertices for direction in (+1, -1))
+    ways = product(graph.vertices, (+1, -1))
     found = {way: next_state(graph, *way) for way in ways}
     return {way: target for way, target in found.items() if target != "nowhere"}
 
@@ -48,12 +49,8 @@ def balloons_under_pressure() -> Finding:
         chain = line(balloons)
         graph = chain.graph("force")
         fields = [cell.fields[0] for cell in chain.elements]
-        wanted = {
-            (state, direction): flipped
-            for state in graph.vertices
-            for direction in (+1, -1)
-            if (flipped := _relay(state, direction, fields)) is not None
-        }
+        ways = product(graph.vertices, (+1, -1))
+        wanted = {way: to for way in ways if (to := _relay(*way, fields)) is not None}
         memory = graph.reading.return_point_memory.holds
         right &= arrows(graph) == wanted and memory
         told.append(f"{len(wanted)} arrows of {len(balloons)} balloons")
@@ -95,10 +92,8 @@ def balloons_with_air() -> Finding:
             stiffness = _change(chain, way, before, after)
             single &= stiffness is not None
             if stiffness is not None:
-                air = _ATMOSPHERE / stiffness
-                told.append(
-                    f"{_arrow(way)}{after} above {stiffness * 1e-6:.2g} kPa/L ({air:.2g} m³)"
-                )
+                size = f"{stiffness * 1e-6:.2g} kPa/L ({_ATMOSPHERE / stiffness:.2g} m³)"
+                told.append(f"{_arrow(way)}{after} above {size}")
     return judged(
         single and bool(told),
         "; ".join(told),
@@ -200,9 +195,7 @@ def countersnaps_in_parallel() -> Finding:
 
 def _flips(elements: list[Element]) -> list[int]:
     """How many elements change their phase in each snap while a chain is pulled out."""
-    chain = Chain(elements)
-    length = 1e-3 * 14.0 * len(elements)
-    snaps = _snaps(chain, (0.0, length))
+    snaps = _snaps(Chain(elements), (0.0, 1e-3 * 14.0 * len(elements)))
     return [count for snap in snaps if (count := len(snap.arrivals))]
 
 
@@ -222,24 +215,18 @@ WEAK, STRONG = 0.040, 0.045
 def kresling_pair() -> Finding:
     """Two Kresling folds in series go through one sequence when only their length is controlled."""
     weak, strong = kresling(deployed=WEAK), kresling(deployed=STRONG)
-    told: list[str] = []
-    ties = 0
-    same = True
+    told, ties, same = list[str](), 0, True
     for folds in ((weak, strong), (strong, weak)):
         chain = Chain(folds)
         cycle = chain.cycle()
         told.append(str(cycle.sequence))
         ties += len(cycle.degenerate)
         low, high = drive_range(chain)
-        again = chain.path((low, high, low, high, low))
-        half = len(again.events) // 2
-        drives = [event.drive for event in again.events]
-        same &= [event.arrivals for event in again.events[:half]] == [
-            event.arrivals for event in again.events[half:]
-        ]
+        events = chain.path((low, high, low, high, low)).events
+        half = len(events) // 2
         same &= all(
-            abs(a - b) <= 1e-9 * (high - low)
-            for a, b in zip(drives[:half], drives[half:], strict=True)
+            a.arrivals == b.arrivals and abs(a.drive - b.drive) <= 1e-9 * (high - low)
+            for a, b in zip(events[:half], events[half:], strict=True)
         )
     right = told == ["00>10>11>01>00", "00>01>11>10>00"]
     return judged(

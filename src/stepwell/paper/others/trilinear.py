@@ -168,10 +168,7 @@ def trilinear_spinodal() -> Finding:
 
 
 def _snap(chain: Chain, n: int, direction: int) -> Event:
-    """The first snap beyond the branch with n springs in the second phase, begun in its middle.
-
-    The middle is where the force is none.
-    """
+    """The first snap beyond the branch with n springs in the second phase, begun without force."""
     cells = len(chain)
     at = length(PEAK[1] if direction > 0 else VALLEY[1], n, cells)
     middle = length(0.0, n, cells)
