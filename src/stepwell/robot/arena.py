@@ -41,14 +41,9 @@ class Floor(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Wall(ByValue):
-    """A straight upright wall.
+    """A straight upright wall from `start` to `end` of its middle line [m].
 
-    Args:
-        start, end: of its middle line [m].
-        thickness: [m], > 0.
-
-    Raises:
-        ValueError: a wall without length or thickness.
+    A `ValueError` refuses one without length or `thickness` [m].
     """
 
     start: Vec2
@@ -169,12 +164,8 @@ def other_start(
 ) -> Arena:
     """The same arena, entered a little elsewhere, drawn by a seed.
 
-    Args:
-        place: largest shift along x and along y [m].
-        heading: largest rotation [rad].
-
-    Raises:
-        ValueError: the start that was drawn lies inside an obstacle.
+    It shifts by `place` at most along x and along y [m], and turns by `heading` [rad]. A
+    `ValueError` says that the start lies inside an obstacle.
     """
     dx, dy, turn = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * (place, place, heading)
     return arena.from_start((arena.start[0] + dx, arena.start[1] + dy), arena.heading + turn)
@@ -183,12 +174,8 @@ def other_start(
 def other_layout(arena: Arena, seed: int, *, place: float = PLACE, angle: float = ANGLE) -> Arena:
     """The same start among walls and cylinders that stand a little differently, drawn by a seed.
 
-    Args:
-        place: largest shift of each obstacle along x and along y [m].
-        angle: largest rotation of each wall about its middle [rad].
-
-    Raises:
-        ValueError: the start lies inside an obstacle that was drawn.
+    Each shifts by `place` at most along x and along y [m], and walls turn by `angle` about their
+    middle [rad]. A `ValueError` says that the start lies inside an obstacle.
     """
     rng = np.random.default_rng(seed)
     walls = []

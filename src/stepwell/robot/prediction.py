@@ -316,11 +316,7 @@ class Prediction(ByValue, Drawn):
         return tuple(flip for leg in self.legs for flip in leg.flips)
 
     def leg(self, name: str) -> LegPrediction:
-        """The leg of that name.
-
-        Raises:
-            ValueError: no such leg.
-        """
+        """The leg of that name; or a `ValueError`."""
         return self.legs[self.robot.legs.index(self.robot.leg(name))]
 
     def __repr__(self):
@@ -380,20 +376,12 @@ def predict(robot: Robot) -> Prediction:
 
 
 def predicted_gaits(robot: Robot) -> tuple[str, ...]:
-    """For each leg the states of the cycle that repeats itself, without doubts and advance.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
-    """
+    """For each leg the states of the cycle that repeats itself; errors as for `Robot.predict`."""
     return tuple(one.gait() for one in rounds(robot))
 
 
 def too_soft(robot: Robot) -> str:
-    """What the drive's spring does to the gait, in words; "" where it changes nothing.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
-    """
+    """What the drive's spring does to the gait, in words; "" where it changes nothing."""
     found, gaits, stiffness = rounds(robot), predicted_gaits(robot), robot.drive.stiffness
     if _passes(robot, found, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
         return ""
@@ -456,11 +444,7 @@ def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
 
 @lru_cache(maxsize=32)
 def drive_needs(robot: Robot) -> DriveNeeds:
-    """What a motor must have for the gait that a robot has behind a drive that does not give.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
-    """
+    """What a motor must have for the gait that a robot has behind a drive that does not give."""
     found = rounds(robot, math.inf)
     push, pull = largest(asked(found, 0), 1), largest(asked(found, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
@@ -492,9 +476,6 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
 
     There its gait is the same whatever the force that the prediction does not know, all else as it
     is; both are the feet's own depth where it may be another already.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
     """
     found = tuple(one.first for one in rounds(robot))
     own = cache(lambda i: _depths(robot, i, found))

@@ -105,18 +105,15 @@ class Robot(ByValue, Drawn):
     ) -> Robot:
         """The same robot with the anchors p, q [m] of one cell of one leg moved; None leaves one.
 
-        The cell is an index, 0 for the innermost, or a name.
-
-        Raises:
-            ValueError: no such leg or cell, or anchors that no cell can have.
+        The cell is an index, 0 for the innermost, or a name. A `ValueError` refuses others, and
+        anchors that no cell can have.
         """
         return self._with_leg(self.leg(leg).with_anchors(cell, p, q))
 
     def pressed(self, swings: Mapping[str, float]) -> Robot:
         """The same robot with antennas held back by `swings` [rad], as anchors that have moved.
 
-        Raises:
-            ValueError: no such antenna, or a rotation that is not from 0 to its `swing`.
+        A `ValueError` refuses other antennas, and rotations that are not from 0 to its `swing`.
         """
         robot, antennas = self, {antenna.name: antenna for antenna in self.antennas}
         for name, swing in swings.items():

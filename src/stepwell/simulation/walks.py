@@ -133,11 +133,7 @@ class Walk(base.ByValue, base.Drawn):
         }
 
     def gait(self, leg: str, cycle: int) -> str:
-        """The states of one leg in one cycle, as "00>10>11>01>00".
-
-        Raises:
-            ValueError: no such leg, or no such cycle.
-        """
+        """The states of one leg in one cycle, as "00>10>11>01>00"; or a `ValueError`."""
         if not 0 <= cycle < self.cycles:
             raise base.InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
@@ -146,8 +142,7 @@ class Walk(base.ByValue, base.Drawn):
     def state(self, leg: str, time: float) -> str | None:
         """State of one leg at a time [s], as "01"; None while a cell is in transit.
 
-        Raises:
-            ValueError: no such leg, or a walk that was over before it began.
+        A `ValueError` refuses a leg that it has not, and a walk that was over before it began.
         """
         if len(self.time) == 0:
             raise base.InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")

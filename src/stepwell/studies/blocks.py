@@ -48,10 +48,8 @@ def packed(chain: mechanism.Chain, names: Sequence[str]) -> Packed:
 
     What is found by two values of each name, as `unit_in` takes it, is compared with the chain
     itself at others. The cells have one linear band each, without load or friction.
-
-    Raises:
-        ValueError: other cells, too many, or a number on which those of a cell do not hang in
-            proportion, such as an angle.
+    A `ValueError` refuses others, too many, or a number on which those of a cell do not hang in
+    proportion, such as an angle.
     """
     if len(chain) > concave.MOST_CELLS:
         raise InputError(f"{len(chain)} cells: must be at most {concave.MOST_CELLS}.")

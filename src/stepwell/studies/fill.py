@@ -118,10 +118,8 @@ def estimate(study: Study, workers: int) -> StudyEstimate:
     """What a study, begun or not, will take on so many cores.
 
     A few of its designs, evenly over all, are computed here and now. The first of them is not
-    counted where there are others: it compiles and opens what the others find ready.
-
-    Raises:
-        ValueError: nothing can be computed.
+    counted where there are others: it compiles and opens what the others find ready. A `ValueError`
+    says that nothing can be computed.
     """
     if study.work.screen:
         raise InputError("estimate: nobody knows beforehand how many designs a screen keeps.")

@@ -46,9 +46,7 @@ def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
     ends of the space, until closed form tells another graph. A machine that takes up less than a
     thirty-second of such a way may be passed over. Where closed form does not tell what lies at a
     border, nothing is said. The order is of the atlas, then of the space, down before up.
-
-    Raises:
-        ValueError: the study is that of no atlas.
+    A `ValueError` refuses a study of no atlas.
     """
     designs = study.designs
     if not isinstance(designs, IndependentBlocks):

@@ -218,8 +218,7 @@ class Study(base.ByValue):
     def write(self, chunk: int, columns: dict[str, np.ndarray[Any, Any]]) -> None:
         """Write (rows,) of every column of a chunk; each column's file is replaced as a whole.
 
-        Raises:
-            OSError: it cannot be written; what is there then is no chunk.
+        After an `OSError` what is there is no chunk.
         """
         rows = self.rows(chunk)
         for name in self.columns:
@@ -412,11 +411,7 @@ class _Asked(BaseModel):
 
 
 def opened(folder: str | os.PathLike[str]) -> Study:
-    """The study that a folder holds.
-
-    Raises:
-        StudyError: it holds none, or one whose description is damaged.
-    """
+    """The study that a folder holds; a `StudyError` if none, or its description is damaged."""
     base.need("studies")
     import zarr
 

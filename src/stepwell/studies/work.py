@@ -293,10 +293,8 @@ def function_of(where: str, subject: Subject) -> dict[str, Any]:
 
     The function takes a design and a seed, and gives a number or a text by name, the same ones for
     every design. It is called once, on the design as it is. An attribute `units` of it may give SI
-    units by name. The file is found again by whoever fills the study.
-
-    Raises:
-        ValueError: no such file or function, or what it gives is no mapping of numbers and texts.
+    units by name. The file is found again by whoever fills the study. A `ValueError` refuses what
+    is no such file or function, or gives no mapping of numbers and texts.
     """
     file, _, name = where.rpartition(":")
     path = str(Path(file).resolve())
