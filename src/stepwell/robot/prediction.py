@@ -342,7 +342,6 @@ def predict(robot: Robot) -> Prediction:
     x, y, turn = slid.displacement()
     begun = x if firsts == found else slide(robot, firsts).displacement()[0]
     rigid, softer = _other_drives(robot, found)
-    rigid, softer = _other_drives(robot, found)
     # What can be doubted of legs that are alike, and what antennas do to them, is the same.
     doubts = cache(lambda i: _doubts(firsts[i]))
     flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
@@ -377,14 +376,14 @@ def predict(robot: Robot) -> Prediction:
 
 def predicted_gaits(robot: Robot) -> tuple[str, ...]:
     """For each leg the states of the cycle that repeats itself; errors as for `Robot.predict`."""
-    return tuple(one.gait() for one in rounds(robot))
+    return _gaits(rounds(robot))
 
 
 def too_soft(robot: Robot) -> str:
     """What the drive's spring does to the gait, in words; "" where it changes nothing."""
-    found, gaits, stiffness = rounds(robot), predicted_gaits(robot), robot.drive.stiffness
+    found, stiffness = rounds(robot), robot.drive.stiffness
+    gaits = _gaits(found)
     if _passes(robot, found, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
-        return ""
         return ""
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs go from "
