@@ -4,16 +4,9 @@ import os
 from collections.abc import Callable
 
 from stepwell.base import need
-from stepwell.paper.cells import CELL_CLAIMS, MISPRINT_CLAIMS
+from stepwell.paper import cells, measured, order, pathways, steering, walking
 from stepwell.paper.claims import Claim, ClaimVerdict, Verdicts
-from stepwell.paper.measured import claims as measured_claims
-from stepwell.paper.order import MORE_CELLS_CLAIMS, ORDER_CLAIMS
-from stepwell.paper.others.elements import BALLOON_CLAIMS, COUNTERSNAPPING_CLAIMS, KRESLING_CLAIMS
-from stepwell.paper.others.pairs import PAIR_CLAIMS
-from stepwell.paper.others.trilinear import TRILINEAR_CLAIMS
-from stepwell.paper.pathways import MAP_CLAIMS, PATHWAY_CLAIMS, WELL_CLAIMS
-from stepwell.paper.steering import ANTENNA_CLAIMS, MANY_RUNS, STEERING_CLAIMS
-from stepwell.paper.walking import LOSS_CLAIMS, WALKING_CLAIMS
+from stepwell.paper.others import elements, pairs, trilinear
 
 Progress = Callable[[int, int], None]
 
@@ -30,19 +23,19 @@ def claims(
     Source: Kamp et al. 2024.
     """
     return (
-        *CELL_CLAIMS,
-        *PATHWAY_CLAIMS,
-        *ORDER_CLAIMS,
-        *WELL_CLAIMS,
-        *MAP_CLAIMS,
-        *MISPRINT_CLAIMS,
-        *measured_claims(data),
-        *WALKING_CLAIMS,
-        *LOSS_CLAIMS,
-        *STEERING_CLAIMS,
-        *ANTENNA_CLAIMS,
-        *MORE_CELLS_CLAIMS,
-        *(MANY_RUNS if everything else ()),
+        *cells.CELL_CLAIMS,
+        *pathways.PATHWAY_CLAIMS,
+        *order.ORDER_CLAIMS,
+        *pathways.WELL_CLAIMS,
+        *pathways.MAP_CLAIMS,
+        *cells.MISPRINT_CLAIMS,
+        *measured.claims(data),
+        *walking.WALKING_CLAIMS,
+        *walking.LOSS_CLAIMS,
+        *steering.STEERING_CLAIMS,
+        *steering.ANTENNA_CLAIMS,
+        *order.MORE_CELLS_CLAIMS,
+        *(steering.MANY_RUNS if everything else ()),
     )
 
 
@@ -54,11 +47,11 @@ def others() -> tuple[Claim, ...]:
     Kaufmann and Li 2019, arXiv 1906.04091; Ducarme et al. 2025, PNAS 122, e2423301122.
     """
     return (
-        *TRILINEAR_CLAIMS,
-        *BALLOON_CLAIMS,
-        *PAIR_CLAIMS,
-        *KRESLING_CLAIMS,
-        *COUNTERSNAPPING_CLAIMS,
+        *trilinear.TRILINEAR_CLAIMS,
+        *elements.BALLOON_CLAIMS,
+        *pairs.PAIR_CLAIMS,
+        *elements.KRESLING_CLAIMS,
+        *elements.COUNTERSNAPPING_CLAIMS,
     )
 
 

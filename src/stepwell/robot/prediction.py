@@ -12,16 +12,7 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, Vec2, bisected, to_unit
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import (
-    ROUNDING,
-    Round,
-    asked,
-    gait,
-    go_round,
-    go_rounds,
-    rounds,
-    stances_beside,
-)
+from stepwell.robot.rounds import ROUNDING, Round, asked, footing, gait, go_round, go_rounds, rounds
 from stepwell.robot.slide import STEPS, Slide, slide
 from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
@@ -543,7 +534,7 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
 
     def deep(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
-        stances = stances_beside(other, index, found, leaning(other))
+        stances = footing(other, index, found, leaning(other))
         for force in (unknown, -unknown):
             extra = {len(leg.chain) - 1: force}
             try:

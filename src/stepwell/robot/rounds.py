@@ -90,9 +90,7 @@ class FootPhase:
     begin: Floats  # (cells,) travels at its start [m]
     travel: Floats  # (n, cells) [m]
     shared: Floats  # (n,) force that all cells share as they are followed [N], see `_loaded`
-    added: (
-        Floats  # (k,) load of the stepping cell in the last one's place, at the stance's steps [N]
-    )
+    added: Floats  # (k,) load of the stepping cell for the last one's, at the stance's steps [N]
 
     def force(self) -> Floats:
         """(n,) force with which the drive pushes this leg's outermost block out [N]."""
@@ -196,7 +194,7 @@ def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
     setting_out = leaning(robot)
     found: tuple[Round, ...] = ()
     for _ in range(PASSES):
-        stances = [stances_beside(robot, i, found, setting_out) for i in range(len(robot.legs))]
+        stances = [footing(robot, i, found, setting_out) for i in range(len(robot.legs))]
         found = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
     return found
 
@@ -262,9 +260,7 @@ def asked(found: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
     return [(one.halves[half].stroke, one.halves[half].force) for one in found]
 
 
-def stances_beside(
-    robot: Robot, index: int, found: Sequence[Round], setting_out: Floats
-) -> Stances:
+def footing(robot: Robot, index: int, found: Sequence[Round], setting_out: Floats) -> Stances:
     """How the foot of one leg stands, out and back, while the other legs go as found.
 
     All legs are taken to step alike while none is found. Before it has stepped the floor bears each

@@ -177,7 +177,7 @@ def feet_places(robot: Robot, travels: Sequence[Floats]) -> Floats:
     """(..., legs, 2) of the feet in the body's frame [m], by travels (..., cells) of each leg."""
     # A tip hangs midway between the block before the outermost one and that one.
     back = np.stack([s[..., :-1].sum(axis=-1) + s[..., -1] / 2 for s in travels], axis=-1)
-    return np.array([leg.at for leg in robot.legs]) - np.stack([back, 0.0 * back], axis=-1)
+    return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros_like(back)], axis=-1)
 
 
 def _body_weight(robot: Robot, travels: Sequence[Floats], lifted: Floats) -> tuple[Floats, Floats]:
