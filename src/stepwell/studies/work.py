@@ -73,61 +73,52 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
         raise InputError(f"{what}: {error}.") from None
 
 
+def _filled(columns: Mapping[str, str], values: Callable[[Any, int], Sequence[Any]]) -> Work:
+    """Work whose rows are the values of its columns in their order."""
+    return Work(columns, lambda design, seed: dict(zip(columns, values(design, seed), strict=True)))
+
+
 def _cycle() -> Work:
     from stepwell.sequences import cycle
 
-    def row(chain: Chain, _seed: int) -> Row:
+    def values(chain: Chain, _seed: int) -> Sequence[Any]:
         found = cycle(chain)
-        return {
-            "sequence": str(found.sequence),
-            "snaps": len(found.snaps),
-            # Of two forces of one size either way, rounding would choose the sign.
-            "peak_force": abs(found.peak_force),
-            "dissipated": found.dissipated,
-            "ties": len(found.degenerate),
-        }
+        # Of two forces of one size either way, rounding would choose the sign.
+        peak = abs(found.peak_force)
+        return str(found.sequence), len(found.snaps), peak, found.dissipated, len(found.degenerate)
 
     columns = {"sequence": TEXT, "snaps": "1", "peak_force": "N", "dissipated": "J", "ties": "1"}
-    return Work(columns, row)
+    return _filled(columns, values)
 
 
 def _margin() -> Work:
     from stepwell.design import margin
     from stepwell.sequences import cycle
 
-    def row(chain: Chain, _seed: int) -> Row:
+    def values(chain: Chain, _seed: int) -> Sequence[Any]:
         found = margin(chain)
-        return {
-            "sequence": str(cycle(chain).sequence),
-            "anchor": float(found.anchors.min(initial=math.inf)),
-            "stiffness": float(found.stiffness.min(initial=math.inf)),
-        }
+        least = (float(one.min(initial=math.inf)) for one in (found.anchors, found.stiffness))
+        return str(cycle(chain).sequence), *least
 
-    return Work({"sequence": TEXT, "anchor": "m", "stiffness": "1"}, row)
+    return _filled({"sequence": TEXT, "anchor": "m", "stiffness": "1"}, values)
 
 
 def _yield() -> Work:
     from stepwell.design import yields
 
-    def row(chain: Chain, seed: int) -> Row:
+    def values(chain: Chain, seed: int) -> Sequence[Any]:
         found = yields(chain, seed=seed)
-        low, high = found.interval
-        return {
-            "sequence": found.target,
-            "share": found.share,
-            "share_low": low,
-            "share_high": high,
-        }
+        return found.target, found.share, *found.interval
 
-    return Work({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, row)
+    return _filled({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, values)
 
 
 def _graph() -> Work:
-    def row(chain: Chain, _seed: int) -> Row:
+    def values(chain: Chain, _seed: int) -> Sequence[Any]:
         graph = chain.graph()
-        return {"states": len(graph), "transitions": graph.transition_count}
+        return len(graph), graph.transition_count
 
-    return Work({"states": "1", "transitions": "1"}, row)
+    return _filled({"states": "1", "transitions": "1"}, values)
 
 
 def _program(subject: Chain, start: str | None = None, target: str | None = None) -> Work:
@@ -137,16 +128,15 @@ def _program(subject: Chain, start: str | None = None, target: str | None = None
         raise InputError("program: target: must be a state, such as 01.")
     unit = subject.drive_unit
 
-    def row(chain: Chain, _seed: int) -> Row:
+    def values(chain: Chain, _seed: int) -> Sequence[Any]:
         try:
             found = chain.program(target, start=start)
         except Unreachable as why:
-            nothing = dict.fromkeys(("strokes", "slack", "end"), math.nan)
-            return {"found": 0, "proved": why.proved, **nothing}
-        numbers = {"strokes": found.strokes, "slack": found.slack, "end": found.end}
-        return {"found": 1, "proved": found.shortest, **numbers}
+            return 0, why.proved, math.nan, math.nan, math.nan
+        return 1, found.shortest, found.strokes, found.slack, found.end
 
-    return Work({"found": "1", "proved": "1", "strokes": "1", "slack": unit, "end": unit}, row)
+    columns = {"found": "1", "proved": "1", "strokes": "1", "slack": unit, "end": unit}
+    return _filled(columns, values)
 
 
 def _walk(cycles: int = 4, engine: str = "cpu", wanted: str = "") -> Work:
