@@ -60,8 +60,8 @@ def screen_walks(
 
     opened()
     runs = _begun([(robot, None) for robot in robots], settings, record=True)
-    trials = [Trial.of(walk) for walk in walked([run for run in runs if run], cycles, step)]
-    return _told(runs, trials)
+    able = [run for run in runs if run]
+    return _told(runs, dict(zip(able, map(Trial.of, walked(able, cycles, step)), strict=True)))
 
 
 def screen_mazes(
@@ -94,7 +94,7 @@ def screen_mazes(
     }
     for group in alike(list(judges)):
         _judged(group, judges, limit)
-    return _told(runs, [judge.outcome or Outcome.TIMED_OUT for judge in judges.values()])
+    return _told(runs, {run: one.outcome or Outcome.TIMED_OUT for run, one in judges.items()})
 
 
 def _begun(
@@ -110,12 +110,9 @@ def _begun(
     return found
 
 
-def _told(runs: Sequence[SimulatedRun | None], of: Sequence[T]) -> tuple[T | None, ...]:
-    """What was found of each run that there is, in the order of all; None where nothing is sure."""
-    left = iter(of)
-    each = ((run, next(left)) for run in runs if run is not None)
-    sure = {run: None if UNTOLD in run.stopped else one for run, one in each}
-    return tuple(None if run is None else sure[run] for run in runs)
+def _told(runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]) -> tuple[T | None, ...]:
+    """What was found of each run; None where there is none, or nothing is sure."""
+    return tuple(None if run is None or UNTOLD in run.stopped else of[run] for run in runs)
 
 
 def _judged(group: Sequence[SimulatedRun], judges: dict[SimulatedRun, Judge], limit: float) -> None:
