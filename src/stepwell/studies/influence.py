@@ -122,17 +122,15 @@ def _decided(
 
 def explained(x: Floats, y: Floats) -> tuple[float, int]:
     """Share of the variance of y (n,) that x (n,) explains by itself, and by how many classes."""
+    from scipy.stats import rankdata
+
     n = len(x)
     # More classes follow a curve more closely, and hold fewer designs each.
     most = round(n ** (1 / 3))
     levels, of = np.unique(x, return_inverse=True)
     if len(levels) > most:
-        rank = np.empty(n, int)
-        rank[np.argsort(x, kind="stable")] = np.arange(n)
         # Equal values are in one class, the one where the first of them is.
-        first = np.full(len(levels), n)
-        np.minimum.at(first, of, rank)
-        of = first[of] * most // n
+        of = (rankdata(x, method="min").astype(int) - 1) * most // n
     counts = np.bincount(of)
     classes = int(np.count_nonzero(counts))
     centred = y - y.mean()
