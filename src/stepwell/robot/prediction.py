@@ -314,15 +314,13 @@ class Prediction(ByValue, Drawn):
         legs = ", ".join(f"{leg.name} {leg.gait}" for leg in self.legs)
         near = [leg.name for leg in self.legs if leg.near_boundary]
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
-        # Nothing is ever minus zero.
         soft = f"; {self.too_soft}" if self.too_soft else ""
-        advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
         # The depths at which all legs keep their gaits.
         lows, highs = zip(*self.depths, strict=True)
         least, most = to_unit(max(lows), "mm"), to_unit(min(highs), "mm")
         return (
-            f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
-            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
+            f"Prediction({self.motion.value}: {legs}; d/u_max {self.advance:z.2f}, turn "
+            f"{math.degrees(self.turn):z.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
         )
 
 
@@ -586,17 +584,9 @@ def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]
         carries = float(pushing @ load / pushing.sum())
         feet = (slid.load[rows] > 0.0).sum(axis=1)
         sharing = float(pushing @ feet / pushing.sum())
-        largest, limit = _largest_drag(robot, one, carries, sharing)
-        yield Push(
-            not half,
-            total,
-            float(slid.gain[rows, index].sum()),
-            float(slid.slip[rows, index].sum()),
-            carries,
-            robot.floor.drag,
-            largest,
-            limit,
-        )
+        gain, slip = (float(of[rows, index].sum()) for of in (slid.gain, slid.slip))
+        most = _largest_drag(robot, one, carries, sharing)
+        yield Push(not half, total, gain, slip, carries, robot.floor.drag, *most)
 
 
 def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, PushEnd]:
@@ -611,9 +601,7 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
         out, back = (replace(foot, robot=other) for foot in one.stances)
         return go_round(one.leg, (out, back), one.turns).gait()
 
-    start = robot.floor.drag
-    if slips > start:
-        change = next(changes(dragged, np.linspace(start, slips, 9).tolist()), None)
-        if change is not None:
-            return change[0], PushEnd.GAIT
+    if slips > robot.floor.drag:
+        for drag, _ in changes(dragged, np.linspace(robot.floor.drag, slips, 9).tolist()):
+            return drag, PushEnd.GAIT
     return slips, PushEnd.SLIP
