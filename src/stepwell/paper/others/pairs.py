@@ -150,12 +150,15 @@ _FOLD, _TURN, _LOSS = 0.5, 0.1, 0.3
 class Inequalities:
     """Between the travels [mm] of two elements in both phases at a grid of forces [N]."""
 
-    def __init__(self, graph: Graph, forces: Floats, ends: tuple[int, int, int, int]):
-        """What a graph says of the order of valleys and peaks, and of travels nothing.
+    def __init__(
+        self, graph: Graph, forces: Floats, ends: tuple[int, int, int, int], *, spring: bool
+    ):
+        """What a graph says of the order of valleys and peaks and of lengths.
 
         The lower and the higher valley and peak are at the places `ends` of the rising forces (n,).
+        Behind a spring lengths are those of the drive, with whatever the spring gives.
         """
-        self.graph, self.forces = graph, forces
+        self.forces = forces
         up, down = (_first(graph, way) for way in ("00+", "11-"))
         # What goes up first has the lower peak, what goes down first the higher valley.
         self.ends = ({up: ends[2], 1 - up: ends[3]}, {down: ends[1], 1 - down: ends[0]})
@@ -169,6 +172,16 @@ class Inequalities:
                 (1, range(self.ends[1][cell], len(forces))),
             )
         }
+        # Travel rises with force in every phase, and so does what the spring gives.
+        for there in self.travel.values():
+            for (a, x), (b, y) in pairwise(there.items()):
+                step = float(forces[b] - forces[a])
+                self.below({x: 1.0, _COMPLIANCE: step}, {y: 1.0}, 0.0)
+        self.given = self.numbers(len(forces)) if spring else ()
+        for x, y in pairwise(self.given):
+            self.below({x: 1.0}, {y: 1.0}, 0.0)
+        for way in graph:
+            self._make(way)
 
     def numbers(self, count: int) -> range:
         """So many more unknown numbers."""
@@ -178,13 +191,6 @@ class Inequalities:
     def below(self, small: _Sum, large: _Sum, room: float = 1.0) -> None:
         """Require of two sums: small + so much of the room <= large."""
         self.rows.append(_sum(_sum(small, large, -1.0), {_ROOM: room}))
-
-    def rise(self) -> None:
-        """Travel rises with force in every phase."""
-        for there in self.travel.values():
-            for (a, x), (b, y) in pairwise(there.items()):
-                step = float(self.forces[b] - self.forces[a])
-                self.below({x: 1.0, _COMPLIANCE: step}, {y: 1.0}, 0.0)
 
     def fall(self, cell: int, *, alone: bool) -> None:
         """The second phase begins beyond the end of the first, with a straight fall between them.
@@ -226,28 +232,21 @@ class Inequalities:
         for area, force in _areas(first[::-1], self.forces, up):
             self.below(_sum({q: force - down - half, p: -half}, area, -1.0), {}, _LOSS)
 
-    def make(self, *, spring: bool) -> None:
-        """The lengths at which states end are in the order that the graph wants.
-
-        Behind a spring they are those of the drive, with whatever the spring gives.
-        """
-        given = self.numbers(len(self.forces)) if spring else ()
-        for x, y in pairwise(given):
-            self.below({x: 1.0}, {y: 1.0}, 0.0)
-        for way in self.graph:
-            states, cells = stations(way), [int(cell) - 1 for cell in way[3:]]
-            length = self._length(states[0], way[2], given)[1]
-            for state, cell in zip(states[1:], cells[1:], strict=False):
-                sign = "+" if state[cell] == "0" else "-"
-                leaving, end = self._length(state, sign, given)
-                if leaving != cell:
-                    # The other one leaves its phase first at any length.
-                    self.below({}, {})
-                self.below(*((end, length) if sign == "+" else (length, end)))
-            for sign, leaves in (("+", "0"), ("-", "1")):
-                if leaves in states[-1]:
-                    end = self._length(states[-1], sign, given)[1]
-                    self.below(*((length, end) if sign == "+" else (end, length)))
+    def _make(self, way: str) -> None:
+        """The lengths at which states end are in the order that a way wants."""
+        states, cells = stations(way), [int(cell) - 1 for cell in way[3:]]
+        length = self._length(states[0], way[2])[1]
+        for state, cell in zip(states[1:], cells[1:], strict=False):
+            sign = "+" if state[cell] == "0" else "-"
+            leaving, end = self._length(state, sign)
+            if leaving != cell:
+                # The other one leaves its phase first at any length.
+                self.below({}, {})
+            self.below(*((end, length) if sign == "+" else (length, end)))
+        for sign, leaves in (("+", "0"), ("-", "1")):
+            if leaves in states[-1]:
+                end = self._length(states[-1], sign)[1]
+                self.below(*((length, end) if sign == "+" else (end, length)))
 
     def hold(self) -> bool:
         """Whether there are travels for which all hold."""
@@ -286,13 +285,13 @@ class Inequalities:
         place = self.ends[phase][cell]
         return self.travel[cell, phase][place], float(self.forces[place])
 
-    def _length(self, state: str, sign: str, spring: range | tuple[()]) -> tuple[int, _Sum]:
+    def _length(self, state: str, sign: str) -> tuple[int, _Sum]:
         """Which cell leaves its phase first in a state, and the length at which it does."""
         phase, first = (0, min) if sign == "+" else (1, max)
         cells = [cell for cell in (0, 1) if state[cell] == str(phase)]
         leaving = first(cells, key=self.ends[phase].__getitem__)
         place = self.ends[phase][leaving]
-        given = {spring[place]: 1.0} if spring else {}
+        given = {self.given[place]: 1.0} if self.given else {}
         return leaving, {self.travel[i, int(state[i])][place]: 1.0 for i in (0, 1)} | given
 
 
@@ -352,9 +351,7 @@ def possible(graph: Graph, *, plain: bool) -> bool:
     are any that rise with the force, and so is what the spring gives. Of `plain` elements force is
     a function of travel, so that the second phase begins beyond the end of the first.
     """
-    asked = Inequalities(graph, np.arange(4.0), (0, 1, 2, 3))
-    asked.rise()
-    asked.make(spring=True)
+    asked = Inequalities(graph, np.arange(4.0), (0, 1, 2, 3), spring=True)
     if plain:
         for cell in (0, 1):
             asked.fall(cell, alone=False)
@@ -372,9 +369,7 @@ def design(graph: Graph) -> tuple[Points, Points] | None:
     forces = np.concatenate([below, *inner, above])
     low, valley, peak, high = (len(_BEYOND) + k * _STEPS for k in range(4))
     for folded in sorted(product((False, True), repeat=2), key=sum):
-        asked = Inequalities(graph, forces, (low, valley, peak, high))
-        asked.rise()
-        asked.make(spring=False)
+        asked = Inequalities(graph, forces, (low, valley, peak, high), spring=False)
         for cell in (0, 1):
             if folded[cell]:
                 asked.fold(cell)
