@@ -39,7 +39,8 @@ def mapped(
         yield from _here(call, tasks)
         return
     apart = multiprocessing.get_context("spawn")
-    left, dead = iter(tasks), deque[tuple[Sequence[Any], int]]()
+    # Calls with how often their process has died.
+    left, dead = ((task, 0) for task in tasks), deque[tuple[Sequence[Any], int]]()
     busy: dict[Connection, tuple[BaseProcess, Sequence[Any], int]] = {}
     idle: list[tuple[BaseProcess, Connection]] = []
 
@@ -50,15 +51,9 @@ def mapped(
         theirs.close()
         return process, ours
 
-    def after() -> tuple[Sequence[Any], int] | None:
-        if dead:
-            return dead.popleft()
-        task = next(left, None)
-        return None if task is None else (task, 0)
-
     try:
         while True:
-            while len(busy) < workers and (more := after()) is not None:
+            while len(busy) < workers and (more := dead.popleft() if dead else next(left, None)):
                 process, pipe = idle.pop() if idle else begun()
                 task, deaths = more
                 with suppress(OSError):  # its end is heard below
