@@ -114,7 +114,7 @@ def _distance_from_equations(cell: Cell) -> float:
 @claim("Fig. 1D", "6 of 6", "proof")
 def force_falls() -> Finding:
     """F falls all the way from state 0 to state 1 in all six designs."""
-    proved = [q for q, cell in six_cells().items() if _proved_falling(cell)]
+    proved = [q for q, cell in six_cells().items() if falls(cell)]
     missing = [q for q in six_cells() if q not in proved]
     return judged(
         not missing,
@@ -125,7 +125,8 @@ def force_falls() -> Finding:
     )
 
 
-def _proved_falling(cell: Cell) -> bool:
+def falls(cell: Cell) -> bool:
+    """Whether the force of a cell is proved to fall."""
     plain = simple(cell)
     return plain is not None and bool(certify(plain, 0.0))
 
@@ -187,9 +188,6 @@ CELL_CLAIMS = (
 )
 
 
-_FORCE_OF_FIG_1D = 0.967  # F0/(k r) of q = (10, 0)
-
-
 @claim("Eq. 5", "-2 sin θc", "exact")
 def eq_5_sign() -> Finding:
     """The stroke of two cells is r (sin θ of one + sin θ of the other) and a constant."""
@@ -214,7 +212,7 @@ def anchor_unit() -> Finding:
     in_cm = cell.with_anchors(p=(10 * px, 10 * py), q=(10 * qx, 10 * qy))
     as_mm, as_cm = cell.force_0 / scale, in_cm.force_0 / scale
     return judged(
-        abs(as_cm - _FORCE_OF_FIG_1D) <= 0.001,
+        abs(as_cm - _FORCES["(10, 0)"][0]) <= _FORCE_TOLERANCE,
         "mm",
         otherwise=f"Read as mm the numbers give F0/(kr) = {as_mm:.3f} for q = (10, 0), as in "
         f"Fig. 1D; read as cm they give {as_cm:.1f}.",

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from stepwell.base import Bools, Floats, InputError, to_unit
-from stepwell.concave import certify, simple
 from stepwell.design import transition_map
 from stepwell.files import preset
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle
+from stepwell.paper.cells import PAIRS, falls, monostable_pair, outer_anchor, pair_cycle
 from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.sequences import Cycle, Pathway
 
@@ -278,8 +277,7 @@ def stable_states(chain: Chain) -> list[str]:
 
 
 def _held(cell: Cell) -> str:
-    plain = simple(cell)
-    if plain is None or not certify(plain, 0.0):
+    if not falls(cell):
         raise InputError(f"{cell!r}: must be a cell whose force is proved to fall.")
     return "0" * (cell.force_0 > 0) + "1" * (cell.force_1 < 0)
 
