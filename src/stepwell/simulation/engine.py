@@ -52,7 +52,7 @@ class SimulatedRun:
         *,
         record: bool = True,
     ):
-        self.robot, self.settings, self.record = robot, settings, record
+        self.robot, self.arena, self.settings, self.record = robot, arena, settings, record
         self.model = spec(robot, arena, settings).compile()
         # A run that diverges is stopped and told, not put back to its start.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

@@ -195,17 +195,16 @@ def maze(
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
-    settings = settings or Settings()
-    run, judge = SimulatedRun(robot, arena, settings), Judge(arena)
+    run, judge = SimulatedRun(robot, arena, settings or Settings()), Judge(arena)
     for now in run.chunks(limit):
         if progress is not None:
             progress(max(now, 0.0), limit)
         if look is not None:
-            look(lambda: recorded(robot, arena, settings, run.samples()))
+            look(lambda: recorded(run))
         if judge.look(run) is not None:
             break
     outcome = judge.outcome or Outcome.TIMED_OUT
-    return Maze(recorded(robot, arena, settings, run.samples()), arena, outcome, limit)
+    return Maze(recorded(run), arena, outcome, limit)
 
 
 def mazes(

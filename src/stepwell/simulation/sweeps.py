@@ -179,7 +179,7 @@ def walked(
         alike.setdefault(key, []).append(run)
     for group in alike.values():
         step(group, cycles * group[0].robot.drive.period)
-    return [recorded(run.robot, None, run.settings, run.samples()) for run in runs]
+    return [recorded(run) for run in runs]
 
 
 def _step_together(runs: Sequence[SimulatedRun], end: float, threads: int) -> None:

@@ -292,19 +292,20 @@ def walk(
         raise base.InputError(f"cycles = {cycles}: must be > 0.")
     if start is not None and start.stopped:
         raise base.InputError(f"start: must not have ended early. {start.stopped}")
-    settings = settings or Settings()
-    run = SimulatedRun(robot, arena, settings, start=start._samples if start is not None else None)
+    samples = None if start is None else start._samples
+    run = SimulatedRun(robot, arena, settings or Settings(), start=samples)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
     for now in run.chunks(end):
         if progress is not None:
             progress(now - begin, end - begin)
         if look is not None:
-            look(lambda: recorded(robot, arena, settings, run.samples()))
-    return recorded(robot, arena, settings, run.samples())
+            look(lambda: recorded(run))
+    return recorded(run)
 
 
-def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: RunSamples) -> Walk:
+def recorded(run: SimulatedRun) -> Walk:
     """The readings of a run by their names."""
+    robot, arena, samples = run.robot, run.arena, run.samples()
     data, where = samples.data, samples.where
 
     def read(*names: str) -> base.Floats:
@@ -322,7 +323,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
     speeds = [read(f"{leg.name}.tip.velocity") for leg in legs]
     return Walk(
         robot,
-        settings,
+        run.settings,
         arena,
         samples.time,
         *position.T,
