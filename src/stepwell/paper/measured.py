@@ -139,7 +139,7 @@ def measured_order(data: Recorded) -> Finding:
 def measured_snaps(data: Recorded) -> Finding:
     """Pairs on directed pathways snap on the test machine."""
     pairs = [test for test in data.comparison.pairs if test.snaps_predicted and not test.tie]
-    right = sum(test.right_snaps for test in pairs)
+    right = sum(bool(test.right_snaps) for test in pairs)
     told = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
     return judged(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{told}.")
 

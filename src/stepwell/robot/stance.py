@@ -276,7 +276,7 @@ def _asked(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Flo
     each: list[tuple[Floats, Floats]] = []
     for stroke, force in legs:
         rising = way * force
-        along = np.round(np.maximum.accumulate(way * stroke), STROKE_DECIMALS)
+        along = np.asarray(np.round(np.maximum.accumulate(way * stroke), STROKE_DECIMALS), float)
         once, first = np.unique(along, return_index=True)
         last = np.append(first[1:], len(along)) - 1
         most = np.maximum.reduceat(rising, first)

@@ -161,15 +161,15 @@ class SimulatedRun:
         """Everything so far."""
         return RunSamples(
             *map(np.concatenate, (self._times, self._data, self._positions)),
-            self.where,
-            self.stopped,
-            self.state,
-            self.steps,
-            self.begin,
-            self.settings.time_step,
-            self.every,
-            self._warm,
-            self.pending,
+            where=self.where,
+            stopped=self.stopped,
+            state=self.state,
+            steps=self.steps,
+            begin=self.begin,
+            time_step=self.settings.time_step,
+            every=self.every,
+            warm=self._warm,
+            pending=self.pending,
         )
 
     def _after(self, steps: int) -> Floats:

@@ -312,8 +312,7 @@ def recorded(run: SimulatedRun) -> Walk:
         chosen = [data[:, where[name]] for name in names]
         return np.concatenate(chosen, axis=1) if chosen else np.empty((len(data), 0))
 
-    position = read("body.position")
-    yaw, pitch, roll = _angles(read("body.attitude"))
+    pose = [*read("body.position").T, *_angles(read("body.attitude"))]
     legs, antennas = robot.legs, robot.antennas
     travel = np.full((len(data), len(legs), max(len(leg.chain) for leg in legs)), np.nan)
     for i, leg in enumerate(legs):
@@ -326,10 +325,7 @@ def recorded(run: SimulatedRun) -> Walk:
         run.settings,
         arena,
         samples.time,
-        *position.T,
-        yaw,
-        pitch,
-        roll,
+        *pose,
         command=robot.drive.stroke(samples.time),
         stroke=read("stroke")[:, 0],
         travel=travel,
