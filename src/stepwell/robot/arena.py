@@ -17,15 +17,12 @@ ANGLE = math.radians(8.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Floor(ByValue):
-    """A level floor.
+    """A level floor; a `ValueError` refuses values out of range.
 
     Args:
         drag: force that pulls the robot along on its T-foot alone [N], >= 0.
         foot_friction: Coulomb's coefficient between a foot and the floor, > 0.
         gravity: [m/s²], >= 0; 0 hangs the robot in the air.
-
-    Raises:
-        ValueError: a value out of range.
 
     Source: the notes of Kamp et al. 2024: a drag of 0.39 N on MDF and 0.79 N on rubber.
     """

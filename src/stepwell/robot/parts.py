@@ -17,7 +17,8 @@ class Antenna(ByValue):
     """A rod on a vertical hinge, coupled to the anchor p of one cell.
 
     Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact turns it
-    back by up to `swing`, and the anchor moves with it, in proportion, by up to `moves`.
+    back by up to `swing`, and the anchor moves with it, in proportion, by up to `moves`. A
+    `ValueError` refuses values out of range.
 
     Args:
         name: what messages and figures call it.
@@ -32,9 +33,6 @@ class Antenna(ByValue):
         friction: Coulomb's coefficient between rod and walls, >= 0.
         connected: False leaves the rod but takes its lever off the anchor; a weak spring then holds
             the rod at rest. The control experiment.
-
-    Raises:
-        ValueError: a value out of range.
 
     Source: Kamp et al. 2024, Fig. 4, for the idea; the geometry is ours.
     """
@@ -85,7 +83,8 @@ class Antenna(ByValue):
 class Body(ByValue):
     """A rigid body on a T-foot.
 
-    The origin lies at the height of the legs' pivots; x points forward, y to the left.
+    The origin lies at the height of the legs' pivots; x points forward, y to the left. A
+    `ValueError` refuses values out of range, and too few supports to stand on.
 
     Args:
         mass: without blocks, feet and antennas [kg], > 0.
@@ -93,9 +92,6 @@ class Body(ByValue):
         supports: (n, 2) points of the T-foot that touch the floor [m], n >= 3.
         length, width: outline that meets walls [m], > 0, about the origin.
         wall_friction: Coulomb's coefficient between walls and body or blocks, >= 0.
-
-    Raises:
-        ValueError: a value out of range, or too few supports to stand on.
 
     Source: Kamp et al. 2024, Fig. 3, for the T-foot; the numbers are assumed.
     """
@@ -137,7 +133,7 @@ REST = 0.125
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive(ByValue):
-    """The position command that all legs share.
+    """The position command that all legs share; a `ValueError` refuses values out of range.
 
     Args:
         amplitude: the stroke it goes out to [m], > 0.
@@ -145,9 +141,6 @@ class Drive(ByValue):
         profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth of
             the period at both ends (trapezoid).
         stiffness: of the actuator that follows it [N/m], > 0.
-
-    Raises:
-        ValueError: a value out of range.
 
     Source: Kamp et al. 2024, for 0 to 40 to 0 mm; period and stiffness are assumed.
     """
@@ -175,16 +168,13 @@ class Drive(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks(ByValue):
-    """What every block of every leg weighs and how it is damped.
+    """What every block of every leg weighs and how it is damped; within range or a `ValueError`.
 
     Args:
         mass: of each block that moves [kg], > 0.
         carriage: of the actuator's moving part, which joins the outermost blocks [kg], > 0.
         damping: of each cell's travel [N s/m], > 0, for the loss in the rubber and the joints.
         width, length: outline that meets walls and other legs [m], > 0.
-
-    Raises:
-        ValueError: a value out of range.
     """
 
     mass: float = 0.006
@@ -203,7 +193,8 @@ class Foot(ByValue):
     """A foot at the tip of a V of two equal links.
 
     The V hangs from the outermost block and the one before it. When the outermost cell opens by a
-    travel s, its pivots are `span` + s apart and the foot rises.
+    travel s, its pivots are `span` + s apart and the foot rises. A `ValueError` refuses values out
+    of range, and pivots further apart than two links reach.
 
     Args:
         link: length of each link [m], > 0.
@@ -211,9 +202,6 @@ class Foot(ByValue):
         mass: of the foot [kg], > 0.
         below: depth of the feet below the plane of the supports, every cell at 0 [m], >= 0.
         radius: of the ball that touches the floor [m], > 0.
-
-    Raises:
-        ValueError: a value out of range, or pivots further apart than two links reach.
 
     Source: Kamp et al. 2024, Fig. 3, for the idea, their notes for `link`, `span` and `mass`;
     `below` and `radius` are ours.
@@ -271,16 +259,14 @@ class Leg(ByValue):
 
     The innermost block is part of the body and the chain extends backwards, so that a cell that
     opens while the foot is planted drives the body forward. The last cell lifts the foot, the cells
-    before it make the step.
+    before it make the step. A `ValueError` refuses too short a chain, or one with an actuator of
+    its own stiffness.
 
     Args:
         name: what messages and figures call it.
         chain: two cells or more, inner first, driven by a prescribed stroke.
         at: (x, y) of the foot [m] from the body's origin with every cell at 0; x forward, y left.
             Anchors' first coordinate points away from the midline.
-
-    Raises:
-        ValueError: too short a chain, or one with an actuator of its own stiffness.
     """
 
     name: str

@@ -51,10 +51,7 @@ def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
 
 
 def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
-    """The states that follow each other, as "00>10>11>01>00"; "" where none is visited.
-
-    Arguments are as for `states`, of one cycle.
-    """
+    """The states that follow each other in a cycle, as "00>10>11>01>00"; "" without any."""
     found = filter(None, states(share, tolerance))
     return ">".join(state for state, _ in groupby(found))
 

@@ -30,7 +30,7 @@ class Linkage(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Settings(ByValue):
-    """Numbers of the simulation, none of the robot.
+    """Numbers of the simulation, none of the robot; a `ValueError` refuses values out of range.
 
     Args:
         time_step: [s], > 0.
@@ -40,9 +40,6 @@ class Settings(ByValue):
         settle: time to come to rest before the first cycle [s], >= 0.
         linkage: rods of fixed length between points (fast), or every lever and link a hinged
             body (slower; the check on the former).
-
-    Raises:
-        ValueError: a value out of range.
     """
 
     time_step: float = 1e-3

@@ -78,12 +78,7 @@ def screen_mazes(
         settings: of the simulation.
 
     Returns:
-        (n,) how each way ended, in single precision and not always the same; None where nothing can
-        be told: the robot has no model, or Warp ran out of room.
-
-    Raises:
-        ValueError: no time.
-        ExtraError: the extra gpu is not installed, or not in the release of MuJoCo.
+        (n,) how each way ended, with the doubts and errors of `screen_walks`.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
