@@ -145,13 +145,12 @@ def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
     centre of mass it rests on the one that holds it lowest down, and where several do, on all
     of them alike. A foot no deeper than the supports carries nothing. Travels are (cells,) [m].
     """
-    feet = feet_places(robot, travels)
-    lift = np.array([robot.foot.depth(0.0) - robot.foot.depth(s[-1]) for s in travels])
-    proud = np.maximum(robot.foot.below - lift, 0.0)
+    feet, foot = feet_places(robot, travels), robot.foot
+    lift = foot.depth(0.0) - foot.depth(np.array([travel[-1] for travel in travels]))
     stands = np.array([stands_proud(robot, travel) for travel in travels])
     supports = np.asarray(robot.body.supports, float)
     points = np.concatenate([feet, supports])
-    height = np.concatenate([-proud, np.zeros(len(supports))])
+    height = np.concatenate([-np.maximum(foot.below - lift, 0.0), np.zeros(len(supports))])
     usable = np.concatenate([stands, np.ones(len(supports), bool)])
     own = robot.foot.mass * robot.floor.gravity
     weight, middle = _body_weight(robot, travels, np.where(stands, 0.0, -own))
