@@ -224,8 +224,8 @@ class DriveNeeds(ByValue):
     """What a motor must have for the gait that a robot has behind a drive that does not give.
 
     Attributes:
-        push, pull: largest force on the carriage on the way out and back [N], with the damping
-            of the cells at the drive's mean speed.
+        push, pull: largest force on the carriage on the way out and back [N], with the damping of
+            the cells at the drive's mean speed.
         stiffness: least, to 1 %, at which all legs keep their gaits [N/m]; 0 where any will do.
     """
 
@@ -268,7 +268,7 @@ class Prediction(ByValue, Drawn):
     def depths(self) -> tuple[tuple[float, float], ...]:
         """For each leg the depths of the feet [m] between which it surely keeps its gait.
 
-        Worked out when they are first asked for, in as long as the prediction took.
+        They are worked out when first asked for, in as long as the prediction took.
         """
         return depths(self.robot)
 

@@ -139,10 +139,8 @@ class Robot(ByValue, Drawn):
 
         Every leg is followed exactly through its equilibria, with the weight on its foot and the
         floor's drag as loads; then friction decides how the body slides. The theory of the robot
-        derives both.
-
-        Returns:
-            Gait, advance, drag limits and antenna thresholds of every leg, and its doubts.
+        derives both. That gives gait, advance, drag limits and antenna thresholds of every leg, and
+        doubts.
 
         Raises:
             StaticsError: the engine could not go on; its text says what to do.
@@ -162,7 +160,8 @@ class Robot(ByValue, Drawn):
     ) -> Walk:
         """Drive a robot's actuator out and back and let physics do the rest.
 
-        The position command is the only input. Nothing else is scripted.
+        The position command is the only input. Nothing else is scripted. The same robot, settings
+        and machine give identical numbers.
 
         Args:
             cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
@@ -171,9 +170,6 @@ class Robot(ByValue, Drawn):
             start: an earlier walk to go on from, of this robot or of one whose numbers alone have
                 changed, an anchor say. The command goes on from where it was.
             progress: called with (done, total) [s].
-
-        Returns:
-            The walk. The same robot, settings and machine give identical numbers.
 
         Raises:
             ValueError: no cycles, a start that ended early, or what the simulator has no terms for.
