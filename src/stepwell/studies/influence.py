@@ -81,14 +81,14 @@ def decided(study: Study) -> tuple[DecidingNumbers, ...]:
         if name in varied or (unit == TEXT and study.what == "atlas"):
             continue
         values = study.values(name, chunks)
-        texts = _of_text(name, values) if unit == TEXT else (values, np.isfinite(values), "")
-        if one := _decided(name, *texts, varied):
+        what = _of_text(name, values) if unit == TEXT else ("", values, np.isfinite(values))
+        if one := _decided(name, *what, varied):
             found.append(one)
     return tuple(found)
 
 
-def _of_text(column: str, values: Any) -> tuple[Floats, np.ndarray, str]:
-    """Whether each text is the most frequent one, which designs have a text, and that text."""
+def _of_text(column: str, values: Any) -> tuple[str, Floats, np.ndarray]:
+    """The most frequent text, whether each is that one, and which designs have a text."""
     words = [str(one) for one in values]
     if column == PROBLEM:
         words = [one.partition(":")[0] for one in words]
@@ -96,11 +96,11 @@ def _of_text(column: str, values: Any) -> tuple[Floats, np.ndarray, str]:
     common = max(sorted(counts), key=counts.__getitem__, default="")
     # A design without a problem has none; an empty text in any other column is missing.
     known = np.array([column == PROBLEM or one != "" for one in words])
-    return np.array([one == common for one in words], float), known, common
+    return common, np.array([one == common for one in words], float), known
 
 
 def _decided(
-    column: str, y: Floats, told: np.ndarray, value: str, varied: dict[str, Floats]
+    column: str, value: str, y: Floats, told: np.ndarray, varied: dict[str, Floats]
 ) -> DecidingNumbers | None:
     from scipy.stats import f as fisher
 
