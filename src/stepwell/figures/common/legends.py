@@ -36,15 +36,9 @@ class Label(NamedTuple):
 def beside(
     ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), leaders: bool = False
 ) -> list[Annotation]:
-    """Write each label near its point, away from the lines of `ax`, other labels and its edges.
-
-    No label lies nearer to the point of another one than to its own, where that can be.
-
-    Args:
-        ax: axes with their final limits.
-        labels: in falling order of importance.
-        keep_clear: further boxes to stay out of [display units].
-        leaders: a thin line from each label that had to go away from its point.
+    """Write each label, the most important first, near its point and no nearer to another one's,
+    away from lines, labels, the edges of `ax`, whose limits are final, and these boxes [pixels];
+    `leaders` are lines from those that had to go away from their points.
     """
     labels = list(labels)
     spots = ax.transData.transform([(label.x, label.y) for label in labels] or np.empty((0, 2)))
@@ -54,8 +48,7 @@ def beside(
     taken = list(keep_clear)
     written: list[Annotation] = []
     done: list[tuple[str, float, float]] = []
-    for label in labels:
-        here = ax.transData.transform((label.x, label.y))
+    for label, here in zip(labels, spots, strict=True):
         others = spots[np.hypot(*(spots - here).T) > 1.0 * point]
         # One label serves all points of that name around it.
         if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
@@ -90,12 +83,10 @@ def beside(
 
 def inside(frame: Bbox, box: Bbox) -> bool:
     """Whether a box lies within a frame."""
-    wide = frame.x0 <= box.x0 and box.x1 <= frame.x1
-    return wide and frame.y0 <= box.y0 and box.y1 <= frame.y1
+    return bool(np.all(frame.min <= box.min) and np.all(box.max <= frame.max))
 
 
 def _lead(ax: Axes, text: Annotation, box: Bbox) -> None:
-    """A line from the nearest edge of a label's box to its point."""
     here = ax.transData.transform(text.xy)
     edge = ax.transData.inverted().transform(np.clip(here, box.min, box.max))
     props = {"arrowstyle": "-", "color": text.get_color(), "linewidth": 0.5}
@@ -109,12 +100,7 @@ def _distances(box: Bbox, points: Floats) -> Floats:
 
 
 def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Floats) -> float:
-    covered = np.count_nonzero(
-        (curves[:, 0] > box.x0)
-        & (curves[:, 0] < box.x1)
-        & (curves[:, 1] > box.y0)
-        & (curves[:, 1] < box.y1)
-    )
+    covered = np.count_nonzero(np.all((curves > box.min) & (curves < box.max), axis=1))
     return 1000.0 * (not inside(frame, box)) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
 
 
@@ -159,13 +145,17 @@ def cells(
     **look: Any,
 ) -> list[Line2D]:
     """The colour of every cell of these names, inner first, and its dashes if lines have them."""
-    found = [
-        line(label.format(literal(name)), colour, width, **look)
-        for name, colour in zip(names, style.cell_colours(len(names)), strict=True)
+    count = len(names)
+    dashes = style.cell_dashes(count) if dashed else ["-"] * count
+    return [
+        line(label.format(literal(name)), colour, width, linestyle=dash, **look)
+        for name, colour, dash in zip(names, style.cell_colours(count), dashes, strict=True)
     ]
-    for one, dashes in zip(found, style.cell_dashes(len(names)) if dashed else (), strict=False):
-        one.set_linestyle(dashes)
-    return found
+
+
+def those(*handles: tuple[object, Artist]) -> list[Artist]:
+    """The handles of which what is said before them holds."""
+    return [handle for holds, handle in handles if holds]
 
 
 def laid(count: int, room: float, entry: float, most: int = 100) -> tuple[int, int]:
@@ -183,17 +173,15 @@ def above(
     lift: float = 1.2,
     **look: Any,
 ) -> None:
-    """A legend `lift` mm above the axes, of these handles or of all that has a label.
-
-    With `fit`, and in a panel of a page, it has as many columns as have room, and the axes make
-    room for its rows.
+    """A legend `lift` mm above the axes, of these handles or of all that has a label; with `fit`,
+    and in a panel, of as many columns as have room, and the axes make room for its rows.
     """
     # In mm, not as a share of the axes: on high ones that would leave the page.
     lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet.sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
     legend = ax.legend(**given, **place | {"ncols": columns} | look)
-    if not fit and not sheet.in_panel():
+    if sheet.current().alone and not fit:
         return
     page, per_mm = sheet.sheet_of(ax).bbox, sheet.sheet_of(ax).dpi / 25.4
     while columns > 1 and legend.get_window_extent().x1 > page.x1:

@@ -7,52 +7,31 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.typing import LineStyleType
-from numpy.typing import NDArray
 
-from stepwell.figures.common import legends, reading, sheet, words
-from stepwell.figures.common.style import (
-    FAINT,
-    INK,
-    LOADING,
-    MM,
-    UNLOADING,
-    direction_colour,
-    hollow,
-    on_white,
-)
+from stepwell.base import Floats
+from stepwell.figures.common import legends, reading, sheet, style, words
+from stepwell.figures.common.sheet import Box, Point
+from stepwell.figures.common.style import INK, MM, direction_colour, hollow
 from stepwell.statics import Path
 
 _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
 
 
 def along_x(
-    ax: Axes,
-    ends: tuple[float, float],
-    heights: tuple[float, float],
-    text: str,
-    colour: str = INK,
-    gid: str | None = None,
+    ax: Axes, ends: Point, heights: Point, text: str, colour: str = INK, gid: str | None = None
 ) -> None:
-    """A dimension along x between two ends, from the first height up or down to the second [mm].
-
-    Thin lines lead from the first height to the dimension, which is at the second.
-    """
+    """A dimension along x at the second height [mm]; thin lines lead to it from the first."""
     (left, right), (feet, y) = ends, heights
     look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for x in (left, right):
         ax.plot([x, x], [feet, y + np.sign(y - feet)], **look)
     ax.annotate("", (right, y), (left, y), arrowprops=_BOTH | {"color": colour}, zorder=8)
     middle = (left + right) / 2
-    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=on_white())
+    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=style.on_white())
 
 
 def along_y(
-    ax: Axes,
-    ends: tuple[float, float],
-    places: tuple[float, float],
-    text: str,
-    colour: str = INK,
-    gid: str | None = None,
+    ax: Axes, ends: Point, places: Point, text: str, colour: str = INK, gid: str | None = None
 ) -> None:
     """The same along y: thin lines lead from the first place along x to the second."""
     (low, high), (feet, x) = ends, places
@@ -65,15 +44,15 @@ def along_y(
 
 def arrow(
     ax: Axes,
-    tail: tuple[float, float],
-    tip: tuple[float, float],
+    tail: Sequence[float] | Floats,
+    tip: Sequence[float] | Floats,
     colour: str = INK,
     width: float = 0.6,
 ) -> None:
     """An arrow from tail to tip [mm]; one of no width is a head alone."""
     size = 5.0 + 2.0 * (width == 0 or width >= 1)
     props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "mutation_scale": size}
-    ax.annotate("", tip, tail, arrowprops=_BOTH | props, zorder=8)
+    ax.annotate("", (tip[0], tip[1]), (tail[0], tail[1]), arrowprops=_BOTH | props, zorder=8)
 
 
 def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
@@ -91,16 +70,14 @@ def round_length(longest: float) -> float:
     return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest))
 
 
-def limits(
-    points: NDArray[np.float64], room: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
+def limits(points: Floats, room: Box) -> Box:
     """left, right, bottom, top round (n, 2) points, with this room at each side."""
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
     ends = left - room[0], right + room[1], bottom - room[2], top + room[3]
     return tuple(map(float, ends))  # pyright: ignore[reportReturnType]
 
 
-def plain(ax: Axes, box: tuple[float, float, float, float]) -> None:
+def plain(ax: Axes, box: Box) -> None:
     """Axes without a frame, true to scale, for left, right, bottom, top [mm]."""
     ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
     ax.set_axis_off()
@@ -124,20 +101,9 @@ SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
 
 
 def snaps(
-    ax: Axes,
-    found: Sequence[reading.SnapSamples],
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    size: float = 4.2,
+    ax: Axes, found: Sequence[reading.SnapSamples], x: Floats, y: Floats, size: float = 4.2
 ) -> None:
-    """Dashed jumps from open circles, where the chain lets go, to arrow heads.
-
-    Args:
-        ax: axes to draw into.
-        found: the snaps.
-        x, y: (n,) the samples they refer to, in data units.
-        size: of the circles [pt].
-    """
+    """Dashed jumps from open circles [pt], where the chain lets go, to arrow heads."""
     for direction in (1, -1):
         some = [snap for snap in found if snap.direction * direction > 0]
         if not some:
@@ -151,49 +117,23 @@ def snaps(
         circles = hollow(size, colour, markeredgewidth=1.1, zorder=6)
         ax.plot(x[ends[:, 0]], y[ends[:, 0]], "o", **circles, gid="snap starts")
         if len(some) <= MOST_HEADS:
-            for snap in some:
-                i, j = snap.before, snap.after
-                head(ax, (float(x[i]), float(y[i])), (float(x[j]), float(y[j])), colour)
+            for i, j in ends:
+                head(ax, (x[i], y[i]), (x[j], y[j]), colour)
 
 
 def trace(
-    ax: Axes,
-    path: Path,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    widths: tuple[float, float],
-    unloading_style: LineStyleType = "-",
+    ax: Axes, path: Path, x: Floats, y: Floats, widths: Point, unloading_style: LineStyleType = "-"
 ) -> None:
-    """The smooth stretches of a path, unloading over loading.
-
-    Args:
-        ax: axes to draw into.
-        path: whose samples these are.
-        x, y: (n,) the samples in data units.
-        widths: of the lines of loading and of unloading [pt].
-        unloading_style: of the line of unloading.
-    """
+    """The smooth stretches of a path, unloading over loading, with the widths of both [pt]."""
     looks = ((1, widths[0], "-", 3), (-1, widths[1], unloading_style, 4))
-    for direction, width, style, zorder in looks:
-        at = reading.curve(path, direction, x, y)
-        colour = direction_colour(direction)
-        ax.plot(*at, color=colour, linewidth=width, linestyle=style, zorder=zorder)
+    for direction, width, dashes, zorder in looks:
+        look = {"color": direction_colour(direction), "linewidth": width, "linestyle": dashes}
+        ax.plot(*reading.curve(path, direction, x, y), **look, zorder=zorder)
 
 
-def headings(
-    ax: Axes,
-    path: Path,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    sizes: tuple[float, float] = (10.0, 10.0),
-) -> None:
-    """An arrow head on every leg of the path, unless there are too many.
-
-    Args:
-        ax: axes with their final limits.
-        path: whose samples these are.
-        x, y: (n,) the samples in data units.
-        sizes: of the heads of loading and of unloading [pt].
+def headings(ax: Axes, path: Path, x: Floats, y: Floats, sizes: Point = (10.0, 10.0)) -> None:
+    """Arrow heads, of loading and unloading in these sizes [pt], on every leg of the path, unless
+    there are too many, in axes with their final limits.
     """
     found = reading.legs(path)
     for direction, at in found if len(found) <= MOST_HEADS else ():
@@ -211,27 +151,13 @@ def head(
     ax.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops=props, zorder=6)
 
 
-def heading(
-    ax: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    colour: str,
-    *,
-    at: float = 0.5,
-    size: float = 10.0,
-) -> None:
-    """An arrow head on a curve, unless the curve is too short to need one.
-
-    Args:
-        ax: axes with their final limits.
-        x, y: (n,) the curve in data units.
-        colour: of the curve.
-        at: where along its length on the page, between 0 and 1.
-        size: of the head [pt].
+def heading(ax: Axes, x: Floats, y: Floats, colour: str, *, at: float, size: float) -> None:
+    """An arrow head at this share of the length of a curve, unless that is too short to need one,
+    in axes with their final limits.
     """
     xy = ax.transData.transform(np.column_stack([x, y]))
     frame = ax.get_window_extent()
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))])
+    along = np.cumsum(np.hypot(*np.diff(xy, axis=0, prepend=xy[:1]).T))
     if along[-1] < 0.2 * min(frame.width, frame.height):
         return
     ends = at * along[-1] + np.array([-1.5, 1.5])
@@ -243,25 +169,23 @@ def heading(
 def legend(
     ax: Axes,
     path: Path,
-    widths: tuple[float, float],
+    widths: Point,
     unloading_style: LineStyleType = "-",
     more: Sequence[Artist] = (),
     *,
     fit: bool = False,
 ) -> None:
-    """Above the axes, what the lines of a path mean, and more; axes of our own may `fit` it.
-
-    Where panels share a legend, what the lines mean goes there.
+    """Above the axes, which may `fit` it, what the lines of a path mean, and more; the former goes
+    to the legend that panels share, if they do.
     """
-    found: list[Artist] = []
-    if np.any(path.direction > 0):
-        found.append(legends.line("loading", LOADING, widths[0]))
-    if np.any(path.direction < 0):
-        found.append(legends.line("unloading", UNLOADING, widths[1], linestyle=unloading_style))
-    if np.any(path.snap_after):
-        look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
-        found.append(legends.line("snap", width=1.1, **look))
-    if (all_share := sheet.shared()) is None:
+    back = legends.line("unloading", style.UNLOADING, widths[1], linestyle=unloading_style)
+    circle = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
+    found = legends.those(
+        (np.any(path.direction > 0), legends.line("loading", style.LOADING, widths[0])),
+        (np.any(path.direction < 0), back),
+        (np.any(path.snap_after), legends.line("snap", width=1.1, **circle)),
+    )
+    if (all_share := sheet.current().shared) is None:
         legends.above(ax, [*found, *more], fit=fit)
     else:
         known = {one.get_label() for one in all_share}
@@ -272,4 +196,4 @@ def legend(
 
 def zero_line(ax: Axes) -> None:
     """Where the force is zero."""
-    ax.axhline(0.0, color=FAINT, linewidth=0.5, zorder=0)
+    ax.axhline(0.0, color=style.FAINT, linewidth=0.5, zorder=0)

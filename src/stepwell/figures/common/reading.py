@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Bools, Floats, InputError
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics import Path
 
@@ -67,9 +67,7 @@ def pieces(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
     return found
 
 
-def curve(
-    path: Path, direction: int, *columns: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], ...]:
+def curve(path: Path, direction: int, *columns: Floats) -> tuple[Floats, ...]:
     """Each of the (n,) columns along all pieces of one direction, NaN between pieces."""
     parts = [at for way, at in pieces(path) if (way > 0) == (direction > 0)]
     gap = np.array([np.nan])
@@ -80,26 +78,21 @@ def curve(
 
 
 def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
-    """(direction, sample indices) of the pieces, cut again where every cell rests at a stop.
-
-    What only the force does while all cells rest is left out.
+    """(direction, sample indices) of the pieces, cut again where every cell rests at a stop,
+    without those in which only the force changes.
     """
     resting = np.all(_at_stops(path), axis=1)
-    found: list[tuple[int, NDArray[np.intp]]] = []
-    for direction, at in pieces(path):
-        inside = np.flatnonzero(resting[at[1:-1]]) + 1
-        cuts = [0, *inside, len(at) - 1]
-        for first, last in pairwise(int(c) for c in cuts):
-            part = at[first : last + 1]
-            if np.ptp(path.stroke[part]) > 0:
-                found.append((direction, part))
-    return found
+    parts = (
+        (direction, at[first : last + 1])
+        for direction, at in pieces(path)
+        for first, last in pairwise([0, *np.flatnonzero(resting[at[1:-1]]) + 1, len(at) - 1])
+    )
+    return [(direction, part) for direction, part in parts if np.ptp(path.stroke[part]) > 0]
 
 
 def vertices(path: Path) -> list[Vertex]:
-    """Where every cell is in a phase, once for each visit.
-
-    That is where the visit begins if all rest there, and half-way through it if they move on.
+    """Where every cell is in a phase, once for each visit: where the visit begins if all rest
+    there, and half-way through it if they move on.
     """
     columns = zip(path.chain.cells, path.travel.T, path.sheet.T, strict=True)
     digits = np.column_stack([phases(*column) for column in columns])
@@ -109,12 +102,17 @@ def vertices(path: Path) -> list[Vertex]:
     found: list[Vertex] = []
     for first, end in pairwise(cuts):
         if inside[first]:
-            way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path.stroke[first:end])))])
+            way = travelled(path.stroke[first:end])
             moves = way[-1] > _SLIP * path.chain.full_stroke
             at = first + (int(np.argmin(np.abs(way - way[-1] / 2))) if moves else 0)
             state = "".join(map(str, digits[first]))
             found.append(Vertex(at, state, int(path.direction[at])))
     return found
+
+
+def travelled(values: Floats) -> Floats:
+    """(n,) the way that has been covered up to each of these values."""
+    return np.cumsum(np.abs(np.diff(values, prepend=values[0])))
 
 
 def span(path: Path, cell: int) -> tuple[float, float]:
@@ -128,9 +126,8 @@ def span(path: Path, cell: int) -> tuple[float, float]:
 def phases(
     cell: Cell | Element, travel: ArrayLike, sheet: ArrayLike, near: float = _SLIP
 ) -> NDArray[np.intp]:
-    """The phase that a cell is in at travels [m] on sheets, both of one shape; -1 in transit.
-
-    `near` is how far from it, as a share of the full travel, still counts.
+    """The phase that a cell is in at travels [m] on sheets, both of one shape, or so near to, as a
+    share of its full travel; -1 in transit.
     """
     travel, sheet, slip = np.asarray(travel), np.asarray(sheet), near * cell.full_travel
     found = np.full(travel.shape, -1)
@@ -140,7 +137,7 @@ def phases(
     return found
 
 
-def _at_stops(path: Path) -> NDArray[np.bool_]:
+def _at_stops(path: Path) -> Bools:
     """(n, N) whether a cell is at one of its stops."""
     found = np.zeros(path.travel.shape, bool)
     for i, cell in enumerate(path.chain.cells):

@@ -1,10 +1,10 @@
 """The sheet that a figure is drawn on, in millimetres: all of a page, or one panel of it."""
 
 import base64
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 from typing import Any, NamedTuple, cast
 
@@ -27,10 +27,8 @@ _MOST = 400_000
 
 
 class PageFigure(Figure):
-    """A figure that shows itself in notebooks, with and without `%matplotlib inline`.
-
-    Everywhere at one scale: one column of a page is 480 pixels wide, and no figure is wider than
-    the notebook. It stands on white in a dark notebook too, as on paper.
+    """A figure that shows itself in notebooks, on white as on paper and everywhere at one scale:
+    one column of a page is 480 pixels wide, and no figure is wider than the notebook.
     """
 
     def _repr_html_(self) -> str:
@@ -48,7 +46,7 @@ class PageFigure(Figure):
         )
 
     def _words(self) -> str:
-        """What its axes show, for those who cannot see it."""
+        # For those who cannot see it.
         axes = ((ax.get_ylabel(), ax.get_xlabel()) for ax in self.axes)
         told = dict.fromkeys(f"{y} against {x}" for y, x in axes if x and y)
         return "; ".join(" ".join(one.split()) for one in told) or "A drawing"
@@ -56,6 +54,9 @@ class PageFigure(Figure):
 
 # What draws a panel: any function of this room with its result already given to it.
 Draw = Callable[[], Figure]
+# x and y; left, right, bottom and top, or left, bottom, width and height.
+Point = tuple[float, float]
+Box = tuple[float, float, float, float]
 
 # Of a panel whose axes may have any shape: its height as a share of its width is kept within
 # these, and its axes are no lower than this [mm].
@@ -68,21 +69,28 @@ _LETTER = 5.0
 
 @dataclass
 class CurrentPanel:
-    """What is drawn now, where that is one panel of a page.
+    """What is drawn now: a panel of a page, or a figure by itself, which is as none is."""
 
-    Args:
-        width: of the panel [mm]; None while a panel is asked how wide it would be by itself.
-        height: of a panel that can take any [mm]; its own choice if None.
-        onto: where to; None while a panel is only measured.
-        lettered: whether the upper left corner is taken by a letter.
-        shared: takes the entries of a legend that several panels have in common, or None.
-    """
-
+    # Of the panel [mm]; None while it is asked how wide it would be by itself.
     width: float | None = None
+    # Of a panel that can take any [mm]; its own choice if None.
     height: float | None = None
+    # None while the panel is only measured.
     onto: SubFigure | None = None
+    # Whether the upper left corner is taken by a letter.
     lettered: bool = False
-    shared: list[Artist] | None = field(default=None)
+    # Takes the entries of a legend that several panels have in common; None where each has its own.
+    shared: list[Artist] | None = None
+
+    @property
+    def alone(self) -> bool:
+        """Whether it is a figure by itself."""
+        return self is _ALONE
+
+    @property
+    def indent(self) -> float:
+        """What the top row leaves free at its left for the letter [mm]."""
+        return _LETTER * self.lettered
 
 
 class Size(NamedTuple):
@@ -102,7 +110,8 @@ class _MeasuredError(Exception):
         self.size = size
 
 
-_panel: ContextVar[CurrentPanel | None] = ContextVar("panel", default=None)
+_ALONE = CurrentPanel()
+_panel: ContextVar[CurrentPanel] = ContextVar("panel", default=_ALONE)
 
 
 @contextmanager
@@ -116,11 +125,7 @@ def drawing(panel: CurrentPanel) -> Iterator[None]:
 
 
 def measured(draw: Draw, panel: CurrentPanel) -> Size:
-    """The size that a figure has as a panel, found without drawing it.
-
-    Raises:
-        ValueError: what is given draws no figure of this room.
-    """
+    """The size that a figure has as a panel, found without drawing it."""
     try:
         with drawing(panel):
             draw()
@@ -131,29 +136,19 @@ def measured(draw: Draw, panel: CurrentPanel) -> Size:
 
 def page_width(usual: float) -> float:
     """The width that a figure has: that of the panel it is drawn as, or its usual one [mm]."""
-    panel = _panel.get()
-    return usual if panel is None or panel.width is None else panel.width
+    width = _panel.get().width
+    return usual if width is None else width
 
 
-def indent() -> float:
-    """What the top row of a figure leaves free at its left for the letter of a panel [mm]."""
-    panel = _panel.get()
-    return _LETTER if panel is not None and panel.lettered else 0.0
-
-
-def shared() -> list[Artist] | None:
-    """Takes the entries of a legend that panels have in common; None where each has its own."""
-    panel = _panel.get()
-    return None if panel is None else panel.shared
+def current() -> CurrentPanel:
+    """What is drawn now."""
+    return _panel.get()
 
 
 def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = False) -> Figure:
-    """An empty figure of this size [mm] that knows how to measure its own text.
-
-    While a panel of a page is drawn, that panel; see `Size`.
-    """
+    """An empty figure of this size [mm] that can measure its text, or the panel drawn now."""
     panel = _panel.get()
-    if panel is not None:
+    if not panel.alone:
         if panel.onto is None:
             raise _MeasuredError(Size(width, height, rigid, keyed))
         # All that is asked of a figure here, a part of one answers too.
@@ -163,7 +158,9 @@ def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = Fals
     return figure
 
 
-def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+def place(
+    figure: Figure | SubFigure, left: float, bottom: float, width: float, height: float
+) -> Axes:
     """Axes at a place given in mm: nothing has to be laid out again when text is added."""
     w, h = size_of(figure)
     ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
@@ -186,9 +183,8 @@ def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
-    """Narrow the axes where their left labels would come closer than `least` mm to the edge.
-
-    At the right, where their last number would leave the page.
+    """Narrow the axes where labels would come closer than `least` mm to the left edge, or where
+    their last number would leave the page at the right.
     """
     sheet = sheet_of(ax)
     page, per_mm = sheet.bbox, sheet.dpi / 25.4
@@ -204,31 +200,50 @@ def keep_inside(ax: Axes, least: float = 1.0) -> None:
             ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
 
 
+def stack(
+    figure: Figure, corner: Point, width: float, tall: Sequence[float], gap: float
+) -> list[Axes]:
+    """Axes of these heights above each other, the first on top, from the lower left corner [mm]."""
+    left, bottom = corner
+    under = [bottom + sum(tall[k + 1 :]) + gap * (len(tall) - 1 - k) for k in range(len(tall))]
+    return [place(figure, left, y, width, high) for y, high in zip(under, tall, strict=True)]
+
+
+def keep_both_inside(upper: Axes, lower: Axes) -> None:
+    """Narrow two axes above each other to what the longer labels leave."""
+    for one, other in ((upper, lower), (lower, upper)):
+        keep_inside(one)
+        box, beneath = one.get_position(), other.get_position()
+        other.set_position((box.x0, beneath.y0, box.width, beneath.height))
+
+
+def grid(count: int, columns: int, pitch: Point, first: Point) -> list[Point]:
+    """The lower left corners of panels in rows from the top, the left one of the lowest at first,
+    all this far apart [mm].
+    """
+    rows = -(-count // columns)
+    places = (divmod(k, columns) for k in range(count))
+    return [(first[0] + k * pitch[0], first[1] + (rows - 1 - row) * pitch[1]) for row, k in places]
+
+
 def canvas(
     ax: Axes | None,
-    size: tuple[float, float],
-    margins: tuple[float, float, float, float],
+    size: Point,
+    margins: Box,
     *,
     rigid: bool = False,
     keyed: bool = False,
     least: float = _LOWEST,
 ) -> tuple[Figure, Axes]:
-    """The given axes with their figure, or new ones.
-
-    Args:
-        ax: axes to draw into, or None.
-        size: width and height of a new figure [mm].
-        margins: left, bottom, right, top around its axes [mm].
-        rigid: whether a panel must have this height; else it has one that suits its width.
-        keyed: whether its legend may be shared.
-        least: height of the axes of a panel [mm].
+    """The given axes with their figure, or new ones of this size with margins left, bottom, right,
+    top [mm]; the axes of a panel that is not `rigid` suit its width and are `least` mm high.
     """
     if ax is not None:
         return root(ax), ax
     left, bottom, right, top = margins
     width, height = page_width(size[0]), size[1]
     panel = _panel.get()
-    if panel is not None and panel.width is not None and not rigid:
+    if panel.width is not None and not rigid:
         inner = width - left - right
         natural = inner * (size[1] - bottom - top) / (size[0] - left - right)
         natural = max(least, float(np.clip(natural, _SHAPES[0] * inner, _SHAPES[1] * inner)))
@@ -258,8 +273,3 @@ def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
     sheet = sheet_of(ax)
     box = ax.get_position()
     sheet.text(box.x0, box.y1 + gap / size_of(sheet)[1], name, fontweight="bold", va="bottom")
-
-
-def in_panel() -> bool:
-    """Whether a panel of a page is drawn now, and no figure by itself."""
-    return _panel.get() is not None

@@ -1,6 +1,6 @@
 """How every figure looks: sizes in millimetres, and colours that mean the same everywhere."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -92,6 +92,7 @@ STYLE: dict[Any, Any] = {
     "ytick.major.width": 0.7,
 }
 
+Colour = str | tuple[float, float, float]
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -116,8 +117,20 @@ def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:
 
 def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
     """The colour mixed with white: 0 leaves it, 1 is white."""
-    r, g, b = to_rgb(colour)
-    return tuple(c + (1.0 - c) * amount for c in (r, g, b))  # pyright: ignore[reportReturnType]
+    return tuple(c + (1.0 - c) * amount for c in to_rgb(colour))  # pyright: ignore[reportReturnType]
+
+
+# Words past those that have a colour of their own.
+REST = "any other"
+_WORDS = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
+
+
+def word_colours(often: Sequence[str], known: Mapping[str, str]) -> dict[str, Colour]:
+    """A colour for each of the most frequent words; the rest share one and a name."""
+    spare = iter(_WORDS)
+    colours = {word: known[word] if word in known else next(spare, "") for word in often}
+    found: dict[str, Colour] = {word: colour for word, colour in colours.items() if colour}
+    return found | ({REST: pale(FAINT, 0.5)} if len(found) < len(often) else {})
 
 
 def cell_colours(count: int) -> list[str]:

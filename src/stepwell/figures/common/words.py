@@ -35,11 +35,8 @@ def shortened(text: str, most: int, lines: int = 1) -> str:
 
 
 def sequence_words(text: str, most: int) -> str:
-    """A sequence of states; where that is too long, which cells load and unload, by number.
-
-    Args:
-        text: such as "00>10>11>01>00"; any other text stays as it is.
-        most: characters that there is room for.
+    """A sequence of states, "00>10>11>01>00"; where that is longer than so many characters, which
+    cells load and unload, by number. Any other text stays as it is.
     """
     if len(text) <= most or not re.fullmatch(r"\d+(>\d+)+", text):
         return text
@@ -83,9 +80,8 @@ _MISSING = "\N{WHITE SQUARE}"
 
 
 def literal(text: str) -> str:
-    """A name for matplotlib, which never takes it for mathematics nor leaves it out of a legend.
-
-    Letters that no font has are drawn as squares, and that is said once.
+    """A name for matplotlib, which never takes it for mathematics nor leaves it out of a legend;
+    letters that no font has become squares, which is logged once.
     """
     lines = text.split("\n")
     shown = "\n".join("".join(map(_drawable, printable(line))) for line in lines)

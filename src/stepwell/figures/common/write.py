@@ -44,9 +44,8 @@ class _Face(NamedTuple):
 
 
 def with_fonts(svg: str) -> str:
-    """An SVG whose text is text, with each of its fonts in it, cut down to the letters it shows.
-
-    So it looks the same where those fonts are missing, and its words can be found and edited.
+    """An SVG whose text is text, with its fonts, cut down to the letters it shows, in it: so it
+    looks the same where those fonts are missing.
     """
     shown: dict[_Face, set[str]] = defaultdict(set)
     for text in _TEXT.finditer(svg):
@@ -60,7 +59,7 @@ def with_fonts(svg: str) -> str:
 
 
 def _face(look: str, letter: str) -> _Face:
-    """Of the families that a text may be set in, the first that has a letter, or the first."""
+    # Of the families that a text may be set in, the first that has the letter, or the first.
     said = dict(_PROPERTY.findall(look))
     if at_once := _AT_ONCE.search(look):
         kind, families = at_once.groups()
@@ -85,7 +84,6 @@ def _file(face: _Face) -> str:
 
 
 def _rule(face: _Face, letters: set[str]) -> str:
-    """What brings a font along, cut down to some letters."""
     from fontTools import subset
 
     options: Any = subset.Options()
@@ -117,16 +115,8 @@ def write_gif(
     seen: Sequence[Picture],
     hundredths: int | Sequence[int],
 ) -> Path:
-    """Write a GIF that repeats for ever, whole or not at all.
-
-    Args:
-        file: where to.
-        pictures: all frames in RGB, one or more, of one size.
-        seen: pictures of that size with the colours that matter: all frames share them.
-        hundredths: how long a frame lasts [0.01 s], or how long each does.
-
-    Returns:
-        The file.
+    """Write frames of one size, in the colours of those `seen`, as a GIF that repeats for ever;
+    `hundredths` is how long one lasts, or each [0.01 s].
     """
     from PIL import Image
 
@@ -134,16 +124,9 @@ def write_gif(
     frames = (one.quantize(palette=shared, dither=Image.Dither.NONE) for one in pictures)
     each = 10 * hundredths if isinstance(hundredths, int) else [10 * one for one in hundredths]
     movie = io.BytesIO()
-    next(frames).save(
-        movie,
-        format="GIF",
-        save_all=True,
-        append_images=frames,
-        duration=each,
-        loop=0,
-        # Stores only the pixels that changed.
-        optimize=True,
-    )
+    # Optimized, it stores only the pixels that changed.
+    look: dict[str, Any] = {"save_all": True, "duration": each, "loop": 0, "optimize": True}
+    next(frames).save(movie, format="GIF", append_images=frames, **look)
     write_atomic(Path(file), movie.getvalue())
     return Path(file)
 
@@ -152,10 +135,7 @@ def _palette(pictures: Sequence[Picture]) -> Picture:
     """A picture in the colours that all frames share."""
     from PIL import Image
 
-    width, height = pictures[0].size
-    sheet = Image.new("RGB", (width, height * len(pictures)))
-    for k, picture in enumerate(pictures):
-        sheet.paste(picture, (0, k * height))
+    sheet = Image.fromarray(np.vstack([np.asarray(picture) for picture in pictures]))
     shared = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
     # Averaging greys the paper, and Pillow tells very light colours apart only roughly.
     colours = np.array(shared.getpalette()).reshape(-1, 3)
@@ -186,8 +166,8 @@ def save(
         figure: any of this room's.
         file: where to.
         dpi: pixels per inch of a PNG, and of what a vector file keeps as an image.
-        text: keep the words of an SVG as text that can be found and edited, in fonts that the
-            file brings along, and not as outlines; in a PDF they always are.
+        text: keep the words of an SVG as text, in fonts that it brings along, and not as outlines;
+            in a PDF they always are.
 
     Raises:
         ValueError: a suffix matplotlib cannot write.
