@@ -10,17 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks, style, words as told
-from stepwell.figures.common.sheet import (
-    blank,
-    canvas,
-    keep_inside,
-    name_panel,
-    page_width,
-    place,
-    sheet_of,
-    text_at,
-)
+from stepwell.figures.common import legends, marks, sheet, style, words as told
 from stepwell.figures.common.words import literal, minus
 from stepwell.mechanism import Cell, Element, Phase
 
@@ -43,21 +33,20 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
     Phases are shaded, numbered and bold; between them the element stands under a prescribed
     travel only. Circles are where it leaves a phase, with the force at which it does, friction
     included. Past an open end the curve goes on straight, dotted; a stop is hatched. Where the
-    curve folds back, arrows lead from where a sheet ends to where the element lands.
+    curve folds back, arrows lead from where a sheet ends to where the element lands. All is in the
+    units of the element's measure.
 
     Args:
         element: any.
         source: where its curve is from, to be written below.
-        ax: axes to draw the force into; by default a new figure of one column's width, with the
-            energy below.
-
-    Returns:
-        The figure, in the units of the element's measure.
+        ax: for the force; by default a new figure of one column's width, with the energy below.
     """
     own = ax is None
     key = _key([element])
     foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 2)
-    figure, ax = canvas(ax, (style.COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head))
+    figure, ax = sheet.canvas(
+        ax, (style.COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head)
+    )
     drawn = _Curve(ax, element)
     drawn.draw_force()
     ax.set_ylabel(drawn.force.label)
@@ -66,65 +55,52 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
         ax.set_xlabel(drawn.travel.label)
         drawn.name_fields()
         return figure
-    below = place(figure, 14.0, foot, style.COLUMN - 16.0, 25.0)
+    below = sheet.place(figure, 14.0, foot, style.COLUMN - 16.0, 25.0)
     _Curve(below, element).draw_energy()
     below.set(xlabel=drawn.travel.label, ylabel="Energy [mJ]")
     ax.tick_params(labelbottom=False)
-    # Both are as narrow as the longer labels need.
-    for one, other in ((ax, below), (below, ax)):
-        keep_inside(one)
-        box, beneath = one.get_position(), other.get_position()
-        other.set_position((box.x0, beneath.y0, box.width, beneath.height))
+    sheet.keep_both_inside(ax, below)
     drawn.name_fields()
     if source:
-        text_at(figure, 2.0, 1.5, literal(source), color=style.FAINT)
+        sheet.text_at(figure, 2.0, 1.5, literal(source), color=style.FAINT)
     return figure
 
 
 @style.styled
 def element_curves(elements: Mapping[str, Element]) -> Figure:
-    """The force curves of several elements, up to three in a row, each with axes of its own.
+    """The force curves of several elements, up to three in a row, each as for `element_curve`.
 
     Args:
         elements: what to show, by the name to write above it.
-
-    Returns:
-        A figure of two columns' width; all else as for `element_curve`.
 
     Raises:
         ValueError: nothing to show.
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
-    page = page_width(style.PAGE)
+    page = sheet.page_width(style.PAGE)
     across = min(max(1, int(page / _LEAST)), 3, len(elements))
     each, tall, foot = page / across, 54.0, 7.0
     rows = -(-len(elements) // across)
     key = _key(elements.values())
-    columns = max(1, min(len(key), int(page / _ENTRY)))
-    foot += 3.8 * (-(-len(key) // columns) - 1)
-    figure = blank(page, rows * tall + foot)
-    for k, (name, element) in enumerate(elements.items()):
-        row, column = divmod(k, across)
-        left, bottom = column * each + 13.0, (rows - 1 - row) * tall + 11.0 + foot
-        ax = place(figure, left, bottom, each - 15.0, tall - 17.0)
+    columns, lines = legends.laid(len(key), page, _ENTRY)
+    foot += 3.8 * (lines - 1)
+    figure = sheet.blank(page, rows * tall + foot)
+    corners = sheet.grid(len(elements), across, (each, tall), (13.0, 11.0 + foot))
+    for (name, element), corner in zip(elements.items(), corners, strict=True):
+        ax = sheet.place(figure, *corner, each - 15.0, tall - 17.0)
         drawn = _Curve(ax, element)
         drawn.draw_force()
         ax.locator_params(nbins=5)
         ax.set(xlabel=drawn.travel.label, ylabel=drawn.force.label)
         drawn.name_fields()
-        name_panel(ax, literal(name))
+        sheet.name_panel(ax, literal(name))
     legends.below(figure, key, columns)
     return figure
 
 
 class _Curve:
-    """An element on axes.
-
-    Attributes:
-        travel, force: how they are told.
-        left, right: between which travels it is shown [m].
-    """
+    """An element on axes, between the travels left and right [m]."""
 
     def __init__(self, ax: Axes, element: Element):
         self.ax, self.element = ax, element
@@ -134,16 +110,16 @@ class _Curve:
         ax.set_xlim(self.left * self.travel.factor, self.right * self.travel.factor)
 
     def draw_force(self) -> None:
-        """The force with all that belongs to it but the names of its fields."""
+        """The force and all that belongs to it but the names of its fields."""
         marks.zero_line(self.ax)
         rubs, band = self.element.friction, self.element.error_band
-        for number, sheet in enumerate(self.element.laws):
-            travel = np.linspace(sheet.begin, sheet.end, _SAMPLES)
+        for number, one in enumerate(self.element.laws):
+            travel = np.linspace(one.begin, one.end, _SAMPLES)
             x, force = travel * self.travel.factor, self.element.force_at(travel, number)
             if band:
                 low, high = ((force + sign * band) * self.force.factor for sign in (-1, 1))
-                look = {"color": _PALE, "zorder": 2, "gid": "error band"} | _SHADE
-                self.ax.fill_between(x, low, high, **look)
+                look = {"color": _PALE, "zorder": 2, "gid": "error band"}
+                self.ax.fill_between(x, low, high, **look | _SHADE)
             for sign, colour in ((1, style.LOADING), (-1, style.UNLOADING)) if rubs else ():
                 y = (force + sign * rubs) * self.force.factor
                 self.ax.plot(x, y, color=colour, linewidth=_THIN, zorder=2.5, gid="friction")
@@ -180,19 +156,21 @@ class _Curve:
         """A law of travel, bold in its phases, dotted past its ends; the phases shaded."""
         element = self.element
         low, high = element.low, element.high
-        heights: list[Floats] = []
 
-        def draw(sheet: int, begin: float, end: float, **look: Any) -> Floats:
-            kinks = element.laws[sheet].rows[:, 0]
+        def draw(number: int, begin: float, end: float, **look: Any) -> Floats:
+            kinks = element.laws[number].rows[:, 0]
             inside = kinks[(kinks > begin) & (kinks < end)]
             travel = np.unique(np.concatenate([np.linspace(begin, end, _SAMPLES), inside]))
-            y = law(travel, sheet) * factor
+            y = law(travel, number) * factor
             self.ax.plot(travel * self.travel.factor, y, color=_COLOUR, **look)
             return y
 
-        for number, sheet in enumerate(element.laws):
-            ends = sheet.begin, sheet.end
-            heights.append(draw(number, *ends, linewidth=_THIN, zorder=3, gid="curve"))
+        heights = np.concatenate(
+            [
+                draw(number, one.begin, one.end, linewidth=_THIN, zorder=3, gid="curve")
+                for number, one in enumerate(element.laws)
+            ]
+        )
         for phase in element.phases:
             begin, end = self._shown(phase)
             self._shade(begin, end, {"facecolor": style.PHASE} | _SHADE, "phases")
@@ -207,16 +185,14 @@ class _Curve:
         for stop, inner, outer in ((below, low, self.left), (above, high, self.right)):
             if stop:
                 self._shade(inner, outer, wall, "stop")
-                self.ax.axvline(
-                    inner * self.travel.factor, color=style.INK, linewidth=1.0, zorder=1.5
-                )
+                x = inner * self.travel.factor
+                self.ax.axvline(x, color=style.INK, linewidth=1.0, zorder=1.5)
         # What lies past the ends does not set the scale.
-        least, most = min(y.min() for y in heights), max(y.max() for y in heights)
+        least, most = heights.min(), heights.max()
         room = 0.2 * (most - least)
         self.ax.set_ylim(least - room, most + room)
 
     def _shown(self, phase: Phase) -> tuple[float, float]:
-        """The travels between which a phase is shown [m]."""
         return max(phase.low, self.left), min(phase.high, self.right)
 
     def _shade(self, begin: float, end: float, look: dict[str, Any], gid: str) -> None:
@@ -225,8 +201,8 @@ class _Curve:
 
     def _draw_jumps(self, number: int) -> None:
         """Arrows from the ends of a sheet to where the element lands at that travel."""
-        sheet = self.element.laws[number]
-        ends = (sheet.begin, sheet.below, style.UNLOADING), (sheet.end, sheet.above, style.LOADING)
+        one = self.element.laws[number]
+        ends = (one.begin, one.below, style.UNLOADING), (one.end, one.above, style.LOADING)
         for travel, leads, colour in ends:
             if leads is not None:
                 x = travel * self.travel.factor
@@ -240,46 +216,37 @@ class _Curve:
         """The digit of every phase at the top, lower by a row where it overlaps the one before."""
         look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
         row, reached = 0, -np.inf
+        look |= {"xycoords": ("data", "axes fraction"), "zorder": 9, "gid": "digit"}
+        look |= {"fontweight": "bold", "bbox": style.on_white() | {"facecolor": style.PHASE}}
         for digit, phase in enumerate(self.element.phases):
             begin, end = self._shown(phase)
             row = 1 - row if begin < reached else 0
             reached = max(reached, end)
-            text = self.ax.annotate(
-                str(digit),
-                ((begin + end) / 2 * self.travel.factor, 1.0),
-                (0.0, -7.0 - 9.0 * row),
-                xycoords=("data", "axes fraction"),
-                **look,
-                zorder=9,
-                gid="digit",
-            )
-            text.set(fontweight="bold", bbox=style.on_white() | {"facecolor": style.PHASE})
+            at = (begin + end) / 2 * self.travel.factor, 1.0
+            self.ax.annotate(str(digit), at, (0.0, -7.0 - 9.0 * row), **look)
 
 
 def _circle(colour: str) -> dict[str, Any]:
-    """The look of a switching field."""
     return style.hollow(4.6, colour, markeredgewidth=1.2, clip_on=False)
 
 
 def _key(elements: Iterable[Element]) -> list[Artist]:
     """What lines and marks mean, as far as they occur."""
     shown = list(elements)
-    found: list[Artist] = [legends.shade("phase", style.PHASE, **_SHADE)]
-    if any(len(element.phases) > 1 for element in shown):
-        for word, colour in (
-            ("leaves, loading", style.LOADING),
-            ("leaves, unloading", style.UNLOADING),
-        ):
-            found.append(legends.mark(word, **_circle(colour)))
-    if any(len(element.laws) > 1 for element in shown):
-        found.append(legends.line("jump", width=1.1, linestyle=marks.SNAP_DASHES))
-    if any(not all(element.stopped) for element in shown):
-        found.append(legends.line("goes on", _COLOUR, _PAST, linestyle=_DOTS))
-    if any(element.error_band for element in shown):
-        found.append(legends.shade("points within", _PALE, **_SHADE))
-    if any(element.friction for element in shown):
-        found.append(legends.line("friction", style.LOADING, _THIN))
-    return found
+    leaves = any(len(element.phases) > 1 for element in shown)
+    jumps = any(len(element.laws) > 1 for element in shown)
+    goes_on = not all(stop for element in shown for stop in element.stopped)
+    within = any(element.error_band for element in shown)
+    rubs = any(element.friction for element in shown)
+    return legends.those(
+        (True, legends.shade("phase", style.PHASE, **_SHADE)),
+        (leaves, legends.mark("leaves, loading", **_circle(style.LOADING))),
+        (leaves, legends.mark("leaves, unloading", **_circle(style.UNLOADING))),
+        (jumps, legends.line("jump", width=1.1, linestyle=marks.SNAP_DASHES)),
+        (goes_on, legends.line("goes on", _COLOUR, _PAST, linestyle=_DOTS)),
+        (within, legends.shade("points within", _PALE, **_SHADE)),
+        (rubs, legends.line("friction", style.LOADING, _THIN)),
+    )
 
 
 Curve = Callable[[Cell, Floats], Floats]
@@ -293,9 +260,8 @@ _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 @style.styled
 def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
-    """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
-
-    k is the stiffness of the cell's stiffest band.
+    """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked; k is the stiffness of
+    the cell's stiffest band.
 
     Args:
         cells: any number; the legend calls each by its name, or else by its anchor.
@@ -315,16 +281,8 @@ def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) 
 
 @style.styled
 def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
-    """E/(k r²) of each cell against lever angle, with θmax marked.
-
-    k is the stiffness of the cell's stiffest band.
-
-    Args:
-        cells: any number; the legend calls each by its name, or else by its anchor.
-        ax: axes to draw into; a new figure of one column's width by default.
-
-    Raises:
-        ValueError: no cells, or an element among them: see `element_curve`.
+    """E/(k r²) of each cell against lever angle, with θmax marked; all else as for
+    `unit_cell_force`.
 
     Source: Kamp et al. 2024, Fig. 1E.
     """
@@ -340,11 +298,11 @@ def _curves(
 ) -> Figure:
     levers = _with_levers(cells)
     # Names beside each other where there is room, the marks in a row of their own.
-    columns = 2 if page_width(style.COLUMN) >= _TWO else 1
+    columns = 2 if sheet.page_width(style.COLUMN) >= _TWO else 1
     rows = math.ceil(len(levers) / columns)
     top = 8.0 + 3.75 * rows
     own = ax is None
-    figure, ax = canvas(ax, (style.COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
+    figure, ax = sheet.canvas(ax, (style.COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
     looks = list(zip(style.cell_colours(len(levers)), style.cell_dashes(len(levers)), strict=True))
     for cell, (colour, dashes) in zip(levers, looks, strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
@@ -362,20 +320,19 @@ def _curves(
     ]
     legends.above(ax, handles, columns, lift=_explain_marks(ax, ends=ends), handlelength=2.6)
     if own:
-        keep_inside(ax)
+        sheet.keep_inside(ax)
     return figure
 
 
 def _with_levers(cells: Sequence[Cell | Element]) -> list[Cell]:
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
-    levers = [cell for cell in cells if isinstance(cell, Cell)]
-    if len(levers) < len(cells):
-        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
-        raise InputError(
-            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
-        )
-    return levers
+    for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            raise InputError(
+                f"cells[{i}] is an Element, which has no lever angle: draw it with element_curve."
+            )
+    return [cell for cell in cells if isinstance(cell, Cell)]
 
 
 def _mark(ax: Axes, cell: Cell, curve: Curve, colour: str, *, ends: bool) -> None:
@@ -392,20 +349,14 @@ def _mark(ax: Axes, cell: Cell, curve: Curve, colour: str, *, ends: bool) -> Non
 def _explain_marks(ax: Axes, *, ends: bool) -> float:
     """Add the legend of the marks; the room that it takes above the axes [mm]."""
     words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
-    legends.above(
-        ax,
-        [
-            legends.mark(word, mark, **_look(mark, style.INK))
-            for mark, word in words.items()
-            if ends or mark == _PEAK
-        ],
-    )
+    shown = {mark: word for mark, word in words.items() if ends or mark == _PEAK}
+    legends.above(ax, [legends.mark(w, m, **_look(m, style.INK)) for m, w in shown.items()])
     lower = ax.get_legend()
     assert lower is not None
     ax.add_artist(lower)
     # In mm, for the axes may have to make room for more rows.
     high = lower.get_window_extent().y1 - ax.get_window_extent().y1
-    return 25.4 * high / sheet_of(ax).dpi + _BETWEEN
+    return 25.4 * high / sheet.sheet_of(ax).dpi + _BETWEEN
 
 
 def _look(mark: str, colour: str) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
@@ -34,7 +33,7 @@ _NAME = 9
 
 
 class _Switch(NamedTuple):
-    """The way of a cell from one phase to the next, and the forces there and back [N]."""
+    """A cell's way from one phase to the next, and the forces there and back [N]."""
 
     name: str
     colour: str
@@ -52,7 +51,6 @@ class _Gap(NamedTuple):
 
     @property
     def colour(self) -> tuple[float, float, float]:
-        """Yellow for a step of the right sign, red for one of the wrong sign."""
         return style.pale(style.YELLOW, 0.0) if self.size > 0 else style.pale(style.VERMILLION, 0.3)
 
 
@@ -70,7 +68,9 @@ def force_plane(
 
     Cells of one taut band with falling force load by rising F0 and unload by falling F1. With
     friction f it is F0 + f and F1 - f, and these are drawn. An element has a point for each two
-    neighbouring phases: the forces at which it goes from one to the other and back.
+    neighbouring phases: the forces at which it goes from one to the other and back. The loading
+    order is above the plane, the unloading order to the right: each cell in a row of its own, its
+    cloud's central 95 % as a bar. A right order makes a staircase; the narrowest step is marked.
 
     Args:
         chain: up to 16 cells, and switches of elements.
@@ -81,14 +81,8 @@ def force_plane(
         clouds: (n, N, 2) pairs of each cell as it may be built [N]; NaN is left out. Their
             ellipses hold 95 % of a normal distribution of the same mean and covariance.
 
-    Returns:
-        The figure: the plane in the middle, the loading order above it, the unloading order to
-        the right: each cell in a row of its own, its cloud's central 95 % as a bar. A right
-        order makes a staircase; the narrowest step is marked.
-
     Raises:
-        ValueError: too many cells, a panel too narrow for them, or an order that does not name
-            each cell once.
+        ValueError: too many cells, a panel too narrow, or an order not of each cell once.
 
     Source: sorting theorem, theory page.
     """
@@ -114,13 +108,21 @@ def force_plane(
             f"has {width:.4g} mm."
         )
     gap = _narrowest(forces, orders)
-    key = _key(bool(region), places is not None, cloud is not None, gap, of.sign)
+    key = legends.those(
+        (region, legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
+        (places is not None, legends.mark("can be reached", ".", 3.0, color=style.FAINT)),
+        (cloud is not None, legends.line("95 % as built", width=1.0)),
+    )
+    if gap is not None:
+        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} {of.sign}"
+        key.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
     narrow = width < _WIDE
     columns = 2 if narrow else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
     figure = sheet.blank(width, height)
     ax = sheet.place(figure, edge, _BOTTOM, side, side)
-    above = sheet.place(figure, edge, _BOTTOM + side + _BETWEEN, side, strip)
+    base = _BOTTOM + side + _BETWEEN
+    above = sheet.place(figure, edge, base, side, strip)
     right = sheet.place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
 
     _draw_reachable(ax, region, places, of.factor)
@@ -138,10 +140,8 @@ def force_plane(
         order.draw(forces, cloud, colours)
         order.frame(switches)
     _name_cells(ax, forces, switches)
-    middle = {"ha": "center", "va": "center"}
-    sheet.text_at(
-        figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle
-    )
+    middle = {"ha": "center", "va": "center", "rotation": 90}
+    sheet.text_at(figure, 3.0, base + strip / 2, "loads", **middle)
     # Over one narrow column the word would leave the page.
     sheet.text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
     legends.above(above, key, columns)
@@ -151,9 +151,8 @@ def force_plane(
 def _switches(chain: Chain) -> list[_Switch]:
     """Of every cell one, or as many as an element has phases but one; friction is in it."""
     found: list[_Switch] = []
-    for cell, name, colour in zip(
-        chain.cells, chain.names, style.cell_colours(len(chain)), strict=True
-    ):
+    colours = style.cell_colours(len(chain))
+    for cell, name, colour in zip(chain.cells, chain.names, colours, strict=True):
         pairs = list(pairwise(cell.phases))
         for k, (before, after) in enumerate(pairs):
             numbered = f"{shortened(name, _NAME - 4)} {k}>{k + 1}" if len(pairs) > 1 else name
@@ -193,9 +192,8 @@ def _name(chain: Chain, side: int) -> str:
     of = told.force(chain.measure)
     if chain.elements:
         return f"{of.word} {('up to the next phase', 'back down')[side]} [{of.sign}]"
-    rubs = any(cell.friction > 0 for cell in chain.cells)
-    symbol = f"F_{side}" + (("+f", "-f")[side] if rubs else "")
-    return f"${symbol}$, {('at 0', 'at 1')[side]} [{of.sign}]"
+    rubs = ("+f", "-f")[side] if any(cell.friction > 0 for cell in chain.cells) else ""
+    return f"$F_{side}{rubs}$, at {side} [{of.sign}]"
 
 
 def _draw_reachable(
@@ -239,8 +237,7 @@ def _draw_gap(ax: Axes, gap: _Gap, forces: Floats) -> None:
     """The narrowest step as a band across the plane."""
     band = ax.axvspan if gap.side == 0 else ax.axhspan
     look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
-    ends = np.sort(forces[[gap.first, gap.second], gap.side])
-    band(*ends, **look, zorder=0.5, gid="narrowest")
+    band(*np.sort(forces[[gap.first, gap.second], gap.side]), **look, zorder=0.5, gid="narrowest")
 
 
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
@@ -307,17 +304,3 @@ class _Order(NamedTuple):
         ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
         for label, cell in zip(labels, self.cells, strict=True):
             label.set(color=switches[cell].colour, fontweight="bold")
-
-
-def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None, sign: str) -> list[Artist]:
-    found: list[Artist] = []
-    if region:
-        found.append(legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8))
-    if places:
-        found.append(legends.mark("can be reached", ".", 3.0, color=style.FAINT))
-    if cloud:
-        found.append(legends.line("95 % as built", width=1.0))
-    if gap is not None:
-        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} {sign}"
-        found.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
-    return found

@@ -14,6 +14,7 @@ from stepwell.base import Floats, InputError
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground
 from stepwell.figures.common import legends, sheet, style
+from stepwell.figures.common.legends import Label
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Band, Cell, Chain, Element
@@ -23,6 +24,7 @@ _MOST_CELLS = 4
 # What is shown of the cell's travel, and of each cell's in a chain.
 _SHOWN, _SHARES = 0.72, (1.0, 0.5, 0.75, 0.5)
 _EDGE, _GAP, _FOOT = 2.0, 4.0, 10.0  # round, between and below the drawings [mm of the page]
+_WIDE = style.COLUMN - 2 * _EDGE
 _BIG = 9.0
 _LEFT, _RIGHT = 12.0, 26.0  # of the cell, for words and dimensions
 _DASHES = (0, (3.0, 2.0))
@@ -36,13 +38,10 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
 
     The inner block is held and the outer one pulled along y; dashed is where it is at its stops.
     Below, the lever r, then d = q - p from its end: the third side is as long as the band. Both
-    are true to scale.
+    are true to scale, lengths in mm and angles in degrees, in one column's width.
 
     Args:
         cell: one with a single band; the paper's with q = (10, -15) mm by default.
-
-    Returns:
-        A figure of one column's width, lengths in mm and angles in degrees.
 
     Raises:
         ValueError: an element, or a cell with several bands.
@@ -59,11 +58,10 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
             f"band, such as Cell(cell.bands[0], cell.lever, cell.limit)."
         )
     shown = _Shown(cell)
-    wide = style.COLUMN - 2 * _EDGE
     high = [box[3] - box[2] for box in (shown.box, shown.triangle_box)]
     figure = sheet.blank(style.COLUMN, sum(high) + _GAP + _FOOT + _EDGE)
-    shown.draw(sheet.place(figure, _EDGE, _FOOT + high[1] + _GAP, wide, high[0]))
-    shown.draw_triangle(sheet.place(figure, _EDGE, _FOOT, wide, high[1]))
+    shown.draw(sheet.place(figure, _EDGE, _FOOT + high[1] + _GAP, _WIDE, high[0]))
+    shown.draw_triangle(sheet.place(figure, _EDGE, _FOOT, _WIDE, high[1]))
     law = r"travel $s = r\,(\sin\theta + \sin\theta_c)$, from 0 to $S = 2\,r\,\sin\theta_c$"
     sheet.text_at(figure, style.COLUMN / 2, 2.5, law, ha="center", fontsize=8.0)
     return figure
@@ -73,13 +71,10 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
 def labelled_chain(chain: Chain) -> Figure:
     """A chain with the names of its parts, and how the travels of its cells add up to the stroke.
 
-    Above, every cell is at 0. Below, the actuator has pulled.
+    Above, every cell is at 0. Below, the actuator has pulled. One column wide, lengths in mm.
 
     Args:
         chain: up to four cells of levers and bands.
-
-    Returns:
-        A figure of one column's width, lengths in mm.
 
     Raises:
         ValueError: elements, or more cells than have room for their letters.
@@ -96,19 +91,15 @@ def labelled_chain(chain: Chain) -> Figure:
     states = [[0.0] * len(chain), pulled]
     boxes = np.array([linkage.bounds([travels]) for travels in states])
     left, right = min(boxes[:, 0].min(), -1.8 * linkage.reach), boxes[:, 2].max()
-    wide = style.COLUMN - 2 * _EDGE
     # From metres to the page's mm; at the right is the arrow.
-    scale = (wide - 22.0) / (right - left)
-    room = ((9.0, 5.0), (3.0, 17.0))
-    high = [
-        (box[3] - box[1]) * scale + over + under
-        for box, (over, under) in zip(boxes, room, strict=True)
-    ]
+    scale = (_WIDE - 22.0) / (right - left)
+    room = np.array([(5.0, 9.0), (17.0, 3.0)])
+    high = np.ptp(boxes[:, [1, 3]], axis=1) * scale + room.sum(axis=1)
     figure = sheet.blank(style.COLUMN, sum(high) + 2 * _EDGE)
-    for k, (travels, box, (_, under)) in enumerate(zip(states, boxes, room, strict=True)):
-        ax = sheet.place(figure, _EDGE, _EDGE + high[1] * (k == 0), wide, high[k])
-        origin = 1.0 - left * scale, under - box[1] * scale
-        plain(ax, (0.0, wide, 0.0, high[k]))
+    for k, (travels, low, under) in enumerate(zip(states, boxes[:, 1], room[:, 0], strict=True)):
+        ax = sheet.place(figure, _EDGE, _EDGE + high[1] * (k == 0), _WIDE, high[k])
+        origin = 1.0 - left * scale, under - low * scale
+        plain(ax, (0.0, _WIDE, 0.0, high[k]))
         pose = Drawing(ax, linkage, origin, scale, 1.15).move(travels)
         ground(ax, linkage, origin, scale)
         _name_blocks(ax, pose.blocks * scale + np.tile(origin, 2), first=k == 0)
@@ -132,7 +123,7 @@ class _Shown:
         half = np.array([linkage.half_block, linkage.reach])
         p, q = np.array(self.band.p), self._joint(self.theta, cell.lever) + self.band.q
         left, right = min(p[0], -half[0]), max(q[0], cell.lever + half[0])
-        self.scale = (style.COLUMN - 2 * _EDGE - _LEFT - _RIGHT) / (right - left)
+        self.scale = (_WIDE - _LEFT - _RIGHT) / (right - left)
         self.half, self.pair = half * self.scale, linkage.half_pair * self.scale
         self.lever, self.right = cell.lever * self.scale, right * self.scale
         self.outer = self._joint(self.theta, self.lever)
@@ -142,33 +133,31 @@ class _Shown:
 
     @staticmethod
     def _joint(theta: float, lever: float) -> Floats:
-        """Where the outer block's joint midpoint is, from that of the inner one."""
+        # Where the outer block's joint midpoint is, from that of the inner one.
         return lever * np.array([math.cos(theta), math.sin(theta)])
 
     @property
-    def box(self) -> tuple[float, float, float, float]:
+    def box(self) -> sheet.Box:
         """left, right, bottom, top of what is drawn."""
         points = [self.p, self.q, self.stops[0] - self.half, self.stops[1] + self.half]
         low, high = np.min(points, axis=0)[1], np.max(points, axis=0)[1]
         low = min(float(low), float(-self.half[1]) - 9.0)
-        left = float(self.right) + _RIGHT - (style.COLUMN - 2 * _EDGE)
-        return left, left + style.COLUMN - 2 * _EDGE, low - 4.0, float(high) + 11.0
+        left = float(self.right) + _RIGHT - _WIDE
+        return left, left + _WIDE, low - 4.0, float(high) + 11.0
 
     @property
-    def triangle_box(self) -> tuple[float, float, float, float]:
+    def triangle_box(self) -> sheet.Box:
         """left, right, bottom, top of the triangle, as wide as the drawing above it."""
         corners = np.array([(0.0, 0.0), *self.stops, self._third])
         left, right, bottom, top = limits(corners, (0.0, 0.0, 6.0, 6.0))
-        spare = style.COLUMN - 2 * _EDGE - (right - left)
+        spare = _WIDE - (right - left)
         return left - 0.3 * spare, right + 0.7 * spare, bottom, top
 
     @property
     def _third(self) -> Floats:
-        """Where r and d lead."""
         return self.outer + np.array(self.band.d) * self.scale
 
     def draw(self, ax: Axes) -> None:
-        """The cell itself."""
         plain(ax, self.box)
         for joint, name in zip(self.stops, ("state 0", "state 1"), strict=True):
             ax.add_patch(Polygon(self._block(joint), facecolor="none", **_GHOST, zorder=1.5))
@@ -187,11 +176,10 @@ class _Shown:
         for name, start, end in (("p", np.zeros(2), self.p), ("q", self.outer, self.q)):
             ax.plot(*np.array([start, end]).T, color=style.BLUE, linewidth=1.2, zorder=7, gid=name)
             if np.any(start != end):
-                _arrow(ax, start, end, style.BLUE, 1.2)
+                arrow(ax, start, end, style.BLUE, 1.2)
             ax.plot(*start, "+", color=style.BLUE, markersize=5.0, markeredgewidth=1.2, zorder=8)
         (_, low), (_, high) = (stop + self.half for stop in self.stops)
-        edge = float(self.outer[0] + self.half[0])
-        top = float(self.outer[1] + self.half[1])
+        edge, top = (self.outer + self.half).tolist()
         along_y(ax, (low, top), (edge, self.right + 5.0), "$s$", gid="s")
         full = f"$S$ = {mm(self.cell.full_travel)} mm"
         along_y(ax, (low, high), (edge, self.right + 12.0), full, gid="S")
@@ -203,7 +191,6 @@ class _Shown:
         return joint + corners * self.half
 
     def _hold(self, ax: Axes) -> None:
-        """The wall below the inner block."""
         half, y = 1.5 * self.half[0], -self.half[1]
         ax.plot([-half, half], [y, y], color=style.INK, linewidth=1.1, zorder=3)
         for x in np.linspace(-half, half, 7)[1:]:
@@ -217,7 +204,7 @@ class _Shown:
         arc = share * self.lever * np.column_stack([np.cos(angle), np.sin(angle)])
         arc[:, 1] += foot
         ax.plot(*arc.T, **look, gid="theta")
-        _arrow(ax, arc[-4], arc[-1], style.VERMILLION, 0.0)
+        arrow(ax, arc[-4], arc[-1], style.VERMILLION, 0.0)
         words: _Look = {"ha": "right", "va": "center", "fontsize": _BIG, "color": style.VERMILLION}
         at = share * self.lever - 0.8, foot + 0.42 * (arc[-1, 1] - foot)
         ax.text(*at, r"$\theta$", **words, zorder=9)
@@ -238,9 +225,9 @@ class _Shown:
             corners = ax.transData.transform(self._block(joint))
             clear.append(Bbox([corners.min(axis=0), corners.max(axis=0)]))
         labels = [
-            _label(self.p, f"$p$ = {mm_pair(self.band.p)} mm", style.BLUE),
-            _label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
-            _label((0.85 * self.p + 0.15 * self.q), "band", self.colour),
+            Label(*self.p, f"$p$ = {mm_pair(self.band.p)} mm", style.BLUE),
+            Label(*self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
+            Label(*(0.85 * self.p + 0.15 * self.q), "band", self.colour),
         ]
         legends.beside(ax, labels, keep_clear=clear)
 
@@ -252,7 +239,6 @@ class _Shown:
             ax.text(x + 1.25 * way[0], y + 1.25 * way[1], name, ha="center", va="center")
 
     def draw_triangle(self, ax: Axes) -> None:
-        """Lever, d and the band."""
         plain(ax, self.triangle_box)
         limit, end, zero = self.cell.limit, self._third, np.zeros(2)
         sweep = np.linspace(-limit, limit, 61)
@@ -270,25 +256,17 @@ class _Shown:
         for name, start, stop, colour in sides:
             ax.plot(*np.array([start, stop]).T, color=colour, linewidth=1.8, zorder=4, gid=name)
             if name != "l" and np.any(start != stop):
-                _arrow(ax, start, stop, colour, 1.8)
+                arrow(ax, start, stop, colour, 1.8)
         clear = [text.get_window_extent() for text in ax.texts]
         low, high = self.stops
         labels = [
-            _label(high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
-            _label(low, r"state 0: $\theta = -\theta_c$"),
-            _label((self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", style.BLUE),
-            _label(end * 0.75, "band $\\ell$", self.colour),
-            _label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
+            Label(*high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
+            Label(*low, r"state 0: $\theta = -\theta_c$"),
+            Label(*(self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", style.BLUE),
+            Label(*end * 0.75, "band $\\ell$", self.colour),
+            Label(*self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]
         legends.beside(ax, labels, keep_clear=clear)
-
-
-def _label(at: Floats, text: str, colour: str = style.INK) -> legends.Label:
-    return legends.Label(float(at[0]), float(at[1]), text, colour)
-
-
-def _arrow(ax: Axes, tail: Floats, tip: Floats, colour: str, width: float) -> None:
-    arrow(ax, (float(tail[0]), float(tail[1])), (float(tip[0]), float(tip[1])), colour, width)
 
 
 def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:

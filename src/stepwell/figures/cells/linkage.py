@@ -12,6 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from stepwell.base import Bools, Floats, bisected
 from stepwell.figures.common import style
+from stepwell.figures.common.sheet import Box, Point
 from stepwell.mechanism import Cell, Chain, Element, Phase
 
 _SAMPLES = 97
@@ -20,16 +21,8 @@ _EDGE = 0.14
 
 
 class Symbol:
-    """The force curve of an element in a square of side 1, travel to the right, force upwards.
-
-    Args:
-        element: any.
-        reached: (n,) travels [m] that are shown too, where they lie past an open end.
-
-    Attributes:
-        low: least travel that is shown [m].
-        curves: (m, 2) each sheet.
-        zero: height of the line of no force; NaN where that is outside.
+    """The force curve of an element in a square of side 1, travel to the right, force upwards;
+    travels [m] that are `reached` past an open end are shown too.
     """
 
     def __init__(self, element: Element, reached: Sequence[float] | Floats = ()):
@@ -49,14 +42,11 @@ class Symbol:
         self._size = np.array([high - self.low, (most - least) or 1.0])
         self.curves = [self._inside(np.column_stack(curve)) for curve in samples]
         zero = float(self._inside(np.array([self.low, 0.0]))[1])
+        # Of no force; outside there is no line.
         self.zero = zero if 0.0 < zero < 1.0 else math.nan
 
     def at(self, travel: float, sheet: int | None = None) -> Floats:
-        """(2,) where the element stands: on this sheet, else on the first that has the travel.
-
-        Raises:
-            ValueError: a travel past a stop.
-        """
+        """(2,) where the element stands: on this sheet, else on the first that has the travel."""
         laws, within = self.element.laws, min(max(travel, self.element.low), self.element.high)
         holds = [k for k, one in enumerate(laws) if one.begin <= within <= one.end]
         if sheet not in holds:
@@ -95,29 +85,17 @@ _LEVER, _TRAVEL = 0.0141, 0.020
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """The parts of a chain at given travels, in metres on the page.
+    """The parts of a chain at given travels, in metres on the page."""
 
-    Args:
-        blocks: (N + 1, 4) left, bottom, right, top of each block, fixed one first.
-        levers: (2 N, 2, 2) ends of each lever.
-        bands: (B, 2, 2) ends of each band, p then q, cell by cell.
-        posts: (2 B, 2, 2) from a block's joint midpoint to an anchor on that block.
-        tension: (B,) of each band [N].
-        slack: (B,) whether the band is slack.
-        boxes: (E, 4) left, bottom, right, top of each element's symbol.
-        rods: (2 E, 2, 2) from the blocks to the symbols.
-        dots: (E, 2) where each element stands on the curve in its symbol.
-    """
-
-    blocks: Floats
-    levers: Floats
-    bands: Floats
-    posts: Floats
-    tension: Floats
-    slack: Bools
-    boxes: Floats
-    rods: Floats
-    dots: Floats
+    blocks: Floats  # (N + 1, 4) left, bottom, right, top of each, fixed one first
+    levers: Floats  # (2 N, 2, 2) ends of each
+    bands: Floats  # (B, 2, 2) ends of each, p then q, cell by cell
+    posts: Floats  # (2 B, 2, 2) from a block's joint midpoint to an anchor on that block
+    tension: Floats  # (B,) of each band [N]
+    slack: Bools  # (B,) whether the band is
+    boxes: Floats  # (E, 4) left, bottom, right, top of each element's symbol
+    rods: Floats  # (2 E, 2, 2) from the blocks to the symbols
+    dots: Floats  # (E, 2) where each element stands on the curve in its symbol
 
     @property
     def points(self) -> Floats:
@@ -129,18 +107,11 @@ class Pose:
 class LinkageDrawing:
     """Places a chain on the page: stroke to the right, fixed block at the left.
 
-    A cell's own drawing has the travel upwards and the outer block beside the inner one. Here
-    the travel is turned to the right, and every second cell is mirrored across the stroke, which
-    changes no band length: the blocks then lie in two rows that the levers zig-zag between, and
-    a chain of any length stays as slender as one cell. The length of the middle blocks is free in
-    the model; here each is as long as it must be to clear its neighbours in every state.
-
-    An element is a box on the rod between two blocks, true in its travel. Without levers, so that
-    nothing has a size that could be drawn, the longest travel is 20 mm.
-
-    Args:
-        chain: what to draw.
-        reached: (n, N) travels [m] that will be drawn, for elements that go past an open end.
+    Every second cell is mirrored across the stroke, which changes no band length: a chain of any
+    length stays as slender as one cell. The length of the middle blocks is free in the model; here
+    each clears its neighbours in every state. An element is a box on the rod between two blocks,
+    true in its travel. Without levers nothing has a size, and the longest travel is 20 mm.
+    `reached` are (n, N) travels [m] that will be drawn, for elements that go past an open end.
     """
 
     def __init__(self, chain: Chain, reached: Sequence[Sequence[float] | Floats] = ()):
@@ -171,9 +142,8 @@ class LinkageDrawing:
     def pose(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
     ) -> Pose:
-        """Everything in its place at these travels (N,) [m] on these sheets (N,) of the curves.
-
-        By default an element is on the first sheet that has its travel.
+        """Everything in its place at these travels (N,) [m] on these sheets (N,) of the curves, by
+        default the first that have them.
         """
         reach, half = self.reach, self.half_block
         inner = np.zeros(2)
@@ -207,12 +177,8 @@ class LinkageDrawing:
                 for along in (-self.half_pair, self.half_pair):
                     levers.append(np.array([inner, outer]) + _xy(along, 0.0))
                 for band in cell.bands:
-                    ends = np.array(
-                        [
-                            inner + _xy(band.p[1], side * band.p[0]),
-                            outer + _xy(band.q[1], side * band.q[0]),
-                        ]
-                    )
+                    turned = np.array([band.p, band.q])[:, ::-1] * (1.0, side)
+                    ends = np.array([inner, outer]) + turned
                     length = float(band.length(theta, cell.lever))
                     bands.append(ends)
                     posts += [np.array([inner, ends[0]]), np.array([outer, ends[1]])]
@@ -234,9 +200,7 @@ class LinkageDrawing:
             np.array(dots).reshape(-1, 2),
         )
 
-    def bounds(
-        self, states: Iterable[Sequence[float] | Floats], room: float = 0.0
-    ) -> tuple[float, float, float, float]:
+    def bounds(self, states: Iterable[Sequence[float] | Floats], room: float = 0.0) -> Box:
         """left, bottom, right, top [m] of the chain at all these travels (N,), with room around."""
         points = np.concatenate([self.pose(travels).points for travels in states])
         low, high = points.min(axis=0) - room, points.max(axis=0) + room
@@ -246,12 +210,11 @@ class LinkageDrawing:
         """The largest tension or thrust [N] any band has between the stops."""
         found = 0.0
         for cell in self.chain.cells:
-            if isinstance(cell, Element):
-                continue
-            theta = np.linspace(-cell.limit, cell.limit, 65)
-            for band in cell.bands:
-                tension = band.tension(band.length(theta, cell.lever))
-                found = max(found, float(np.max(np.abs(tension))))
+            if isinstance(cell, Cell):
+                theta = np.linspace(-cell.limit, cell.limit, 65)
+                for band in cell.bands:
+                    tension = band.tension(band.length(theta, cell.lever))
+                    found = max(found, float(np.max(np.abs(tension))))
         return found
 
 
@@ -264,55 +227,33 @@ SLACK_DASHES = (0, (2.0, 1.6))
 
 
 class Drawing:
-    """The artists of one chain in one place.
-
-    Args:
-        ax: axes in page units.
-        linkage: the chain and where its parts go.
-        origin: page position of the fixed block's joint midpoint.
-        scale: page units per metre.
-        weight: factor on all line widths.
+    """The artists of one chain, the fixed block's joint midpoint at the origin, in page units of
+    which a metre has `scale`; `weight` is a factor on all line widths.
     """
 
     def __init__(
-        self,
-        ax: Axes,
-        linkage: LinkageDrawing,
-        origin: tuple[float, float],
-        scale: float,
-        weight: float = 1.0,
+        self, ax: Axes, linkage: LinkageDrawing, origin: Point, scale: float, weight: float = 1.0
     ):
-        self.linkage, self.scale = linkage, scale
+        self.linkage, self.scale, self.weight = linkage, scale, weight
         self.origin = np.array(origin)
-        self.weight = weight
         self.strongest = linkage.greatest_tension()
         cells = len(linkage.chain)
         colours = np.array(style.cell_colours(cells))[linkage.owner]
         self.posts = LineCollection([], colors=style.FIXED_BLOCK, linewidths=2.2 * weight, zorder=1)
-        self.blocks = PolyCollection(
-            [],
-            facecolors=[style.FIXED_BLOCK] + [style.BLOCK] * cells,
-            edgecolors=style.INK,
-            linewidths=0.6 * weight,
-            zorder=2,
-        )
+        faces = [style.FIXED_BLOCK] + [style.BLOCK] * cells
+        edges = {"edgecolors": style.INK, "linewidths": 0.6 * weight}
+        self.blocks = PolyCollection([], facecolors=faces, **edges, zorder=2)
         self.levers = LineCollection([], colors=style.INK, linewidths=1.5 * weight, zorder=3)
         self.bands = LineCollection([], colors=colours, zorder=5, capstyle="round")
         joints = style.hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
         (self.joints,) = ax.plot([], [], "o", **joints)
-        self.anchors = ax.scatter(
-            *np.zeros((2, len(colours) * 2)),
-            s=(2.6 * weight) ** 2,
-            c=np.repeat(colours, 2),
-            linewidths=0,
-            zorder=6,
-        )
+        look = {"s": (2.6 * weight) ** 2, "c": np.repeat(colours, 2), "linewidths": 0}
+        self.anchors = ax.scatter(*np.zeros((2, len(colours) * 2)), **look, zorder=6)
         for artist in (self.posts, self.blocks, self.levers, self.bands):
             ax.add_collection(artist, autolim=False)
         self._symbols = self._draw_symbols(ax) if linkage.symbols else ()
 
     def _draw_symbols(self, ax: Axes) -> Sequence[Artist]:
-        """Rods, boxes, curves and marks of the elements."""
         symbols, weight = self.linkage.symbols, self.weight
         colours = style.cell_colours(len(self.linkage.chain))
         curves = [colours[i] for i, symbol in symbols.items() for _ in symbol.curves]
@@ -320,9 +261,8 @@ class Drawing:
         look = {"facecolors": "white", "edgecolors": style.INK, "linewidths": 0.8 * weight}
         self.boxes = PolyCollection([], **look, zorder=3, gid="elements")
         self.zeros = LineCollection([], colors=style.FAINT, linewidths=0.4 * weight, zorder=3.5)
-        self.curves = LineCollection(
-            [], colors=curves, linewidths=1.6 * weight, capstyle="round", zorder=4
-        )
+        thick = {"linewidths": 1.6 * weight, "capstyle": "round"}
+        self.curves = LineCollection([], colors=curves, **thick, zorder=4)
         dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": style.INK}
         (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
         drawn = (self.rods, self.boxes, self.zeros, self.curves)
@@ -341,7 +281,7 @@ class Drawing:
     ) -> Pose:
         """Put every part where it is at these travels (N,) [m]; sheets as for `pose`."""
         pose = self.linkage.pose(travels, sheets)
-        self.blocks.set_verts(list(self._page(_corners(pose.blocks))))
+        self.blocks.set_verts(list(self._page(corners(pose.blocks))))
         if self._symbols:
             self._move_symbols(pose)
         self.posts.set_segments(list(self._page(pose.posts)))
@@ -358,16 +298,14 @@ class Drawing:
 
     def _move_symbols(self, pose: Pose) -> None:
         self.rods.set_segments(list(self._page(pose.rods)))
-        self.boxes.set_verts(list(self._page(_corners(pose.boxes))))
+        self.boxes.set_verts(list(self._page(corners(pose.boxes))))
         curves: list[Floats] = []
         zeros: list[Floats] = []
-        for symbol, (left, bottom, right, _) in zip(
-            self.linkage.symbols.values(), pose.boxes, strict=True
-        ):
-            corner, side = np.array([left, bottom]), right - left
-            curves += [self._page(corner + side * curve) for curve in symbol.curves]
+        side = self.linkage.box
+        for symbol, box in zip(self.linkage.symbols.values(), pose.boxes, strict=True):
+            curves += [self._page(box[:2] + side * curve) for curve in symbol.curves]
             line = np.array([(0.0, symbol.zero), (1.0, symbol.zero)])
-            zeros.append(self._page(corner + side * line))
+            zeros.append(self._page(box[:2] + side * line))
         self.curves.set_segments(curves)
         self.zeros.set_segments(zeros)
         self.dots.set_data(*self._page(pose.dots).T)
@@ -376,8 +314,6 @@ class Drawing:
         return self.origin + self.scale * xy
 
 
-def _corners(boxes: Floats) -> Floats:
+def corners(boxes: Floats) -> Floats:
     """(n, 4, 2) of (n, 4) left, bottom, right, top."""
-    left, bottom, right, top = boxes.T
-    corners = np.stack([left, bottom, right, bottom, right, top, left, top], axis=1)
-    return corners.reshape(-1, 4, 2)
+    return boxes[:, [0, 1, 2, 1, 2, 3, 0, 3]].reshape(-1, 4, 2)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from stepwell.base import InputError
 from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
 from stepwell.figures.common import legends, marks, style, words
-from stepwell.figures.common.sheet import canvas, page_width
+from stepwell.figures.common.sheet import Box, Point, canvas, page_width
 from stepwell.mechanism import Chain, Element
 
 # More than this is too small to see on a page.
@@ -39,11 +39,10 @@ def mechanism(
     """The chain in one state after another, with an arrow between and the stroke below each.
 
     The stroke runs to the right and the fixed block is at the left. States that load follow each
-    other to the right, in a row or several, those that unload to the left. Every second cell is
-    mirrored across the stroke, so that blocks lie in two rows with the levers zig-zagging
-    between them; this changes no length and no force. A band is as thick as its tension, and
-    dashed where it is slack. An element is a box with its force curve, and a mark on the curve
-    where it stands: in a phase, where that is without force or has the least.
+    other to the right, those that unload to the left. Every second cell is mirrored across the
+    stroke, which changes no length and no force. A band is as thick as its tension, and dashed
+    where it is slack. An element is a box with its force curve, and a mark on the curve where it
+    stands: in a phase, where that is without force or has the least.
 
     Args:
         chain: up to 12 cells.
@@ -56,9 +55,9 @@ def mechanism(
 
     Source: Kamp et al. 2024, Figs. 1A and 2A.
     """
-    sheet = arrange(chain, states, columns=columns)
-    figure, ax = canvas(ax, (sheet.width, sheet.height), (0.0, 0.0, 0.0, 0.0), rigid=True)
-    draw(ax, sheet)
+    plan = arrange(chain, states, columns=columns)
+    figure, ax = canvas(ax, (plan.width, plan.height), (0.0, 0.0, 0.0, 0.0), rigid=True)
+    draw(ax, plan)
     return figure
 
 
@@ -67,13 +66,15 @@ class DrawingPlan:
     """Where each drawing goes on a page of this width and height [mm]."""
 
     linkage: LinkageDrawing
-    travels: list[tuple[float, ...]]
-    sheets: list[tuple[int | None, ...]]
+    # Travel and sheet of every cell, and what is written above.
+    places: list[list[tuple[float, int | None]]]
     titles: list[str]
-    origins: list[tuple[float, float]]
+    origins: list[Point]
     scale: float
-    bounds: tuple[float, float, float, float]
+    bounds: Box
+    # Where the outermost block's right edge is at no stroke [m drawn].
     rest: float
+    # Of every drawing but the first, whether the stroke grows to it, 1, or falls, -1.
     ways: list[int]
     width: float
     height: float
@@ -86,14 +87,14 @@ def arrange(
     wanted = list(states)
     _refuse_many(chain, wanted)
     places = [_place(chain, state) for state in wanted]
-    travels = [tuple(travel for travel, _ in place) for place in places]
+    travels = [[travel for travel, _ in place] for place in places]
     linkage = LinkageDrawing(chain, travels)
     left, bottom, right, top = linkage.bounds(travels)
     # The wall of the fixed block is part of the picture.
     left = min(left, -1.7 * linkage.reach)
     wide, high = (right - left) * style.MM, (top - bottom) * style.MM
-
-    ways = _ways(travels)
+    strokes = [*map(math.fsum, travels)]
+    ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
     page = page_width(style.PAGE)
     # Cells, what a band's width means, and one that is slack.
     key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
@@ -108,7 +109,7 @@ def arrange(
         return grid, edges, scale, key + (grid[-1][0] + 1) * (high * scale + _ABOVE + _BELOW)
 
     if columns is None:
-        most = _longest_run(ways)
+        most = 1 + max((len(list(run)) for _, run in groupby(ways)), default=0)
         columns = max((c for c in range(2, most + 1) if sized(c)[2] >= _SMALLEST_WANTED), default=1)
         # As many rows as that needs, filled evenly.
         columns = math.ceil(most / math.ceil(most / columns))
@@ -118,26 +119,18 @@ def arrange(
     row = high * scale + _ABOVE + _BELOW
     step = wide * scale + _BETWEEN
     first = (page - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
-    origins = [
-        (
-            first + column * step - left * style.MM * scale,
-            height - (at + 1) * row + _BELOW - bottom * style.MM * scale,
-        )
-        for at, column in grid
-    ]
-    return DrawingPlan(
-        linkage,
-        travels,
-        [tuple(sheet for _, sheet in place) for place in places],
-        [_title(chain, state) for state in wanted],
-        origins,
-        scale,
-        (left, bottom, right, top),
-        _at_rest(linkage, travels[0]),
-        ways,
-        page,
-        height,
-    )
+    x, y = first - left * style.MM * scale, height + _BELOW - bottom * style.MM * scale
+    origins = [(x + column * step, y - (at + 1) * row) for at, column in grid]
+    titles = [_title(chain, state) for state in wanted]
+    bounds = left, bottom, right, top
+    rest = float(linkage.pose(travels[0]).blocks[-1, 2]) - linkage.unit * strokes[0]
+    return DrawingPlan(linkage, places, titles, origins, scale, bounds, rest, ways, page, height)
+
+
+def refuse_long(chain: Chain) -> None:
+    """Refuse a chain of more cells than can be seen."""
+    if len(chain) > MOST_CELLS:
+        raise InputError(f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen.")
 
 
 def _refuse_many(chain: Chain, states: Sequence[State]) -> None:
@@ -148,12 +141,6 @@ def _refuse_many(chain: Chain, states: Sequence[State]) -> None:
         )
     if not 0 < len(states) <= MOST_STATES:
         raise InputError(f"states has {len(states)} entries: must be 1 to {MOST_STATES}.")
-
-
-def _ways(travels: Sequence[Sequence[float]]) -> list[int]:
-    """Of every state but the first, whether the stroke grows to it, 1, or falls, -1."""
-    strokes = [math.fsum(travel) for travel in travels]
-    return [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
@@ -170,55 +157,48 @@ def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
     return found
 
 
-def _longest_run(ways: Sequence[int]) -> int:
-    """The most states that follow each other one way."""
-    return 1 + max((len(list(run)) for _, run in groupby(ways)), default=0)
-
-
-def draw(ax: Axes, sheet: DrawingPlan) -> None:
+def draw(ax: Axes, plan: DrawingPlan) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    marks.plain(ax, (0.0, sheet.width, 0.0, sheet.height))
-    per_metre = sheet.scale * style.MM
-    weight = min(1.0, 0.55 + 0.9 * sheet.scale)
-    left, bottom, right, top = (b * per_metre for b in sheet.bounds)
+    marks.plain(ax, (0.0, plan.width, 0.0, plan.height))
+    per_metre, linkage = plan.scale * style.MM, plan.linkage
+    weight = min(1.0, 0.55 + 0.9 * plan.scale)
+    left, bottom, right, top = (b * per_metre for b in plan.bounds)
     slack = False
-    stroke_of = words.stroke(sheet.linkage.chain.measure)
-    for k, (travels, sheets, title, origin) in enumerate(
-        zip(sheet.travels, sheet.sheets, sheet.titles, sheet.origins, strict=True)
-    ):
-        drawing = Drawing(ax, sheet.linkage, origin, per_metre, weight)
-        pose = drawing.move(travels, sheets)
+    stroke_of = words.stroke(linkage.chain.measure)
+    drawings = zip([0, *plan.ways], plan.places, plan.titles, plan.origins, strict=True)
+    for way, place, title, origin in drawings:
+        travels, sheets = zip(*place, strict=True)
+        pose = Drawing(ax, linkage, origin, per_metre, weight).move(travels, sheets)
         slack = slack or bool(pose.slack.any())
-        ground(ax, sheet.linkage, origin, per_metre)
+        ground(ax, linkage, origin, per_metre)
         middle = origin[0] + (left + right) / 2
         above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
         ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
         # Elements rest where a root was found, and a rounding error is no stroke.
-        if abs(stroke) < 1e-9 * sheet.linkage.chain.full_stroke:
+        if abs(stroke) < 1e-9 * linkage.chain.full_stroke:
             stroke = 0.0
         # From where the outermost block's edge is at zero stroke to where it is now.
-        start = origin[0] + sheet.rest * per_metre
-        now = start + stroke * sheet.linkage.unit * per_metre
+        start = origin[0] + plan.rest * per_metre
+        now = start + stroke * linkage.unit * per_metre
         y = origin[1] + bottom - 1.6
         ax.plot([start, start], [y - 0.8, y + 0.8], color=style.INK, linewidth=0.6)
         if now - start > 2.0:
             ax.plot([start, now - 1.0], [y, y], color=style.INK, linewidth=0.6)
             marks.head(ax, (start, y), (now, y), style.INK, size=5)
         ax.text(middle, y - 1.4, stroke_of.value(stroke), ha="center", va="top", fontsize=7)
-        if k:
+        if way:
             # From the state before, the way that the stroke goes.
-            way = sheet.ways[k - 1]
             x = origin[0] + (left - _BETWEEN / 2 if way > 0 else right + _BETWEEN / 2)
             y = origin[1] + (bottom + top) / 2
             colour = style.direction_colour(way)
             ends = [x - 2.4 * way, x + 1.0 * way]
             ax.plot(ends, [y, y], color=colour, linewidth=1.6, gid="arrow")
             marks.head(ax, (ends[0], y), (x + 2.6 * way, y), colour, size=9)
-    _key(ax, sheet, slack)
+    _key(ax, plan, slack)
 
 
-def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale: float) -> None:
+def ground(ax: Axes, linkage: LinkageDrawing, origin: Point, scale: float) -> None:
     """The wall that holds the fixed block."""
     x = origin[0] - linkage.reach * scale
     half = 1.2 * linkage.half_block * scale
@@ -234,50 +214,40 @@ def _entries(width: float) -> int:
     return max(1, int(width / _ENTRY))
 
 
-def _key(ax: Axes, sheet: DrawingPlan, slack: bool) -> None:
-    linkage = sheet.linkage
+def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
+    linkage, scale = plan.linkage, plan.scale
     handles = legends.cells(linkage.chain.names, 2.0)
     if len(linkage.owner):
-        strongest = linkage.greatest_tension()
-        handles.append(legends.line(f"band at {strongest:.2f} N", width=THICKEST * 0.8))
+        strongest = f"band at {linkage.greatest_tension():.2f} N"
+        handles.append(legends.line(strongest, width=THICKEST * 0.8))
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
-    place_of_key = (0.02, 0.6 / sheet.height)
-    legends.above(
-        ax, handles, min(len(handles), _entries(sheet.width)), bbox_to_anchor=place_of_key
-    )
+    columns = min(len(handles), _entries(plan.width))
+    legends.above(ax, handles, columns, bbox_to_anchor=(0.02, 0.6 / plan.height))
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
     # A round length, so that no reader needs the design file.
-    bar = marks.round_length(_BAR / sheet.scale)
-    x = sheet.width - 4.0
+    bar, x = marks.round_length(_BAR / scale), plan.width - 4.0
     look = {"color": style.INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
-    ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)
-    ax.text(x - bar * sheet.scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")
-
-
-def _at_rest(linkage: LinkageDrawing, travels: Sequence[float]) -> float:
-    """Where the outermost block's right edge is at no stroke [m drawn]."""
-    return float(linkage.pose(travels).blocks[-1, 2]) - linkage.unit * math.fsum(travels)
+    ax.plot([x - bar * scale, x], [2.4, 2.4], **look)
+    ax.text(x - bar * scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")
 
 
 def _place(chain: Chain, state: State) -> list[tuple[float, int | None]]:
     """Travel and sheet of every cell; None where any sheet that has the travel will do."""
     if isinstance(state, str):
-        digits = [{str(k): phase for k, phase in enumerate(cell)} for cell in chain.phases]
-        if len(state) != len(chain) or not all(
-            one in known for one, known in zip(state, digits, strict=True)
-        ):
+        known = [{str(k): phase for k, phase in enumerate(cell)} for cell in chain.phases]
+        phases = [own.get(digit) for own, digit in zip(known, state, strict=False)]
+        if len(state) != len(chain) or None in phases:
             raise InputError(f"state {state!r}: must be {_allowed(chain)}, innermost first.")
-        phases = [known[one] for one, known in zip(state, digits, strict=True)]
         return [
             (rest_of(cell, phase) if isinstance(cell, Element) else phase.low, phase.sheet)
             for cell, phase in zip(chain.cells, phases, strict=True)
+            if phase is not None
         ]
-    travels = tuple(float(s) for s in state)
-    if len(travels) != len(chain):
-        raise InputError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
-    return [(travel, None) for travel in travels]
+    if len(state) != len(chain):
+        raise InputError(f"a state has {len(state)} travels: must be {len(chain)}, one a cell.")
+    return [(float(travel), None) for travel in state]
 
 
 def _allowed(chain: Chain) -> str:
