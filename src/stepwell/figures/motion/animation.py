@@ -18,7 +18,7 @@ from matplotlib.text import Text
 
 from stepwell.base import Floats, InputError, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
-from stepwell.figures.cells.mechanism import MOST_CELLS, ground
+from stepwell.figures.cells.mechanism import ground, refuse_long
 from stepwell.figures.common import marks, reading, style, words as told, write
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
@@ -56,23 +56,17 @@ def animation(
 
     Args:
         result: a cycle, a path or a stroke program, of up to 12 cells.
-        file: where to; written whole or not at all.
+        file: where to; written whole or not at all, and returned.
         seconds: how long one round lasts.
         fps: frames a second, up to 50; rounded to what a GIF can tell, 100 over a whole number.
         progress: called with (done, total) frames.
-
-    Returns:
-        The file.
 
     Raises:
         ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
             or a file name that does not end in .gif.
     """
     path = reading.path_of(result)
-    if len(path.chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
-        )
+    refuse_long(path.chain)
     if not 0 < seconds < float("inf"):
         raise InputError(f"seconds = {seconds}: must be > 0.")
     if not 0 < fps <= 50:
@@ -105,6 +99,7 @@ class _Scene:
         from stepwell.sequences import Cycle, Program
 
         self.chain = path.chain
+        colours = style.cell_colours(len(self.chain))
         # Of lever chains the sizes are known; else three digits of the largest value.
         known = not self.chain.elements
         of = told.stroke(self.chain.measure), told.force(self.chain.measure)
@@ -115,7 +110,6 @@ class _Scene:
         self.travel = told.travel(self.chain.measure)
         # A cycle goes up and down once; all else has a plan worth showing.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
-        windows = stroke_program.windows_of(result) if isinstance(result, Program) else []
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
         self.linkage = LinkageDrawing(self.chain, ends)
@@ -130,15 +124,14 @@ class _Scene:
             drawn = min(60.0, high * 156.0 / wide)
             size, stage = (160.0, 88.0 + drawn), (2.0, 71.0, 156.0, drawn)
             plot = (16.0, 12.0, 140.0, 48.0)
-        size = (size[0], size[1] + below)
-        stage, plot = ((left, at + below, *rest) for left, at, *rest in (stage, plot))
-        self.figure: Figure = blank(*size)
+        tall = size[1] + below
+        self.figure: Figure = blank(size[0], tall)
         self.figure.set_dpi(_DPI)
         self.two = len(self.chain) == 2
-        self.plot = place(self.figure, *plot)
+        self.plot = place(self.figure, plot[0], plot[1] + below, *plot[2:])
         (overview.landscape if self.two else strokes.force_stroke)(path, ax=self.plot)
 
-        ax = place(self.figure, *stage)
+        ax = place(self.figure, stage[0], stage[1] + below, *stage[2:])
         marks.plain(ax, (0.0, stage[2], 0.0, stage[3]))
         scale = min(stage[2] / wide, stage[3] / high)
         origin = (
@@ -152,29 +145,26 @@ class _Scene:
         def words(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
             return text_at(self.figure, x, y, text, fontsize=size, va="baseline", **look)
 
-        def dot(ax: Axes, size: float, **look: Any) -> Line2D:
-            return ax.plot([], [], "o", markersize=size, **look)[0]
-
-        top = size[1] - 7.0
+        top = tall - 7.0
         self.stroke, self.force = words(6.0, top), words(36.0, top)
         box = {"boxstyle": "round,pad=0.2", "facecolor": style.YELLOW, "linewidth": 0}
         self.word = words(72.0, top, "snap", 11.0, fontweight="bold", color=style.BLACK, bbox=box)
         self.state = words(6.0, top - 7.0) if beside else words(98.0, top)
         x, y = 6.0, 5.0 + below if beside else top - 6.0
-        for name, colour in zip(self.chain.names, style.cell_colours(len(self.chain)), strict=True):
+        for name, colour in zip(self.chain.names, colours, strict=True):
             text = words(x, y, literal(name), 7.0, color=colour, fontweight="bold")
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0
-        now = {"color": style.INK, "markeredgecolor": "white", "zorder": 11}
-        self.halo = dot(self.plot, 15.0, color=style.YELLOW, zorder=10)
-        self.dot = dot(self.plot, 7.0, **now)
-        dots = [self.halo, self.dot]
-        self.plan = None
+        now = {"color": style.INK, "markeredgecolor": "white", "zorder": 11, "markersize": 7.0}
+        (self.halo,) = self.plot.plot([], [], "o", markersize=15.0, color=style.YELLOW, zorder=10)
+        (self.dot,) = self.plot.plot([], [], "o", **now)
+        # Where it is in the plan of strokes, if that is shown.
+        self.plan: list[Line2D] = []
         if below:
+            windows = stroke_program.windows_of(result) if isinstance(result, Program) else []
             ax = self._draw_plan(path, windows, plot[0] + plot[2])
-            dots.append(plan := dot(ax, 7.0, gid="now", **now))
-            self.plan = plan
+            self.plan = ax.plot([], [], "o", gid="now", **now)
         texts = (self.stroke, self.force, self.state, self.word)
-        self.moving = (*self.drawing.artists, *texts, *dots)
+        self.moving = (*self.drawing.artists, *texts, self.halo, self.dot, *self.plan)
         for artist in self.moving:
             artist.set_animated(True)
         canvas = self.figure.canvas
@@ -185,7 +175,6 @@ class _Scene:
         self.still = canvas.copy_from_bbox(self.figure.bbox)
 
     def _draw_plan(self, path: Path, windows: list[stroke_program.Window], right: float) -> Axes:
-        """The strokes ahead and behind."""
         ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
         plan = stroke_program.plan_of(path)
         ax.set_xlim(stroke_program.limits(plan.way, 0.03))
@@ -209,7 +198,6 @@ class _Scene:
         return sheet.resize((width, height), Image.Resampling.NEAREST)
 
     def shoot(self, frame: stroke_program.Instant) -> Picture:
-        """The picture at one instant."""
         from PIL import Image
 
         self.drawing.move(frame.travels, frame.sheets)
@@ -220,8 +208,8 @@ class _Scene:
         x, y = frame.travels * self.travel.factor if self.two else (u, f)
         for dot in (self.dot, self.halo):
             dot.set_data([x], [y])
-        if self.plan is not None:
-            self.plan.set_data([frame.way], [frame.drive])
+        for dot in self.plan:
+            dot.set_data([frame.way], [frame.drive])
             self.state.set_text(f"state {self._state(frame)}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)
@@ -233,6 +221,6 @@ class _Scene:
 
 
 def _decimals(values: Floats) -> int:
-    """So many that three digits of the largest are told."""
+    # So many that three digits of the largest are told.
     largest = float(np.max(np.abs(values))) or 1.0
     return max(0, 2 - math.floor(math.log10(largest)))

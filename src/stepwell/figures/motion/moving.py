@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.base import Floats, InputError, printable, write_atomic
-from stepwell.figures.cells.linkage import LinkageDrawing, Pose
-from stepwell.figures.cells.mechanism import MOST_CELLS
+from stepwell.figures.cells.linkage import LinkageDrawing, Pose, corners
+from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import reading, style
 from stepwell.figures.motion.stroke_program import instants
 
@@ -26,22 +26,14 @@ _UNSEEN = 0.35
 
 
 class MotionRound:
-    """One round of a motion, which begins again where it ends.
-
-    Args:
-        seconds: how long it lasts.
-    """
+    """One round of a motion, which lasts so many seconds and begins again where it ends."""
 
     def __init__(self, seconds: float):
         self._often = f'dur="{seconds:g}s" repeatCount="indefinite"'
 
     def path(self, values: Floats, shape: str, look: str) -> str:
-        """A path whose points move.
-
-        Args:
-            values: (frames, numbers) what `shape` takes [px].
-            shape: its commands, with {} for each number.
-            look: its attributes.
+        """A path whose points move: its commands, `shape`, have a {} for each of the numbers [px],
+        (frames, numbers); `look` are its attributes.
         """
         if not values.shape[1]:
             return ""
@@ -50,13 +42,7 @@ class MotionRound:
         return f'<path {look} d="{told[0]}">{moved}</path>'
 
     def shifted(self, points: Floats, shift: Floats, look: str) -> str:
-        """A line that keeps its shape.
-
-        Args:
-            points: (n, 2) of it in the first frame [px].
-            shift: (frames, 2) how far it has gone from there [px].
-            look: its attributes.
-        """
+        """A line (n, 2) that keeps its shape and shifts (frames, 2) from there [px]."""
         steps = "L".join(f"{short(x)} {short(y)}" for x, y in points)
         told = [f"{short(x)} {short(y)}" for x, y in shift]
         how = 'attributeName="transform" type="translate"'
@@ -83,7 +69,7 @@ class MotionRound:
 
 
 def short(value: float, digits: int = 1) -> str:
-    """A number without what nobody sees."""
+    """A number with no more digits than can be seen."""
     text = f"{value + 0.0:.{digits}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
@@ -94,10 +80,8 @@ def _kept(values: Floats) -> list[int]:
     keep, last = [0], len(values) - 1
     while keep[-1] < last:
         first = keep[-1]
-        end = first + 1
-        while end < last and not _bent(values[first : end + 2]):
-            end += 1
-        keep.append(end)
+        bent = (end for end in range(first + 1, last) if _bent(values[first : end + 2]))
+        keep.append(next(bent, last))
     return keep
 
 
@@ -125,25 +109,19 @@ def moving(
 
     It moves without a script, so it plays as an image too, and is small: some 50 kB for two cells,
     100 for six. Its timing is that of `animation`; where a motion does not come back to where it
-    began, it begins anew.
+    began, it starts again.
 
     Args:
         result: a cycle, a path or a stroke program, of up to 12 cells.
-        file: where to; written whole or not at all.
+        file: where to; written whole or not at all, and returned.
         seconds: how long one round lasts.
-
-    Returns:
-        The file.
 
     Raises:
         ValueError: a chain too long to draw, no time or more than a minute, or a file name that
             does not end in .svg.
     """
     path = reading.path_of(result)
-    if len(path.chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
-        )
+    refuse_long(path.chain)
     if not 0 < seconds <= 60:
         raise InputError(f"seconds = {seconds}: must be > 0 and at most 60.")
     if File(file).suffix.lower() != ".svg":
@@ -161,7 +139,7 @@ class _Picture:
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
         self.linkage = LinkageDrawing(self.chain, ends)
         frames = instants(path, seconds, max(2, round(seconds * _RATE)))
-        # A cycle ends where it begins; a program rests there before it begins anew.
+        # A cycle ends where it begins; a program rests there before it starts again.
         around = np.allclose(path.travel[0], path.travel[-1], atol=1e-9)
         frames.append(frames[0] if around else frames[-1])
         self.poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
@@ -175,7 +153,6 @@ class _Picture:
 
     @property
     def text(self) -> str:
-        """The whole file."""
         title = _plain(self.chain.title) or "A mechanism in motion"
         drawn = (*self._linkage(), *self._bands(), *self._symbols())
         return (
@@ -203,13 +180,12 @@ class _Picture:
     def _symbols(self) -> Iterable[str]:
         for m, (i, symbol) in enumerate(self.linkage.symbols.items()):
             yield self._boxes(lambda pose, m=m: pose.boxes[m : m + 1], "white")
-            corners = self._page(np.array([pose.boxes[m, :2] for pose in self.poses]))
+            at = self._page(np.array([pose.boxes[m, :2] for pose in self.poses]))
             look = f'fill="none" {self._pen(self.colours[i], 2.0)}'
+            side = self.linkage.box * self.scale
             for curve in symbol.curves:
-                side = self.linkage.box * self.scale
                 few = curve[:: max(1, len(curve) // 48)]
-                points = corners[0] + few * (side, -side)
-                yield self.round.shifted(points, corners - corners[0], look)
+                yield self.round.shifted(at[0] + few * (side, -side), at - at[0], look)
             for colour, width in (("white", 8.0), (style.INK, 6.0)):
                 at = self._page(np.array([pose.dots[m] for pose in self.poses]))
                 yield self.round.path(at, "M{} {}h0", self._pen(colour, width))
@@ -217,7 +193,6 @@ class _Picture:
     def _lines(
         self, of: Callable[[Pose], Floats], colour: str, width: float, mark: str = ""
     ) -> str:
-        """Lines, (n, 2, 2) in each pose, with a mark at their ends."""
         ends = self._page(np.array([of(pose) for pose in self.poses])).reshape(len(self.poses), -1)
         look = f'fill="none" {self._pen(colour, width)}'
         if mark:
@@ -225,15 +200,12 @@ class _Picture:
         return self.round.path(ends, "M{} {}L{} {}" * (ends.shape[1] // 4), look)
 
     def _boxes(self, of: Callable[[Pose], Floats], fill: str) -> str:
-        """Boxes, (n, 4) left, bottom, right, top in each pose."""
         boxes = np.array([of(pose) for pose in self.poses])
-        corners = self._page(boxes[..., [0, 1, 2, 1, 2, 3, 0, 3]].reshape(*boxes.shape[:2], 4, 2))
+        page = self._page(corners(boxes.reshape(-1, 4))).reshape(len(boxes), -1)
         shape = "M{} {}L{} {}L{} {}L{} {}Z" * boxes.shape[1]
-        look = f'fill="{fill}" {self._pen(style.INK, 0.8)}'
-        return self.round.path(corners.reshape(len(boxes), -1), shape, look)
+        return self.round.path(page, shape, f'fill="{fill}" {self._pen(style.INK, 0.8)}')
 
     def _ground(self) -> str:
-        """What holds the first block."""
         reach, half = self.linkage.reach, self.linkage.half_block
         wall = -1.15 * reach
         strokes = [
@@ -246,7 +218,6 @@ class _Picture:
         return f'<path d="{drawn}" fill="none" stroke="{style.FAINT}" stroke-width="1.4"/>'
 
     def _names(self, names: Sequence[str]) -> str:
-        """The names of the cells in their colours."""
         spans = "".join(
             f'<tspan fill="{colour}" dx="{10 if k else 0}">{_plain(name)}</tspan>'
             for k, (name, colour) in enumerate(zip(names, self.colours, strict=True))
@@ -278,5 +249,5 @@ def _mark(name: str, fill: str, stroke: str, radius: float) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text that XML can hold."""
+    # What XML can hold.
     return escape(printable(text))

@@ -17,17 +17,8 @@ from matplotlib.ticker import MaxNLocator
 from stepwell.base import Floats
 from stepwell.figures.cells.cell_curves import element_curves
 from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, arrange, draw, mechanism
-from stepwell.figures.common import marks, reading, style, words
-from stepwell.figures.common.sheet import (
-    Draw,
-    blank,
-    canvas,
-    keep_inside,
-    page_width,
-    place,
-    root,
-    text_at,
-)
+from stepwell.figures.common import marks, reading, sheet, style, words
+from stepwell.figures.common.sheet import Draw, Point, blank, canvas, place, text_at
 from stepwell.figures.composing import compose
 from stepwell.figures.motion.strokes import MOST_LANES, force_stroke, travel_stroke
 from stepwell.mechanism import Cell, Chain, Element
@@ -59,18 +50,16 @@ _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F
 
 @style.styled
 def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
-    """Total energy of a two-cell chain over both travels, with the path on it.
+    """Total energy [mJ] of a two-cell chain over both travels [mm], with the path on it.
+
+    Travels are told in the chain's measure; thin diagonals join points of equal stroke, along which
+    snaps run. States are dots; with elements frames, with the phases of the inner cell numbered
+    above and those of the outer one beside. Where the curve of an element folds back, its energy is
+    the least that it can have at that travel.
 
     Args:
         result: a cycle or a path of a chain of two cells.
         ax: axes to draw into, without a colour bar; a new figure of one column by default.
-
-    Returns:
-        The figure: energy [mJ] over the travels of the inner and the outer cell [mm], or what
-        they are in the chain's measure; thin diagonals join points of equal stroke, along which
-        snaps run. States are dots; with elements frames, with the phases of the inner cell
-        numbered above and those of the outer one beside. Where the curve of an element folds back,
-        its energy is the least that it can have at that travel.
 
     Raises:
         ValueError: a chain that has not exactly two cells.
@@ -80,21 +69,33 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     path = reading.path_of(result)
     reading.require_two_cells(path.chain, "an energy landscape")
     own = ax is None
-    width = page_width(style.COLUMN)
+    width = sheet.page_width(style.COLUMN)
     side = min(width - 31.0, _WIDEST)
     size, margins = (width, side + 18.0), (11.0, 11.0, width - side - 11.0, 7.0)
     figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
-    filled = draw_energy(ax, path)
-    if own:
-        ax.apply_aspect()
-        keep_inside(ax, 0.0)
-    draw_path(ax, path)
-    if own:
-        colour_bar(filled, place(figure, side + 14.0, 15.0, 2.5, side - 8.0))
+    _draw_landscape(ax, path, (side + 14.0, side - 8.0) if own else None)
     return figure
 
 
-def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
+def _draw_landscape(ax: Axes, path: Path, bar: Point | None) -> None:
+    """The landscape with the path, and a colour bar this far from the left and this high [mm]."""
+    filled = _draw_energy(ax, path)
+    if bar is not None:
+        ax.apply_aspect()
+        sheet.keep_inside(ax, 0.0)
+    x, y = path.travel.T * words.travel(path.chain.measure).factor
+    marks.trace(ax, path, x, y, _WIDTHS)
+    marks.snaps(ax, reading.snaps_of(path), x, y)
+    marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
+    marks.legend(ax, path, _WIDTHS)
+    if bar is not None:
+        shades = place(sheet.sheet_of(ax), bar[0], 15.0, 2.5, bar[1])
+        sheet.root(ax).colorbar(filled, cax=shades, ticks=MaxNLocator(6))
+        shades.tick_params(length=2.0)
+        shades.set_ylabel("Energy [mJ]")
+
+
+def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     """The landscape itself with its stops or phases, states and lines of equal stroke."""
     chain, of = path.chain, words.travel(path.chain.measure)
     spans = [reading.span(path, i) for i in range(2)]
@@ -115,14 +116,12 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     ax.plot(*frame, color=style.FAINT, linewidth=0.6)
 
     # Room for the names of the states, which small axes have not.
-    page, dpi = ax.get_window_extent(), root(ax).dpi / 25.4
+    page, dpi = ax.get_window_extent(), sheet.root(ax).dpi / 25.4
     room = max(0.085, _ROOM * dpi / min(page.width, page.height))
-    pad = room * max(width, height)
-    pads = pad, pad
-    if max(width, height) < _SLIMMEST * min(width, height):
+    pads = room * width, room * height
+    if max(pads) < _SLIMMEST * min(pads):
         ax.set_aspect("equal")
-    else:
-        pads = room * width, room * height
+        pads = max(pads), max(pads)
     ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines.bottom.set_bounds(left, right)
@@ -138,28 +137,26 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
 
 
 def _energy(cell: Cell | Element, travel: Floats) -> Floats:
-    """The least energy that a cell can have at travels [J]; more than one sheet may have them."""
-    sheets = cell.laws if isinstance(cell, Element) else ()
-    if len(sheets) < 2:
+    # The least [J] on all sheets that have the travel.
+    laws = cell.laws if isinstance(cell, Element) else ()
+    if len(laws) < 2:
         return cell.energy_at(travel)
     found = np.full(travel.shape, np.inf)
-    for number, sheet in enumerate(sheets):
-        low = sheet.begin if sheet.begin > cell.low else -np.inf
-        high = sheet.end if sheet.end < cell.high else np.inf
+    for number, law in enumerate(laws):
+        low = law.begin if law.begin > cell.low else -np.inf
+        high = law.end if law.end < cell.high else np.inf
         here = (travel >= low) & (travel <= high)
         found[here] = np.minimum(found[here], cell.energy_at(travel[here], number))
     return found
 
 
 def _name_states(ax: Axes, width: float, height: float) -> None:
-    """A dot and a name for each state of two lever cells."""
-    for name in ("00", "10", "11", "01"):
-        one, other = int(name[0]), int(name[1])
+    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
+    for one, other in ((0, 0), (1, 0), (1, 1), (0, 1)):
         at = (one * width, other * height)
         ax.plot(*at, "o", markersize=3.4, color=style.BLACK, zorder=7, gid="states")
         off = (13.0 * one - 6.5, 13.0 * other - 6.5)
-        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
-        text.set_fontweight("bold")
+        ax.annotate(f"{one}{other}", at, off, **look, fontweight="bold")
 
 
 def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
@@ -174,33 +171,17 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
         ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
     (_, right), (_, top) = ends
     look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
+    look |= {"fontweight": "bold", "gid": "digit"}
     for cell, (stretches, colour) in enumerate(zip(both, style.cell_colours(2), strict=True)):
         for digit, stretch in enumerate(stretches):
             middle = float(np.mean(stretch))
             at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
-            text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
-            text.set_fontweight("bold")
+            ax.annotate(str(digit), at, off, **look, color=colour)
     # How many ticks fit is known once the axes have their shape.
     ax.apply_aspect()
     for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
         slip = 1e-9 * (high - low)
         axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
-
-
-def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
-    """What the shades mean."""
-    root(ax).colorbar(filled, cax=ax, ticks=MaxNLocator(6))
-    ax.tick_params(length=2.0)
-    ax.set_ylabel("Energy [mJ]")
-
-
-def draw_path(ax: Axes, path: Path) -> None:
-    """Loading, unloading and snaps of the path, with their legend."""
-    x, y = path.travel.T * words.travel(path.chain.measure).factor
-    marks.trace(ax, path, x, y, _WIDTHS)
-    marks.snaps(ax, reading.snaps_of(path), x, y)
-    marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
-    marks.legend(ax, path, _WIDTHS)
 
 
 # Height of a page, and of the lanes of many cells on it [mm].
@@ -209,48 +190,35 @@ _PAGE, _LANES = 247.0, 120.0
 
 @style.styled
 def overview(cycle: Cycle) -> Figure:
-    """The mechanism in every state of its cycle, its energy landscape and its force loop.
+    """The mechanism in every state of its full cycle, its energy landscape and its force loop.
 
     A chain of other than two cells shows the travel of each cell in place of the landscape, and
     one too long to draw leaves the mechanism out.
-
-    Args:
-        cycle: a full cycle.
-
-    Returns:
-        A figure of two columns' width.
     """
     chain = cycle.chain
     drawable = len(chain) <= MOST_CELLS
     lanes = max(46.0, min(20.0, (_LANES if drawable else 200.0) / len(chain)) * len(chain))
     body = 58.0 if len(chain) == 2 else lanes
     tallest = _PAGE - body - 23.0
-    sheet = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
-    above = sheet.height + 3.0 if sheet is not None else 0.0
-    height = above + body + 20.0
+    plan = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
+    height = (plan.height + 3.0 if plan is not None else 0.0) + body + 20.0
     figure = blank(style.PAGE, height)
-    letters: list[tuple[str, float, float]] = []
-    if sheet is not None:
-        draw(place(figure, 0.0, height - sheet.height, style.PAGE, sheet.height), sheet)
-        letters.append(("A", 2.0, height - 4.0))
-    below = body + 13.0
+    corners = [(2.0, body + 13.0), (92.0, body + 13.0)]
+    if plan is not None:
+        draw(place(figure, 0.0, height - plan.height, style.PAGE, plan.height), plan)
+        corners.insert(0, (2.0, height - 4.0))
     if len(chain) == 2:
         ax = place(figure, 11.0, 11.0, 58.0, body)
-        filled = draw_energy(ax, cycle.path)
-        ax.apply_aspect()
-        keep_inside(ax, 0.0)
-        draw_path(ax, cycle.path)
-        colour_bar(filled, place(figure, 72.5, 15.0, 2.5, body - 8.0))
+        _draw_landscape(ax, cycle.path, (72.5, body - 8.0))
     else:
         lanes_ax = place(figure, 14.0, 11.0, 66.0, body)
         travel_stroke(cycle, ax=lanes_ax)
-        keep_inside(lanes_ax)
+        sheet.keep_inside(lanes_ax)
     # Higher than wide, a force loop is but a row of lines.
     high = min(body, 72.0)
     force_stroke(cycle, ax=place(figure, 105.0, 11.0 + body - high, 72.0, high))
-    letters += [("BC"[k] if drawable else "AB"[k], (2.0, 92.0)[k], below) for k in (0, 1)]
-    for letter, x, y in letters:
-        text_at(figure, x, y, letter, fontsize=10, fontweight="bold")
+    for letter, corner in zip("ABC", corners, strict=False):
+        text_at(figure, *corner, letter, fontsize=10, fontweight="bold")
     return figure
 
 
@@ -259,16 +227,11 @@ _WIDE = "mechanism", "force_stroke", "element_curves"
 
 
 def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
-    """Every figure of a cycle that can be drawn for a chain of its length.
+    """Every figure of a full cycle that can be drawn for a chain of its length.
 
-    Args:
-        cycle: a full cycle.
-        width: of those that can be wider than one column of a page [mm]; as their functions have
-            it by default.
-
-    Returns:
-        By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
-        travel_stroke (up to 60 cells); element_curves of up to 12 elements.
+    By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
+    travel_stroke (up to 60 cells); element_curves of up to 12 elements. `width` is of those that
+    can be wider than one column of a page [mm]; as their functions have it by default.
     """
     return {
         name: draw() if width is None or name not in _WIDE else compose([draw], width=width)

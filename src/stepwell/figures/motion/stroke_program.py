@@ -14,9 +14,9 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats
-from stepwell.figures.common import legends, marks, sheet, style, words, words as told
+from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.legends import Label, beside, inside
-from stepwell.figures.common.reading import curve, snaps_of, span, vertices
+from stepwell.figures.common.reading import curve, snaps_of, span, travelled, vertices
 from stepwell.figures.common.words import minus, shortened
 from stepwell.figures.motion.strokes import lanes, name_lane
 
@@ -38,16 +38,13 @@ class Window(NamedTuple):
 
 
 class StrokePlan(NamedTuple):
-    """A path's drive over the way that the actuator has covered, both (n,) in drawn units.
-
-    Attributes:
-        name: what the drive is, with its unit.
-    """
+    """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
 
     path: Path
     way: Floats
     drive: Floats
     unit: str
+    # What the drive is, with its unit.
     name: str
 
 
@@ -55,8 +52,7 @@ def plan_of(path: Path) -> StrokePlan:
     """The plan of a path: mm, or N under force control."""
     of = words.drive(path.chain)
     drive = path.drive * of.factor
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
-    return StrokePlan(path, way, drive, of.sign, of.label)
+    return StrokePlan(path, travelled(drive), drive, of.sign, of.label)
 
 
 def windows_of(program: Program) -> list[Window]:
@@ -81,13 +77,8 @@ def limits(values: Floats, margin: float) -> tuple[float, float]:
 
 
 def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) -> list[Line2D]:
-    """Strokes, windows and snaps; returns what a legend should list.
-
-    Args:
-        ax: axes, whose y limits are set.
-        plan: what to draw.
-        windows: bars at its turns.
-        margin: above and below, as a share of the range.
+    """Strokes, windows at its turns and snaps, with this share of the range above and below;
+    returns what a legend should list.
     """
     path, way, drive = plan.path, plan.way, plan.drive
     bars = np.array([(window.low, window.high) for window in windows]).ravel()
@@ -117,16 +108,7 @@ _REST_SECONDS = 0.3
 
 
 class Instant(NamedTuple):
-    """What a path is doing in one frame.
-
-    Attributes:
-        travels: (N,) of every cell [m].
-        sheets: (N,) of the elements' curves.
-        force: of the actuator [N].
-        snap: whether it is in the middle of a snap.
-        drive: what the actuator prescribes, in the units of its plan.
-        way: that the actuator has covered, in the same.
-    """
+    """What a path is doing in one frame, in SI; drive and way in the units of its plan."""
 
     travels: Floats
     sheets: tuple[int, ...]
@@ -137,13 +119,7 @@ class Instant(NamedTuple):
 
 
 def instants(path: Path, seconds: float, count: int) -> list[Instant]:
-    """What to show in each of `count` frames, so that snaps last long enough to be seen.
-
-    Args:
-        path: any.
-        seconds: how long all frames last.
-        count: of frames.
-    """
+    """What to show in each of `count` frames, so that snaps last long enough to be seen."""
     snaps = snaps_of(path)
     plan = plan_of(path)
     moving = np.diff(plan.way)
@@ -157,21 +133,19 @@ def instants(path: Path, seconds: float, count: int) -> list[Instant]:
         step[snap.before] += shrink * _SNAP_SECONDS
     step[turns] += shrink * _REST_SECONDS
     time = np.concatenate([[0.0], np.cumsum(step)])
-
     frames: list[Instant] = []
     for at in np.linspace(0.0, seconds, count, endpoint=False):
         i = min(int(np.searchsorted(time, at, side="right")) - 1, len(time) - 1)
         j = min(i + 1, len(time) - 1)
         part = (at - time[i]) / (time[j] - time[i]) if time[j] > time[i] else 0.0
-        snap = i in jumps
-        if snap:
+        if i in jumps:
             part = part * part * (3.0 - 2.0 * part)
         travels, force, u, w = (
             column[i] + part * (column[j] - column[i])
             for column in (path.travel, path.force, plan.drive, plan.way)
         )
         sheets = tuple(path.sheet[j if part > 0.5 else i].tolist())
-        frames.append(Instant(travels, sheets, float(force), snap, float(u), float(w)))
+        frames.append(Instant(travels, sheets, float(force), i in jumps, float(u), float(w)))
     return frames
 
 
@@ -192,17 +166,15 @@ _NEAR = 9.0
 def stroke_program(result: Program) -> Figure:
     """Where the actuator goes, the windows of its turns, and the travel of every cell below.
 
+    The drive [mm], or [N] under force control, is drawn against the way that the actuator has
+    covered, which at constant speed is time; of another measure, in its units. Every turn is
+    numbered, with its window as a bar; states with all cells at a stop or in a phase are named
+    along the curve, snaps are marked.
+
     Args:
         result: a program of a chain of any length.
-
-    Returns:
-        The figure: the drive [mm], or [N] under force control, against the way that the actuator
-        has covered, which at constant speed is time; of another measure, in its units. Every turn
-        is numbered, with its window as a bar; states with all cells at a stop or in a phase are
-        named along the curve, snaps are marked.
     """
-    path = result.path
-    plan = plan_of(path)
+    path, plan = result.path, plan_of(result.path)
     cells = len(path.chain)
     width = sheet.page_width(style.COLUMN if cells <= 3 and result.strokes <= 4 else style.PAGE)
     below = _LANE * cells if cells <= MOST_LANES else _SHADES
@@ -217,7 +189,6 @@ def stroke_program(result: Program) -> Figure:
     upper.tick_params(labelbottom=False)
     upper.set_ylabel(plan.name)
     lower.set_xlabel(f"Way covered by the actuator [{plan.unit}]")
-
     windows = windows_of(result)
     handles = draw_plan(upper, plan, windows, 0.28)
     if cells <= MOST_LANES:
@@ -225,10 +196,7 @@ def stroke_program(result: Program) -> Figure:
     else:
         _draw_shades(lower, path, plan.way)
     # Names last, when the axes have their final size, and both the same.
-    for ax, other in ((upper, lower), (lower, upper)):
-        sheet.keep_inside(ax)
-        box, under = ax.get_position(), other.get_position()
-        other.set_position((box.x0, under.y0, box.width, under.height))
+    sheet.keep_both_inside(upper, lower)
     taken = _number_turns(upper, windows[: len(result.turns)])
     _name_states(upper, result, plan, taken)
     legends.above(upper, handles, 4)
@@ -247,11 +215,11 @@ def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
         box = text.get_window_extent()
         tolerance = _plus_minus((low + high) / 2, (high - low) / 2)
         value = ax.annotate(tolerance, end, (0.0, 17.0 * off), va="center", **look)
-        words = value.get_window_extent()
-        if any(words.overlaps(other) for other in taken) or not inside(frame, words):
+        told = value.get_window_extent()
+        if any(told.overlaps(other) for other in taken) or not inside(frame, told):
             value.remove()
-            words = box
-        taken += [box.padded(3.0), words]
+            told = box
+        taken += [box.padded(3.0), told]
     return taken
 
 
@@ -306,7 +274,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None
     ax.set_yticks(*zip(*ticks, strict=True))
     longest = max(lane.top - lane.base for lane in shown)
     low = shown[-1].base - 0.15 * longest
-    ax.set(ylabel=told.travel(path.chain.measure).label, ylim=(low, 1.15 * longest))
+    ax.set(ylabel=words.travel(path.chain.measure).label, ylim=(low, 1.15 * longest))
     for lane in shown:
         lane.number(ax)
 
@@ -315,7 +283,7 @@ def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:
     """Travel of every cell of a long chain as a shade, innermost on top."""
     low, high = np.array([span(path, i) for i in range(len(path.chain))]).T
     look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}
-    x, y = np.concatenate([way, way[-1:]]), np.arange(len(low) + 1) + 0.5
+    x, y = np.append(way, way[-1]), np.arange(len(low) + 1) + 0.5
     ax.pcolormesh(x, y, ((path.travel - low) / (high - low)).T, **look)
     ax.invert_yaxis()
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))

@@ -18,6 +18,7 @@ from stepwell.base import Floats, InputError, Measure, to_unit
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
+from stepwell.figures.common.sheet import Point
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Element
 
@@ -34,18 +35,8 @@ _WIDTH, _PALE = 1.0, 0.5
 
 
 def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -> list[Artist]:
-    """Measured force over stroke, each half in the pale colour of its direction.
-
-    Args:
-        ax: axes whose data are mm and N.
-        recordings: as many as lines can be told apart, 4.
-        measure: of the chain.
-
-    Returns:
-        What a legend should list: the name of each.
-
-    Raises:
-        ValueError: too many, or a chain whose travel is no length.
+    """Measured force [N] over stroke [mm], each half in the pale colour of its direction; returns
+    what a legend should list.
     """
     if recordings and measure is not Measure.TRAVEL:
         raise InputError(
@@ -76,7 +67,9 @@ _WIDTHS = (2.2, 1.2)
 def force_stroke(
     result: Cycle | Path, *, measured: Sequence[Recording] = (), ax: Axes | None = None
 ) -> Figure:
-    """Actuator force against stroke, loading and unloading, snaps as dashed jumps.
+    """Actuator force [N] against stroke [mm], loading and unloading, snaps as dashed jumps.
+
+    Both are told in the chain's measure; states between the branches are named where there is room.
 
     Args:
         result: a cycle, or a path over any turning points.
@@ -84,10 +77,6 @@ def force_stroke(
             `lab.read` returns them.
         ax: axes to draw into; by default a new figure of one column's width, or of two for
             more than four cells.
-
-    Returns:
-        The figure: force [N] against stroke [mm], or what they are in the chain's measure, with
-        the states between the branches named where there is room for their names.
 
     Raises:
         ValueError: too many recordings, or some for a chain of volumes or angles.
@@ -101,8 +90,8 @@ def force_stroke(
     ax.set(xlabel=x.label, ylabel=y.label)
     marks.zero_line(ax)
     crowded = len(legs(path)) > marks.MOST_HEADS
-    loading, unloading = _WIDTHS
-    marks.trace(ax, path, stroke, force, (loading / (1 + crowded), unloading / (1 + crowded)))
+    loading, unloading = (width / (1 + crowded) for width in _WIDTHS)
+    marks.trace(ax, path, stroke, force, (loading, unloading))
     marks.snaps(ax, snaps_of(path), stroke, force)
     recorded = draw_recorded(ax, measured, path.chain.measure)
     ax.margins(x=0.08, y=0.12)
@@ -110,16 +99,14 @@ def force_stroke(
     if own:
         sheet.keep_inside(ax)
     marks.legend(ax, path, _WIDTHS, more=recorded, fit=own)
-
     marks.headings(ax, path, stroke, force)
     rests = vertices(path)
     at = [vertex.sample for vertex in rests]
     # Names in two rows, one above and one below the curves, a character being 0.6 of 7 pt wide.
     needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
-    roomy = needed < 1.2 * ax.get_window_extent().width
     size = 1.5 if crowded else 3.4
     ax.plot(stroke[at], force[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
-    if roomy:
+    if needed < 1.2 * ax.get_window_extent().width:
         named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
         beside(ax, named, leaders=True)
     return figure
@@ -138,19 +125,15 @@ _DIGIT = 7.2
 
 @style.styled
 def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
-    """Travel of each cell against stroke, one lane a cell, innermost on top.
+    """Travel of each cell [mm] against stroke [mm], one lane a cell, innermost on top.
 
     Lanes, because in one frame the loading curve of one cell often lies on the unloading curve
-    of another.
+    of another. Both are told in the chain's measure; loading is solid, unloading dashed, snaps are
+    dashed jumps, and the phases of an element shaded and numbered.
 
     Args:
         result: a cycle, or a path over any turning points.
         ax: axes to draw into; a new figure of one column's width by default.
-
-    Returns:
-        The figure: travel [mm] against stroke [mm], or what they are in the chain's measure;
-        loading solid, unloading dashed, snaps as dashed jumps. The phases of an element are
-        shaded and numbered.
 
     Raises:
         ValueError: more cells than lanes can be told apart.
@@ -202,25 +185,19 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 
 
 class TravelLane(NamedTuple):
-    """Where the travel of a cell is drawn.
-
-    Attributes:
-        base, top: heights of its least and of its largest travel.
-        travel: (n,) heights of its travels.
-        colour: of the cell.
-        ticks: heights and texts of both ends.
-        phases: heights between which each phase of an element lies; of a lever cell, none.
-    """
+    """Where the travel of a cell is drawn: heights of its least and largest travel, and of all."""
 
     base: float
     top: float
     travel: Floats
     colour: str
+    # Heights and texts of both ends.
     ticks: list[tuple[float, str]]
+    # Heights between which each phase of an element lies; of a lever cell, none.
     phases: list[tuple[float, float]]
 
     def draw(self, ax: Axes) -> None:
-        """Lines at both ends, and the phases as shades."""
+        """Draw lines at both ends, and the phases as shades."""
         for end in (self.base, self.top):
             ax.axhline(end, color=style.FAINT, linewidth=0.4, zorder=0)
         for low, high in self.phases:
@@ -241,12 +218,7 @@ class TravelLane(NamedTuple):
 
 
 def lanes(path: Path, gap: float) -> list[TravelLane]:
-    """A lane for every cell, innermost on top.
-
-    Args:
-        path: of a chain of any length.
-        gap: between two lanes, as a fraction of the longest travel.
-    """
+    """A lane for every cell, innermost on top, with this fraction of the longest travel between."""
     cells, of = path.chain.cells, words.travel(path.chain.measure)
     spans = [span(path, i) for i in range(len(cells))]
     longest = max(high - low for low, high in spans) * of.factor
@@ -258,35 +230,19 @@ def lanes(path: Path, gap: float) -> list[TravelLane]:
         def height(travel: Any, base: float = base, low: float = low) -> Any:
             return base + (travel - low) * of.factor
 
-        top, phases = height(high), cell.phases if isinstance(cell, Element) else ()
-        found.append(
-            TravelLane(
-                base,
-                top,
-                height(path.travel[:, i]),
-                colour,
-                [(base, of.number(low)), (top, of.number(high))],
-                [(height(max(p.low, low)), height(min(p.high, high))) for p in phases],
-            )
-        )
+        phases = cell.phases if isinstance(cell, Element) else ()
+        spans_of = [(height(max(p.low, low)), height(min(p.high, high))) for p in phases]
+        ticks = [(base, of.number(low)), (height(high), of.number(high))]
+        travel = height(path.travel[:, i])
+        found.append(TravelLane(base, height(high), travel, colour, ticks, spans_of))
     return found
 
 
-def name_lane(
-    ax: Axes, at: tuple[float, float], name: str, colour: str, offset: tuple[float, float], va: str
-) -> None:
+def name_lane(ax: Axes, at: Point, name: str, colour: str, offset: Point, va: str) -> None:
     """A cell's name `offset` pt from a share of the width and a height."""
-    ax.annotate(
-        literal(name),
-        at,
-        offset,
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        ha="left",
-        va=va,
-        color=colour,
-        fontweight="bold",
-    )
+    look: dict[str, Any] = {"ha": "left", "va": va, "color": colour, "fontweight": "bold"}
+    look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    ax.annotate(literal(name), at, offset, **look)
 
 
 # One a landing, the first one thin and below: it is what the others are compared with.
@@ -306,18 +262,15 @@ _STILL, _MORE = 2e-3, 1.25
 def snap_motion(
     chain: Chain, landings: Mapping[str, InertialLanding], *, ax: Axes | None = None
 ) -> Figure:
-    """Travel of each cell over time during a snap, several landings in one frame.
+    """Travel of each cell over time [ms] during a snap, several landings in one frame.
 
     Time counts from where a cell has gone two thousandths of its way: near a fold what comes
-    before hangs on how gently the snap is set off.
+    before hangs on how gently the snap is set off. Travel [mm] is told in the chain's measure.
 
     Args:
         chain: what snaps.
         landings: of one snap, with their history, by what to call them; three at most.
         ax: axes to draw into; a new figure of one column's width by default.
-
-    Returns:
-        The figure: travel [mm], or what it is in the chain's measure, against time [ms].
 
     Raises:
         ValueError: no landing or more than three, or one without a history.
@@ -328,46 +281,38 @@ def snap_motion(
         )
     own = ax is None
     full = np.array([cell.full_travel for cell in chain.cells])
-    y, colours, until = words.travel(chain.measure), style.cell_colours(len(chain)), 0.0
-    moved = np.zeros(len(chain), bool)
-    for name, landing in landings.items():
-        time, travel = _curve(name, landing, full)
-        until = max(until, _MORE * time[-1])
-        moved |= np.ptp(travel, axis=0) > _STILL * full
+    y, colours = words.travel(chain.measure), style.cell_colours(len(chain))
+    curves = [_curve(name, landing, full) for name, landing in landings.items()]
+    until = max(_MORE * time[-1] for time, _ in curves)
+    swings = [np.ptp(travel, axis=0) > _STILL * full for _, travel in curves]
+    moved = np.flatnonzero(np.any(swings, axis=0)).tolist()
     # Room for the rows of the legend.
-    top = 2.5 + 3.8 * -(-(np.count_nonzero(moved) + len(landings)) // 3)
+    top = 2.5 + 3.8 * -(-(len(moved) + len(landings)) // 3)
     figure, ax = sheet.canvas(ax, (style.COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
     looks = _LOOKS if len(landings) > 1 else _LOOKS[1:]
-    for look, (name, landing) in zip(looks, landings.items(), strict=False):
-        time, travel = _curve(name, landing, full)
+    for look, (time, travel) in zip(looks, curves, strict=False):
         # It rests from then on.
         time, travel = np.append(time, until), np.vstack([travel, travel[-1]])
-        for i in np.flatnonzero(moved):
+        for i in moved:
             ax.plot(to_unit(time, "ms"), travel[:, i] * y.factor, color=colours[i], **look)
     ax.set(xlabel="Time [ms]", ylabel=y.label)
     ax.set_xlim(0.0, to_unit(until, "ms"))
     ax.margins(y=0.08)
-    # Those that lie in the frame, which they do not widen.
+    # Stops that lie in the frame, which they do not widen.
     ax.set_ylim(ax.get_ylim())
-    for stop in {
-        end * y.factor for i in np.flatnonzero(moved).tolist() for end in _stops(chain, i)
-    }:
-        ax.axhline(stop, color=style.FAINT, linewidth=0.4, zorder=0)
-    lines: list[Line2D] = [
-        legends.line(literal(chain.names[i]), colours[i]) for i in np.flatnonzero(moved)
+    cells = [chain.cells[i] for i in moved]
+    ends = [end for one in cells for end in zip((one.low, one.high), one.stopped, strict=True)]
+    for stop in {travel for travel, there in ends if there}:
+        ax.axhline(stop * y.factor, color=style.FAINT, linewidth=0.4, zorder=0)
+    lines = [legends.line(literal(chain.names[i]), colours[i]) for i in moved]
+    lines += [
+        Line2D([], [], color=style.FAINT, label=literal(name), **look)
+        for look, name in zip(looks, landings, strict=False)
     ]
-    for look, name in zip(looks, landings, strict=False):
-        lines.append(Line2D([], [], color=style.FAINT, label=literal(name), **look))
     if own:
         sheet.keep_inside(ax)
     legends.above(ax, lines, columns=3)
     return figure
-
-
-def _stops(chain: Chain, cell: int) -> list[float]:
-    """Travels at which a cell is stopped [m]."""
-    one = chain.cells[cell]
-    return [end for end, there in zip((one.low, one.high), one.stopped, strict=True) if there]
 
 
 def _curve(name: str, landing: InertialLanding, full: Floats) -> tuple[Floats, Floats]:
