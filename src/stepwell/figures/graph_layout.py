@@ -6,14 +6,14 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import accumulate, combinations, pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, InputError
 from stepwell.figures.common import style
-from stepwell.figures.common.sheet import page_width
+from stepwell.figures.common.sheet import Point, page_width
 from stepwell.sequences import TransitionKind
 
 if TYPE_CHECKING:
@@ -34,16 +34,11 @@ def heights(
     *,
     stay: bool = False,
 ) -> dict[str, float]:
-    """The height of every node, between 0 and 1.
+    """The height of every node, between 0 and 1, always the same for the same nodes.
 
-    Nodes named in `fixed` share the height of their column evenly, in the order found; all
-    others float between those they are joined to. The same nodes always get the same heights.
-
-    Args:
-        columns: the column of each node.
-        fixed: nodes that need room for their names.
-        lines: pairs of nodes that are joined, and how much their distance counts.
-        stay: keep nodes in a column by their names, as they count up.
+    Those that are `fixed` share the height of their column evenly, in the order found, or of their
+    names if they `stay`; all others float between those they are joined to by lines, each with how
+    much its length counts.
     """
     order: dict[float, list[str]] = {}
     for name in fixed:
@@ -57,10 +52,9 @@ def heights(
         if now < cost:
             best, cost = _slots(order), now
         for column in sorted(order, reverse=bool(sweep % 2)):
-            wanted = sheet.means(_slots(order))
-            order[column].sort(key=lambda name: wanted[name])
-    for column in order:
-        order[column].sort(key=lambda name: best[name])
+            order[column].sort(key=sheet.means(_slots(order)).__getitem__)
+    for names in order.values():
+        names.sort(key=best.__getitem__)
     _swap(sheet, order, cost)
     return sheet.all(_slots(order))
 
@@ -77,14 +71,13 @@ def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None
     while better:
         better = False
         for names in order.values():
-            for i in range(len(names)):
-                for j in range(i + 1, len(names)):
+            for i, j in combinations(range(len(names)), 2):
+                names[i], names[j] = names[j], names[i]
+                now = sheet.cost(_slots(order))
+                if now < cost - 1e-9:
+                    cost, better = now, True
+                else:
                     names[i], names[j] = names[j], names[i]
-                    now = sheet.cost(_slots(order))
-                    if now < cost - 1e-9:
-                        cost, better = now, True
-                    else:
-                        names[i], names[j] = names[j], names[i]
 
 
 class _Crossings:
@@ -97,19 +90,19 @@ class _Crossings:
         lines: Sequence[tuple[str, str, float]],
     ):
         self.fixed = list(fixed)
-        self.floating = sorted(set(columns) - set(fixed), key=lambda n: (columns[n], n))
-        self.names = self.fixed + self.floating
+        floating = sorted(set(columns) - set(fixed), key=lambda n: (columns[n], n))
+        self.names = self.fixed + floating
         number = {name: k for k, name in enumerate(self.names)}
         self.x = np.array([columns[name] for name in self.names])
         self.ends = np.array([(number[a], number[b]) for a, b, _ in lines]).reshape(-1, 2)
         self.weights = np.array([weight for *_, weight in lines])
         joined = np.zeros((len(self.names),) * 2)
         np.add.at(joined, (self.ends[:, 0], self.ends[:, 1]), self.weights)
-        self.joined = joined + joined.T
+        joined += joined.T
         # A floating node joined to another one follows it: solve for all at once.
         n = len(self.fixed)
-        share = self.joined / np.maximum(self.joined.sum(axis=1), 1e-12)[:, None]
-        loose = np.eye(len(self.floating)) - share[n:, n:]
+        share = joined / np.maximum(joined.sum(axis=1), 1e-12)[:, None]
+        loose = np.eye(len(self.names) - n) - share[n:, n:]
         self.follow = np.linalg.lstsq(loose, share[n:, :n], rcond=None)[0]
         self.share = share
         first, second = np.triu_indices(len(self.ends), 1)
@@ -134,7 +127,6 @@ class _Crossings:
         return float(np.count_nonzero(crossing) + _LENGTH * (self.weights @ rise))
 
     def means(self, slots: Mapping[str, float]) -> dict[str, float]:
-        """The mean height of what each node is joined to."""
         return dict(zip(self.names, (self.share @ self._y(slots)).tolist(), strict=True))
 
     def all(self, slots: Mapping[str, float]) -> dict[str, float]:
@@ -153,12 +145,8 @@ _SLIP = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class FoldedTransition:
-    """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next.
-
-    Attributes:
-        source, target: labels of shown nodes.
-        direction: of the drive.
-        snaps: whether the chain snaps on the way.
+    """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next, and
+    whether the chain snaps on the way.
     """
 
     source: str
@@ -169,31 +157,19 @@ class FoldedTransition:
 
 @dataclass(frozen=True, slots=True)
 class FoldedGraph:
-    """Vertices, the half-way nodes from which there is a choice, and the ways between them.
-
-    Attributes:
-        shown: labels of these nodes.
-        ways: how they follow each other.
-        levels: of each shown node how many switches it is from all cells at 0, at least; a cell
-            half-way counts half.
-        last: the level of all cells in their last phases.
-    """
+    """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
 
     shown: tuple[str, ...]
     ways: tuple[FoldedTransition, ...]
+    # Of each how many switches it is from all cells at 0, at least; a cell half-way counts half.
     levels: Mapping[str, float]
+    # Of all cells in their last phases.
     last: int
 
 
 def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
-    """Fold every half-way node into the way that leads over it, if it offers no other.
-
-    A snap that lands half-way between two vertices offers one: turning back there leads to a
-    vertex that the chain did not come from.
-
-    Args:
-        graph: what to fold.
-        keep: labels of nodes to show in any case.
+    """Fold every half-way node, but those to keep, into the way over it, if it offers no other: a
+    snap that lands half-way may turn back there to a vertex that the chain did not come from.
     """
     keep = set(keep)
     landings = set(graph.nodes.labels(np.unique(graph.target[graph.snaps])))
@@ -243,13 +219,8 @@ def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition
 
 
 def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
-    """Labels of the nodes visited on each stroke of a program, both ends included.
-
-    A stroke that turns after a vertex has been passed smoothly might as well turn at the vertex,
-    and ends there.
-
-    Raises:
-        ValueError: a program of another chain, or one that begins in a state not in the graph.
+    """Labels of the nodes visited on each stroke of a program, both ends included; one that turns
+    after a vertex has been passed smoothly might as well turn at the vertex, and ends there.
     """
     another = graph.chain is not None and graph.chain != program.chain
     if another or program.start not in graph:
@@ -302,25 +273,22 @@ _BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
 class Layout:
     """Nodes in columns by the sum of their digits, in mm from the lower left corner.
 
-    Args:
-        reduced: what is to be seen of a graph.
-        cells: how many its chain has.
-        size: width and height [mm] of a sheet on which states stand where those of every graph
-            of as many cells of two phases do; else few ways cross on a sheet of its own size.
-
-    Attributes:
-        width, height: of the sheet.
-        at: (x, y) of the middle of every shown node.
-        named: whether half-way states have their names.
+    On a sheet of a given size [mm] states stand where those of every graph of as many cells of two
+    phases do; else few ways cross on a sheet of its own size. Half-way states may be `named`.
     """
 
-    def __init__(self, reduced: FoldedGraph, cells: int, size: tuple[float, float] | None = None):
+    def __init__(self, reduced: FoldedGraph, cells: int, size: Point | None = None):
         wide, high = size or (page_width(style.COLUMN if cells <= NAMED else style.PAGE), None)
-        self.width, self.named = wide, size is None and cells <= NAMED
-        self._cells, last = cells, reduced.last
-        self._lines = self._count_lines(last)
+        self.width, self.named, last = wide, size is None and cells <= NAMED, reduced.last
+        # In how many lines a name is written, so that boxes leave room between columns.
+        room = _SHARE * (wide - 20.0) / max(last, 1)
+        self._lines = math.ceil(cells / max(3, int((room - 1.8) / _CHARACTER)))
         shown, self._column = reduced.shown, reduced.levels
-        whole, column = self._whole(shown, full=size is not None)
+        # Those that need a place of their own are all but those between two columns.
+        whole, column = [label for label in shown if self._column[label] % 1 == 0], self._column
+        if size is not None:
+            whole = ["".join(digits) for digits in product("01", repeat=cells)]
+            column = {label: label.count("1") for label in whole} | dict(self._column)
         # A smooth way is better short than a snap.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
         y = heights(column, whole, joined, stay=size is not None)
@@ -338,35 +306,21 @@ class Layout:
         for k in range(last):
             self._spread([label for label in shown if column[label] == k + 0.5])
 
-    def _whole(self, shown: Sequence[str], *, full: bool) -> tuple[list[str], Mapping[str, float]]:
-        """Labels that need a place of their own, and the column of every label.
-
-        The former are all but those between two columns; on a sheet of a given size those of every
-        graph of as many cells of two phases, shown or not.
-        """
-        if not full:
-            return [label for label in shown if self._column[label] % 1 == 0], self._column
-        whole = ["".join(digits) for digits in product("01", repeat=self._cells)]
-        return whole, {label: label.count("1") for label in whole} | dict(self._column)
-
-    def _count_lines(self, last: int) -> int:
-        """In how many lines a name is written, so that boxes leave room between columns."""
-        room = _SHARE * (self.width - 20.0) / max(last, 1)
-        return math.ceil(self._cells / max(3, int((room - 1.8) / _CHARACTER)))
-
     def _spread(self, labels: list[str]) -> None:
         """Move nodes that stand above each other apart."""
         labels.sort(key=lambda label: self.at[label][1])
         gap = 2.4 + 2 * max((self.half(label)[1] for label in labels), default=0.0)
-        moved = apart([self.at[label][1] for label in labels], gap)
-        self.at |= {v: (self.at[v][0], y) for v, y in zip(labels, moved, strict=True)}
+        heights = [self.at[label][1] for label in labels]
+        moved = [*accumulate(heights, lambda last, y: max(y, last + gap))]
+        shift = (sum(moved) - sum(heights)) / max(len(moved), 1)
+        self.at |= {v: (self.at[v][0], y - shift) for v, y in zip(labels, moved, strict=True)}
 
     def name(self, label: str) -> str:
         """The label in as many lines as it takes."""
         each = math.ceil(len(label) / self._lines)
         return "\n".join(label[k : k + each] for k in range(0, len(label), each))
 
-    def half(self, label: str) -> tuple[float, float]:
+    def half(self, label: str) -> Point:
         """Half of the width and of the height of what stands for a node [mm]."""
         lines = self.name(label).split("\n")
         wide, high = _CHARACTER * len(lines[0]) / 2, _LINE * len(lines) / 2
@@ -389,8 +343,6 @@ class Layout:
             _bezier(a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b)
             for bow in (_BOWS if ahead > 1 else _BOWS[:1])
         ]
-        if len(curves) == 1:
-            return curves[0]
         others = [label for label in self.at if label not in (way.source, way.target)]
         at = np.array([self.at[label] for label in others]).reshape(-1, 1, 2)
         half = np.array([self.half(label) for label in others]).reshape(-1, 1, 2)
@@ -402,15 +354,6 @@ class Layout:
 
         # The flattest of those that run through the fewest other nodes.
         return min(curves, key=met)
-
-
-def apart(values: Sequence[float], gap: float) -> list[float]:
-    """Rising values moved so that no two are closer than the gap."""
-    moved: list[float] = []
-    for value in values:
-        moved.append(max(value, moved[-1] + gap) if moved else value)
-    shift = (sum(moved) - sum(values)) / max(len(moved), 1)
-    return [value - shift for value in moved]
 
 
 def head(curve: Floats, size: float) -> Floats:
