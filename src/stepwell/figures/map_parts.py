@@ -25,22 +25,15 @@ _AGREE = 0.97
 def between(
     nodes: NDArray[np.intp], x: Floats, y: Floats, curves: Sequence[Floats]
 ) -> NDArray[np.intp]:
-    """(n, n) what is at fine places, as at the nodes that no curve parts them from.
-
-    Args:
-        nodes: (ny, nx) what is at each node, a number >= 0.
-        x, y: (nx,), (ny,) where the nodes are, between 0 and 1 on the page.
-        curves: (m, 2) each boundary, in the same measure.
-
-    Returns:
-        Rows from 0 to 1 along y, columns along x. What no node tells, because a boundary is open
-        or encloses none, is that of the nearest node.
+    """What is at fine places from 0 to 1 along y and x: as at the nodes (ny, nx), numbers >= 0,
+    that no curve (m, 2) parts them from; as at the nearest where one is open or encloses none.
     """
     from scipy import ndimage
 
     rows, columns = (_index(one) for one in (y, x))
     fine = np.linspace(0.0, 1.0, PLACES)
-    nearest = nodes[np.ix_(_nearest(y, fine), _nearest(x, fine))]
+    near = (np.searchsorted((at[1:] + at[:-1]) / 2, fine) for at in (y, x))
+    nearest = nodes[np.ix_(*near)]
     wall = np.zeros(nearest.shape, bool)
     for curve in curves:
         at = _drawn(curve)
@@ -56,16 +49,8 @@ def between(
     if not agreed.any():
         return found
     # A boundary itself belongs to what is beside it.
-    beside = cast(
-        "NDArray[np.intp]",
-        ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True),
-    )
-    return found[tuple(beside)]
-
-
-def _nearest(nodes: Floats, places: Floats) -> NDArray[np.intp]:
-    """The node that is nearest to each place."""
-    return np.searchsorted((nodes[1:] + nodes[:-1]) / 2, places)
+    beside = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
+    return found[tuple(cast("NDArray[np.intp]", beside))]
 
 
 def _index(share: Any) -> NDArray[np.intp]:
@@ -76,7 +61,7 @@ def _index(share: Any) -> NDArray[np.intp]:
 def _drawn(curve: Floats) -> NDArray[np.intp]:
     """Column and row of every place on a curve, without a gap."""
     steps = np.ceil(4 * PLACES * np.abs(np.diff(curve, axis=0)).max(axis=1, initial=0.0))
-    along = np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1.0))])
+    along = np.cumsum([0.0, *np.maximum(steps, 1.0)])
     at = np.arange(along[-1] + 1.0)
     points = np.column_stack([np.interp(at, along, column) for column in curve.T])
     inside = np.all((points > -0.01) & (points < 1.01), axis=1)
@@ -101,11 +86,7 @@ class Row(NamedTuple):
 
 
 class Key:
-    """Rows of a key, broken to a width [mm].
-
-    Attributes:
-        width, height: of all rows [mm].
-    """
+    """Rows of a key, broken to a width [mm], and the height that they have."""
 
     def __init__(self, rows: Sequence[Row], width: float):
         most = int((width - _SAMPLE - 1.0) / _CHARACTER)
@@ -143,36 +124,16 @@ class Key:
 def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
     """A number on a curve."""
     box = {"boxstyle": "circle,pad=0.12", "facecolor": "white", "edgecolor": colour}
-    return ax.text(
-        x,
-        y,
-        text,
-        ha="center",
-        va="center_baseline",
-        color=colour,
-        fontweight="bold",
-        bbox=box | {"linewidth": 0.8},
-        zorder=8,
-        gid="number",
-    )
+    look: dict[str, Any] = {"ha": "center", "va": "center_baseline", "fontweight": "bold"}
+    look |= {"color": colour, "bbox": box | {"linewidth": 0.8}}
+    return ax.text(x, y, text, **look, zorder=8, gid="number")
 
 
 def name_regions(
-    ax: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    inside: NDArray[np.bool_],
-    forms: Sequence[str],
-    shade: ColorType,
+    ax: Axes, x: Floats, y: Floats, inside: Bools, forms: Sequence[str], shade: ColorType
 ) -> None:
-    """Write a name in every connected region that has room for it.
-
-    Args:
-        ax: axes with their final limits, `x` and `y` at equal steps on the page.
-        x, y: (nx,), (ny,) nodes of the map, in data units.
-        inside: (ny, nx) which nodes belong to the regions of that name.
-        forms: ways to write the name, the best first.
-        shade: of the regions, behind the name.
+    """Write a name, in the first of its forms that has room, on its shade in every connected region
+    of nodes (ny, nx) at equal steps on the page, in axes with their final limits.
     """
     from scipy import ndimage
 

@@ -38,25 +38,11 @@ _ALONG = np.array([0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82, 0.1, 0.9
 # Between the names of a design and of a region [pt].
 _CLEAR = 5.0
 _SHADES = (
-    style.ORANGE,
-    style.SKY,
-    style.YELLOW,
-    style.GREEN,
-    style.PURPLE,
-    "#8F8F8F",
-    style.BLUE,
-    style.VERMILLION,
+    *(style.ORANGE, style.SKY, style.YELLOW, style.GREEN, style.PURPLE),
+    *("#8F8F8F", style.BLUE, style.VERMILLION),
 )
-_PARTS = {
-    "p.x": "$p_x$",
-    "p.y": "$p_y$",
-    "q.x": "$q_x$",
-    "q.y": "$q_y$",
-    "stiffness": "Stiffness",
-    "rest_length": "Rest length",
-    "lever": "Lever",
+_PARTS = {f"{anchor}.{way}": f"${anchor}_{way}$" for anchor in "pq" for way in "xy"} | {
     "limit": "Angle limit",
-    "friction": "Friction",
     "force_scale": "Scale of force",
     "travel_scale": "Scale of travel",
 }
@@ -67,14 +53,11 @@ _LINES: dict[str, tuple[str, LineStyleType]] = {
     "BISTABLE": (style.INK, (0, (3, 1.5))),
 }
 _EDGE = "bistable up to here"
-_IN_TWO_LINES = {
-    "counterclockwise": "counter-\nclockwise",
-    "no mechanism": "no\nmechanism",
-    "no answer": "no\nanswer",
+# What has no sequence: its name on the map and in the key.
+_EMPTY = {
+    "impossible": ("no mechanism", "no mechanism: the band's ends meet"),
+    "unsolved": ("no answer", "no answer"),
 }
-_EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no answer"}
-_EMPTY_NAMES = {"impossible": "no mechanism", "unsolved": "no answer"}
-
 
 _PATHWAYS = {pathway.value: pathway for pathway in Pathway}
 _DESIGN: dict[str, Any] = {"markersize": 4.6, "color": style.BLACK, "zorder": 8, "clip_on": False}
@@ -88,6 +71,13 @@ class _Axis(NamedTuple):
     scale: float
     name: str
     is_log: bool
+
+    def share(self, values: Floats) -> Floats:
+        """Where values are on the page, 0 at one end of the axis and 1 at the other."""
+        low, high = self.values[[0, -1]]
+        if self.is_log:
+            values, low, high = np.log(np.maximum(values, low / 2)), np.log(low), np.log(high)
+        return (values - low) / ((high - low) or 1.0)
 
 
 class _Region(NamedTuple):
@@ -107,69 +97,57 @@ def transition_map(
 ) -> Figure:
     """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
 
+    One column wide, or two where the key is long; lengths in mm, angles in degrees. Each region has
+    a letter, or its name where it is one of the four pathways of two cells, and each curve a
+    number. Curves across which only the loading order changes are blue, only the unloading order
+    vermillion and dashed, all others black. It is hatched where a cell whose parameter varies is
+    stable in one state only, up to a thin dashed line.
+
     Args:
         dataset: what `design.transition_map` or `design.parameter_map` returns, in memory or read
             back from a file.
         boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         designs: the two parameters in SI of each design to be marked, by the name to write.
 
-    Returns:
-        The figure, one column wide, or two where its key is long: each region has a letter, or its
-        name where it is one of the four pathways of two cells, and each curve a number. Curves
-        across which only the loading order changes are blue, only the unloading order vermillion
-        and dashed, all others black; it is hatched where a cell whose parameter varies is stable
-        in one state only, up to a thin dashed line. Lengths in mm, angles in degrees.
-
     Source: Kamp et al. 2024, Fig. 2C.
     """
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
-    page = _lay_out(_rows(dataset, regions, curves), _aspect(dataset, x, y))
-    figure = sheet.blank(page.width, page.height)
-    ax = sheet.place(figure, 16.0, page.height - 3.0 - page.tall, page.side, page.tall)
-    walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
+    scale = x.scale, y.scale
+    figure, ax, keys = _lay_out(_rows(dataset, regions, curves), _aspect(dataset, x, y))
+    at = (points * scale for one in curves for points in one.points)
+    walls = [np.column_stack([x.share(points[:, 0]), y.share(points[:, 1])]) for points in at]
     places = _places(x), _places(y)
     shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
     _draw_shades(ax, places, shown)
     for axis, values in (("x", x), ("y", y)):
-        scale = "log" if values.is_log else "linear"
-        ax.set(**{f"{axis}scale": scale, f"{axis}lim": values.values[[0, -1]]})
-    _draw_hatches(ax, places, _between(dataset["monostable"].to_numpy().astype(int), x, y, walls))
+        kind = "log" if values.is_log else "linear"
+        ax.set(**{f"{axis}scale": kind, f"{axis}lim": values.values[[0, -1]]})
+    monostable = _between(dataset["monostable"].to_numpy().astype(int), x, y, walls)
+    if np.any(monostable):
+        look = {"colors": "none", "hatches": ["////"]}
+        hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
+        hatches.set(edgecolor=style.FAINT, linewidth=0.0)
     ax.set(xlabel=x.name, ylabel=y.name)
     sheet.keep_inside(ax)
-
-    taken = _draw_curves(ax, curves, (x.scale, y.scale))
+    taken = _draw_curves(ax, curves, scale)
     # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
-    taken += _draw_designs(ax, designs or {}, (x.scale, y.scale), taken)
+    taken += _draw_designs(ax, designs or {}, scale, taken)
     free = _free(ax, *places, taken)
     for region in shown:
         if region.name:
-            forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
-            name_regions(ax, *places, region.inside & free, forms, region.shade)
-    page.key.draw(sheet.place(figure, *page.key_at))
-    if page.under is not None:
-        page.under.draw(sheet.place(figure, 4.0, *page.under_at))
+            in_two = region.name.replace("no ", "no\n").replace("counterc", "counter-\nc")
+            name_regions(ax, *places, region.inside & free, [region.name, in_two], region.shade)
+    for key, box in keys:
+        key.draw(sheet.place(figure, *box))
     return figure
 
 
-class _Layout(NamedTuple):
-    """A page [mm], the map's sides on it, and its keys with their boxes: left, bottom, sides.
-
-    The second key, of the curves, is under the map; None where all is in the first.
-    """
-
-    width: float
-    height: float
-    side: float
-    tall: float
-    key: Key
-    key_at: tuple[float, float, float, float]
-    under: Key | None
-    under_at: tuple[float, float, float]
-
-
-def _lay_out(rows: Sequence[Row], aspect: float) -> _Layout:
+def _lay_out(
+    rows: Sequence[Row], aspect: float
+) -> tuple[Figure, Axes, list[tuple[Key, sheet.Box]]]:
+    """The page with the map's axes, and its keys with their places: left, bottom, sides [mm]."""
     # A long key stands beside the map; a short one, which would leave the page empty, below it.
     long = Key(rows, style.PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
     page = sheet.page_width(style.PAGE if long else style.COLUMN)
@@ -177,28 +155,26 @@ def _lay_out(rows: Sequence[Row], aspect: float) -> _Layout:
         side = min(page - 18.0, _WIDEST)
         key = Key(rows, page - 6.0)
         height = 15.0 + side * aspect + key.height
-        at = 4.0, 0.0, page - 6.0, key.height
-        return _Layout(page, height, side, side * aspect, key, at, None, (0.0, 0.0, 0.0))
-    tall, under = _SIDE * aspect, None
-    key = Key(rows, page - _SIDE - 24.0)
-    curves = [row for row in rows if row.line is not None]
-    left = 15.0 + tall
-    if curves and key.height > _LONG + tall:
-        # Curves under the map: beside it their rows would leave half of the page empty.
-        under = Key(curves, _SIDE + 16.0)
-        key = Key([row for row in rows if row.line is None], key.width)
-        left += under.height
-    height = max(left, key.height + 6.0)
-    at = 22.0 + _SIDE, 0.0, page - _SIDE - 24.0, height
-    under_at = height - left, _SIDE + 16.0, under.height if under else 0.0
-    return _Layout(page, height, _SIDE, tall, key, at, under, under_at)
+        keys = [(key, (4.0, 0.0, page - 6.0, key.height))]
+    else:
+        side, key = _SIDE, Key(rows, page - _SIDE - 24.0)
+        curves = [row for row in rows if row.line is not None]
+        under: list[Key] = []
+        if curves and key.height > _LONG + side * aspect:
+            # Curves under the map: beside it their rows would leave half of the page empty.
+            under = [Key(curves, side + 16.0)]
+            key = Key([row for row in rows if row.line is None], key.width)
+        left = 15.0 + side * aspect + sum(one.height for one in under)
+        height = max(left, key.height + 6.0)
+        keys = [(key, (22.0 + side, 0.0, key.width, height))]
+        keys += [(one, (4.0, height - left, one.width, one.height)) for one in under]
+    figure = sheet.blank(page, height)
+    tall = side * aspect
+    return figure, sheet.place(figure, 16.0, height - 3.0 - tall, side, tall), keys
 
 
 def _draw_designs(
-    ax: Axes,
-    designs: Mapping[str, tuple[float, float]],
-    scale: tuple[float, float],
-    taken: Sequence[Bbox],
+    ax: Axes, designs: Mapping[str, sheet.Point], scale: sheet.Point, taken: Sequence[Bbox]
 ) -> list[Bbox]:
     """Dots and names of designs, clear of what is taken; the boxes that they take."""
     marks: list[legends.Label] = []
@@ -231,7 +207,8 @@ def _axis(dataset: Dataset, name: str) -> _Axis:
     # A bare number has no unit to be told.
     unit = f" [{Quantity('', unit).sign}]" if unit not in ("", "1") else ""
     cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
-    words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
+    what = _PARTS.get(part, part.replace("_", " ").capitalize())
+    words = f"{what} of {cell}" if part else cell.replace("_", " ").capitalize()
     return _Axis(values * scale, scale, f"{words}{unit}", _is_geometric(values))
 
 
@@ -260,20 +237,21 @@ def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
 
 
 def _regions(dataset: Dataset) -> list[_Region]:
-    """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name.
-
-    Letters run out after Z.
+    """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name,
+    for letters run out after Z.
     """
     present = [pair for pair in _nodes(dataset) if pair[0] not in _EMPTY]
     present.sort(key=lambda item: -int(np.sum(item[1])))
     shades = _shades([name for name, _ in present], [inside for _, inside in present])
     letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
-    found: list[_Region] = []
-    for (sequence, inside), shade in zip(present, shades, strict=True):
-        pathway = _PATHWAYS.get(sequence)
-        name = next(letters, "") if pathway is None else pathway.label
-        found.append(_Region(name, sequence, inside, shade))
-    return found
+    names = [
+        _PATHWAYS[sequence].label if sequence in _PATHWAYS else next(letters, "")
+        for sequence, _ in present
+    ]
+    return [
+        _Region(name, sequence, inside, shade)
+        for name, (sequence, inside), shade in zip(names, present, shades, strict=True)
+    ]
 
 
 def _shades(names: Sequence[str], parts: Sequence[Bools]) -> list[ColorType]:
@@ -319,43 +297,29 @@ def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> li
     rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
     if np.any(dataset["monostable"]):
         rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
-    rows += [Row("", _EMPTY[name]) for name, _ in _nodes(dataset) if name in _EMPTY]
-    return rows
+    return rows + [Row("", _EMPTY[name][1]) for name, _ in _nodes(dataset) if name in _EMPTY]
 
 
 def _words(sequence: str) -> str:
-    pathway = _PATHWAYS.get(sequence)
-    if pathway is not None:
-        return f"{pathway.label}: {sequence}"
+    if sequence in _PATHWAYS:
+        return f"{_PATHWAYS[sequence].label}: {sequence}"
     return sequence_words(sequence, _ROOM)
 
 
 def _blanks(dataset: Dataset) -> list[_Region]:
     """Places without a sequence, white and named by why."""
     return [
-        _Region(_EMPTY_NAMES[name], "", inside, "white")
+        _Region(_EMPTY[name][0], "", inside, "white")
         for name, inside in _nodes(dataset)
         if name in _EMPTY
     ]
-
-
-def _shares(points: Floats, x: _Axis, y: _Axis) -> Floats:
-    """Points (n, 2) of the map as shares of the width and the height of its axes."""
-    shares = []
-    for column, axis in zip(np.asarray(points, float).T, (x, y), strict=True):
-        low, high = axis.values[[0, -1]]
-        if axis.is_log:
-            column, low, high = np.log(np.maximum(column, low / 2)), np.log(low), np.log(high)
-        shares.append((column - low) / ((high - low) or 1.0))
-    return np.column_stack(shares)
 
 
 def _between(
     nodes: NDArray[np.intp], x: _Axis, y: _Axis, walls: Sequence[Floats]
 ) -> NDArray[np.intp]:
     """What is at the nodes, and up to the boundaries between them."""
-    across, up = (_shares(np.column_stack([axis.values] * 2), axis, axis)[:, 0] for axis in (x, y))
-    return between(nodes, across, up, walls)
+    return between(nodes, x.share(x.values), y.share(y.values), walls)
 
 
 def _places(axis: _Axis) -> Floats:
@@ -387,52 +351,35 @@ def _draw_shades(ax: Axes, places: tuple[Floats, Floats], regions: Sequence[_Reg
     ax.pcolormesh(*places, number, cmap=shades, rasterized=True, **look)
 
 
-def _draw_hatches(ax: Axes, places: tuple[Floats, Floats], monostable: NDArray[np.intp]) -> None:
-    if np.any(monostable):
-        look = {"colors": "none", "hatches": ["////"]}
-        hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
-        hatches.set(edgecolor=style.FAINT, linewidth=0.0)
-
-
-def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:
+def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: sheet.Point) -> list[Bbox]:
     """The curves with their numbers; returns what the numbers cover."""
     point = sheet.root(ax).dpi / 72.0
     taken: list[Bbox] = []
     for curve in curves:
-        colour, style = curve.line
-        found: list[tuple[float, Floats]] = []
-        for points in curve.points:
-            drawn = points * scale
-            width, gid = (1.5, "boundary") if curve.number else (0.8, "stability edge")
-            ax.plot(*drawn.T, color=colour, linestyle=style, linewidth=width, gid=gid)
-            found.append((_length(ax, drawn), drawn))
-        numbered = False
-        for length, drawn in sorted(found, key=lambda one: -one[0]) if curve.number else ():
-            x, y, crowded = _clear(ax, drawn, (3.5 + 2.0 * len(curve.number)) * point, taken)
+        colour, dashes = curve.line
+        width, gid = (1.5, "boundary") if curve.number else (0.8, "stability edge")
+        pieces = [points * scale for points in curve.points]
+        for drawn in pieces:
+            ax.plot(*drawn.T, color=colour, linestyle=dashes, linewidth=width, gid=gid)
+        on_page = [ax.transData.transform(drawn) for drawn in pieces if curve.number]
+        alongs = [np.cumsum(np.hypot(*np.diff(xy, axis=0, prepend=xy[:1]).T)) for xy in on_page]
+        longest = sorted(zip(on_page, alongs, strict=True), key=lambda one: -one[1][-1])
+        for k, (xy, along) in enumerate(longest):
+            half = (3.5 + 2.0 * len(curve.number)) * point
+            x, y, crowded = _clear(ax, xy, along, half, taken)
             # A short piece, or one without room, gets its number only where no other has it.
-            if not numbered or (length >= _NUMBERED * point and not crowded):
+            if k == 0 or (along[-1] >= _NUMBERED * point and not crowded):
                 text = badge(ax, x, y, curve.number, colour)
                 taken.append(text.get_window_extent().padded(2.5 * point))
-                numbered = True
     return taken
 
 
-def _length(ax: Axes, points: Floats) -> float:
-    """Of a curve on the page [pixels]."""
-    return float(np.sum(np.hypot(*np.diff(ax.transData.transform(points), axis=0).T)))
-
-
 def _clear(
-    ax: Axes, points: Floats, half: float, taken: Sequence[Bbox]
+    ax: Axes, on_page: Floats, along: Floats, half: float, taken: Sequence[Bbox]
 ) -> tuple[float, float, bool]:
-    """Where along a curve its number stands, and whether it covers another there.
-
-    That is half-way, or as near to it as others leave room.
-
-    `half` is that of the number's width [pixels].
+    """Half-way along a curve, or as near to it as others leave room for its number of half this
+    width [pixels], and whether it covers another there.
     """
-    on_page = ax.transData.transform(points)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
     places = np.column_stack([np.interp(along[-1] * _ALONG, along, on_page[:, k]) for k in (0, 1)])
     boxes = [Bbox([place - half, place + half]) for place in places]
     crowd = [sum(box.overlaps(other) for other in taken) for box in boxes]
