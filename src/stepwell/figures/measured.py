@@ -31,12 +31,11 @@ _MODEL: dict[str, Any] = {"color": style.INK, "linewidth": 0.8, "linestyle": (0,
 def measured_forces(tests: Sequence[CellTest]) -> Figure:
     """F/(k r) of measured unit cells against lever angle, the model as a line.
 
+    Points are where the force was measured, hollow where it is extrapolated to a stop; k is that
+    of all bands of a cell.
+
     Args:
         tests: one or more; those of one configuration share a panel.
-
-    Returns:
-        A figure of a page's width: points where the force was measured, hollow where it is
-        extrapolated to a stop. k is that of all bands of a cell.
 
     Raises:
         ValueError: nothing to show.
@@ -44,52 +43,37 @@ def measured_forces(tests: Sequence[CellTest]) -> Figure:
     Source: after Kamp et al. 2024, Fig. 1D.
     """
 
-    def measured(test: CellTest) -> Floats:
-        return test.plain.force / test.series.scale
+    def curves(test: CellTest) -> tuple[Floats, Floats]:
+        return test.plain.force / test.series.scale, test.model / test.series.scale
 
-    def model(test: CellTest) -> Floats:
-        return test.model / test.series.scale
-
-    return _cells(tests, measured, model, "Force $F/(kr)$")
+    return _cells(tests, curves, "Force $F/(kr)$")
 
 
 @style.styled
 def measured_energies(tests: Sequence[CellTest]) -> Figure:
     """E/(k r²) of measured unit cells from state 0 on against lever angle, the model as a line.
 
-    Args:
-        tests: one or more; those of one configuration share a panel.
-
-    Returns:
-        A figure of a page's width; k is that of all bands of a cell.
-
-    Raises:
-        ValueError: nothing to show.
+    All else as for `measured_forces`.
 
     Source: after Kamp et al. 2024, Fig. 1E.
     """
 
-    def measured(test: CellTest) -> Floats:
-        return test.plain.energy / (test.series.scale * test.cell.lever)
+    def curves(test: CellTest) -> tuple[Floats, Floats]:
+        energy, scale = test.cell.energy(test.plain.theta), test.series.scale * test.cell.lever
+        return test.plain.energy / scale, (energy - energy[0]) / scale
 
-    def model(test: CellTest) -> Floats:
-        energy = test.cell.energy(test.plain.theta)
-        return (energy - energy[0]) / (test.series.scale * test.cell.lever)
-
-    return _cells(tests, measured, model, "Energy $E/(kr^2)$")
+    return _cells(tests, curves, "Energy $E/(kr^2)$")
 
 
 @style.styled
 def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     """Actuator force of measured pairs against stroke, the model as a line, snaps marked.
 
+    The measured mean has its baseline subtracted (blue loading, vermillion unloading) and is faint
+    where it is not judged. Triangles are where runs snap, above, and where the model does, below.
+
     Args:
         tests: one or more, a panel each.
-
-    Returns:
-        A figure of a page's width: the measured mean with its baseline subtracted (blue loading,
-        vermillion unloading), faint where it is not judged; triangles where runs snap, above the
-        axis, and where the model does, below.
 
     Raises:
         ValueError: nothing to show.
@@ -103,20 +87,20 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
         False: ("measured, loading", style.LOADING),
     }
     occur = dict.fromkeys(test.series.unloading for test in tests)
-    handles = [legends.line(*looks[unloading], _MEASURED) for unloading in occur]
-    handles.append(Line2D([], [], **_MODEL, label="model"))
-    handles.append(legends.mark("run snaps", "v", 4.0, color=style.FAINT))
-    handles.append(legends.mark("model snaps", "^", **style.hollow(4.0)))
+    handles = [
+        *(legends.line(*looks[unloading], _MEASURED) for unloading in occur),
+        Line2D([], [], **_MODEL, label="model"),
+        legends.mark("run snaps", "v", 4.0, color=style.FAINT),
+        legends.mark("model snaps", "^", **style.hollow(4.0)),
+    ]
     sizes = (2, 52.0, 15.0, 19.0, 17.0)
     return _panels(tests, _pair, sizes, handles, "Stroke $u$ [mm]", "Actuator force [N]")
 
 
 def _cells(
-    tests: Sequence[CellTest],
-    measured: Callable[[CellTest], Floats],
-    model: Callable[[CellTest], Floats],
-    label: str,
+    tests: Sequence[CellTest], curves: Callable[[CellTest], tuple[Floats, Floats]], label: str
 ) -> Figure:
+    """Panels of what `curves` gives of a test: as it was measured, and by the model."""
     if not tests:
         raise InputError("tests is empty: give one unit cell or more.")
     groups: dict[tuple[str, bool], list[CellTest]] = {}
@@ -124,7 +108,7 @@ def _cells(
         groups.setdefault((test.series.code, test.series.unloading), []).append(test)
 
     def draw(ax: Axes, group: list[CellTest]) -> None:
-        _cell(ax, group, measured, model)
+        _cell(ax, group, [curves(test) for test in group])
 
     handles: list[Artist] = [legends.line("model")]
     for count in sorted({test.series.bands for test in tests}):
@@ -143,46 +127,33 @@ def _panels(
     xlabel: str,
     ylabel: str,
 ) -> Figure:
-    """Panels in rows under room for a legend.
-
-    Args:
-        shown: what is in each panel.
-        draw: draws one of them.
-        sizes: how many a row of a page has, and in mm the height of a row, the left margin of a
-            panel and how much smaller its axes are than the panel.
-        handles: of the legend.
-        xlabel, ylabel: below the lowest and left of the first panels.
+    """Panels in rows under a legend; sizes are how many a row of a page has, and in mm its height,
+    the left margin of a panel and how much smaller than it its axes are.
     """
     most, tall, left, narrower, lower = sizes
     page = sheet.page_width(style.PAGE)
     columns = max(1, round(most * page / style.PAGE))
-    rows = math.ceil(len(shown) / columns)
     wide = page / columns
     beside, below = legends.laid(len(handles), page - left, _ENTRY)
+    rows = math.ceil(len(shown) / columns)
     figure = sheet.blank(page, rows * tall + _KEY + _ROW * (below - 1))
     legends.on_top(figure, handles, left, 2.0, columns=beside)
-    for k, one in enumerate(shown):
-        row, column = divmod(k, columns)
-        bottom = (rows - 1 - row) * tall + 10.0
-        ax = sheet.place(figure, column * wide + left, bottom, wide - narrower, tall - lower)
+    corners = sheet.grid(len(shown), columns, (wide, tall), (left, 10.0))
+    for k, (one, corner) in enumerate(zip(shown, corners, strict=True)):
+        ax = sheet.place(figure, *corner, wide - narrower, tall - lower)
         draw(ax, one)
-        if row == rows - 1 or k + columns >= len(shown):
+        if k + columns >= len(shown):
             ax.set_xlabel(xlabel)
-        if column == 0:
+        if k % columns == 0:
             ax.set_ylabel(ylabel)
     return figure
 
 
-def _cell(
-    ax: Axes,
-    group: list[CellTest],
-    measured: Callable[[CellTest], Floats],
-    model: Callable[[CellTest], Floats],
-) -> None:
+def _cell(ax: Axes, group: list[CellTest], curves: list[tuple[Floats, Floats]]) -> None:
     marks.zero_line(ax)
-    for test in group:
+    for test, (values, _) in zip(group, curves, strict=True):
         colour, mark = _LOOKS[(test.series.bands - 1) % len(_LOOKS)]
-        theta, values = np.degrees(test.plain.theta), measured(test)
+        theta = np.degrees(test.plain.theta)
         at = np.linspace(0, len(theta) - 1, _POINTS).astype(int)
         seen = test.plain.inside[at]
         look = {"markersize": 3.2, "markeredgewidth": 0.8, "color": colour, "zorder": 4}
@@ -191,7 +162,7 @@ def _cell(
             ax.plot(theta[k], values[k], mark, **look, markerfacecolor=face, gid=gid)
     # In k r all numbers of bands have one model.
     first = group[0]
-    ax.plot(np.degrees(first.plain.theta), model(first), color=style.INK, gid="model")
+    ax.plot(np.degrees(first.plain.theta), curves[0][1], color=style.INK, gid="model")
     widest = math.degrees(first.cell.limit)
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks([-widest, 0, widest])
@@ -230,30 +201,18 @@ def bands_words(count: int) -> str:
 
 @style.styled
 def recording(result: Recording) -> Figure:
-    """Force against stroke of one recording, loading and unloading halves in their colours.
-
-    Args:
-        result: any recording.
-
-    Returns:
-        A figure of one column's width: force [N] against the stroke of the machine [mm].
+    """Force [N] against the stroke of the machine [mm] of one recording, loading and unloading
+    halves in their colours.
     """
     figure, ax = sheet.canvas(None, (style.COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
-    shown: set[str] = set()
+    ways: dict[str, Line2D] = {}
     for half in result.halves:
         way = result.direction_of(half)
-        label = "_" if way in shown else way
-        shown.add(way)
-        colour = style.direction_colour(1 if way == "loading" else -1)
-        ax.plot(
-            result.stroke[half] * style.MM,
-            result.force[half],
-            color=colour,
-            linewidth=1.0,
-            label=label,
-        )
+        look = {"color": style.direction_colour(1 if way == "loading" else -1), "linewidth": 1.0}
+        (line,) = ax.plot(result.stroke[half] * style.MM, result.force[half], label=way, **look)
+        ways.setdefault(way, line)
     ax.set(xlabel="Stroke of the machine [mm]", ylabel="Force [N]")
-    legends.above(ax)
+    legends.above(ax, ways.values())
     figure.text(0.98, 0.965, words.literal(result.name), ha="right", va="top")
     return figure
 
@@ -276,38 +235,31 @@ _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2
 def band_laws(test: BandTest, choice: Choice) -> Figure:
     """Force against stroke of tension tests, and what each force law leaves inside the window.
 
-    Args:
-        test: the tension tests.
-        choice: their force laws.
-
-    Returns:
-        A figure of a page's width. On the left every cycle, those used in green; on the right the
-        residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
+    On the left is every cycle, those used in green; on the right the residual [mN] of each law from
+    the mean of the samples, the chosen one drawn wider.
     """
     page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
     figure = sheet.blank(page, _TALL if beside else 2 * _TALL)
-    left = sheet.place(
-        figure, 14.0, 11.0 + (not beside) * _TALL, 66.0 if beside else page - 18.0, 55.0
-    )
+    (wide, start, width), below = (66.0, 98.0, 78.0), 0.0
+    if not beside:
+        (wide, start, width), below = (page - 18.0, 14.0, page - 18.0), _TALL
+    left = sheet.place(figure, 14.0, 11.0 + below, wide, 55.0)
+    right = sheet.place(figure, start, 11.0, width, 55.0)
     used = set(map(id, test.used))
     for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
         mine = id(loop) in used
+        colour = style.GREEN if mine else style.pale(FAINT, 0.4)
         for u, force in ((loop.stroke, loop.force), (loop.back_stroke, loop.back_force)):
-            colour = style.GREEN if mine else style.pale(FAINT, 0.4)
-            step = max(1, len(u) // 400)
             look = {"color": colour, "linewidth": 0.7, "markersize": 2.5}
-            marker = "o" if len(u) <= _READINGS else ""
-            left.plot(u[::step] * style.MM, force[::step], marker=marker, **look)
+            look["marker"] = "o" if len(u) <= _READINGS else ""
+            step = max(1, len(u) // 400)
+            left.plot(u[::step] * style.MM, force[::step], **look)
     for edge in test.window:
         left.axvline(edge * style.MM, **_WINDOW)
     left.set(xlabel="Stroke of the grips [mm]", ylabel="Tension [N]")
     handles = [legends.line("used", style.GREEN), legends.line("not used", style.pale(FAINT, 0.4))]
     legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
-
-    right = sheet.place(
-        figure, 98.0 if beside else 14.0, 11.0, 78.0 if beside else page - 18.0, 55.0
-    )
     marks.zero_line(right)
     curves = [test.curve(sample) for sample in test.samples]
     stroke = curves[0][0]
@@ -346,32 +298,27 @@ _BAR = 23.0  # what its bar takes at the right where it stands below the errors 
 def calibration(result: Calibration) -> Figure:
     """Error of every geometry, fitted and left out, and the correlations of the parameters.
 
-    Args:
-        result: of `lab.calibrate`.
-
-    Returns:
-        A figure of a page's width. On the left RMSE in k r, hollow marks for the fit and full ones
-        for the prediction from the other geometries; on the right a map of the correlations,
-        with their values written in.
+    On the left is RMSE in k r, hollow marks for the fit and full ones for the prediction from the
+    other geometries; on the right a map of the correlations, with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
     page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
     columns = 2 if beside else 1
     head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
-    tall = 15.0 + head + 7.0 * max(len(geometries), len(result.parameters))
-    side = min(66.0, tall - 11.0 - head) if beside else min(66.0, page - 12.0 - _BAR)
-    below = 0.0 if beside else side + 14.0
-    figure = sheet.blank(page, tall + below)
-    left = sheet.place(
-        figure, 24.0, 11.0 + below, 52.0 if beside else page - 30.0, tall - 11.0 - head
-    )
+    high = 4.0 + 7.0 * max(len(geometries), len(result.parameters))
+    if beside:
+        side, wide, start, below, letters = min(66.0, high), 52.0, _RIGHT, 0.0, 1.15
+        bottom = 11.0 + (high - side) / 2
+    else:
+        side = min(66.0, page - 12.0 - _BAR)
+        wide, start, below, bottom, letters = page - 30.0, 12.0, side + 14.0, 9.0, 1.0
+    figure = sheet.blank(page, 11.0 + high + head + below)
+    left = sheet.place(figure, 24.0, 11.0 + below, wide, high)
     _draw_errors(left, result, geometries)
     legends.above(left, columns=columns, columnspacing=1.0)
-    start = _RIGHT if beside else 12.0
-    bottom = 11.0 + (tall - 11.0 - head - side) / 2 if beside else 9.0
     right = sheet.place(figure, start, bottom, side, side)
-    image = _draw_correlations(right, result, (1.15 if beside else 1.0) * side)
+    image = _draw_correlations(right, result, letters * side)
     bar = sheet.place(figure, start + side + 3.0, bottom, 2.5, side)
     figure.colorbar(image, cax=bar)
     bar.set_ylabel("Correlation [1]")
@@ -382,11 +329,8 @@ def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float
     """A row for every geometry: hollow marks for the fit, full ones for the prediction."""
     for n, (bands, pair) in enumerate(result.kinds):
         colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
-        at = [
-            k
-            for k, sample in enumerate(result.samples)
-            if (sample.bands, sample.in_pair) == (bands, pair)
-        ]
+        kinds = [(sample.bands, sample.in_pair) for sample in result.samples]
+        at = [k for k, kind in enumerate(kinds) if kind == (bands, pair)]
         off = 0.16 * (n - (len(result.kinds) - 1) / 2)
         rows = [geometries.index(result.samples[k].geometry) + off for k in at]
         name = f"{'pairs' if pair else 'cells'}, {bands_words(bands)}"
@@ -409,8 +353,7 @@ def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesIma
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
             colour = "white" if abs(value) > 0.6 else style.INK
-            text = _hundredths(float(value))
-            ax.text(j, i, text, color=colour, gid="correlation", **look)
+            ax.text(j, i, _hundredths(float(value)), color=colour, gid="correlation", **look)
     ax.set_xticks(range(len(names)), names)
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(length=0)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -62,7 +61,7 @@ class _Row(NamedTuple):
 
     @property
     def near(self) -> bool:
-        """Whether parts as they usually are go past it."""
+        # Whether parts as they usually are go past it.
         return self.far < self.off
 
 
@@ -70,27 +69,25 @@ class _Row(NamedTuple):
 def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     """How far each thing may be changed before the chain does something else, nearest on top.
 
+    There is a bar for every anchor [mm], and one for every other number [%], with what the chain
+    does past its end; of long chains those of the nearest.
+
     Args:
         margin: what `design.margin` returns.
         tolerances: how far parts are off when it is built, shaded; by default the usual ones.
-
-    Returns:
-        A figure of one column's width: a bar for every anchor [mm], and one for every other number
-        [%], with what the chain does past its end; of long chains those of the nearest.
     """
     from stepwell.design import USUAL
 
     given = USUAL if tolerances is None else tolerances
     drawn = [(panel, _rows(margin, panel, given)) for panel in _panels(margin)]
-    handles = [legends.shade("another sequence past its end", _pale(style.GREEN))]
-    if any(row.off for _, rows in drawn for row in rows):
-        handles.append(legends.shade("parts are off by", _OFF))
-    if any(row.near for _, rows in drawn for row in rows):
-        handles.insert(
-            1, legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
-        )
-    keys = 1 if len(handles) <= 2 else len(handles)
-    head = 2.0 + 4.0 * keys
+    every = [row for _, rows in drawn for row in rows]
+    near = legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
+    handles = legends.those(
+        (True, legends.shade("another sequence past its end", _pale(style.GREEN))),
+        (any(row.near for row in every), near),
+        (any(row.off for row in every), legends.shade("parts are off by", _OFF)),
+    )
+    head = 2.0 + 4.0 * (1 if len(handles) <= 2 else len(handles))
     tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
     height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
     figure = sheet.blank(style.COLUMN, height)
@@ -118,20 +115,17 @@ def _panels(margin: Margin) -> list[_Panel]:
 def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
     chain, shown = margin.chain, panel.changes[:_MOST]
     words = {"force": chain.measure.force, "travel": chain.measure.travel}
+    reach = f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
     found: list[_Row] = []
     for change in shown:
         what = f"{chain.names[change.cell]}: {_CHANGED[change.parameter].format(**words)}"
         off = getattr(tolerances, _OFF_BY[change.parameter]) * panel.factor
         if math.isinf(change.distance):
-            reach = (
-                f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
-            )
             found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
             continue
         lines = _lines(f"{what} {_by(change)}")
-        becomes = change.becomes if len(chain) <= _SPELLED else ""
-        if becomes:
-            lines += _lines(f"then {sequence_words(becomes, _ROOM - 5)}", _MOST_LINES)
+        if change.becomes and len(chain) <= _SPELLED:
+            lines += _lines(f"then {sequence_words(change.becomes, _ROOM - 5)}", _MOST_LINES)
         found.append(_Row(lines, change.distance * panel.factor, off))
     left = len(panel.changes) - len(shown)
     return found + [_Row([f"and {left} more, no nearer"])] * bool(left)
@@ -171,8 +165,7 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
         ax.barh(y + _BAR / 2, row.off, 0.5 * _BAR, **inner)
         y += _BAR + _GAP
     ax.set_yticks([])
-    ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.spines.bottom.set_color(style.FAINT)
+    _bare(ax)
     ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
     ax.set_xlabel(panel.label)
 
@@ -181,7 +174,7 @@ def _pale(colour: str) -> tuple[float, float, float]:
     return style.pale(colour, 0.3)
 
 
-LOW, HIGH = style.SKY, style.ORANGE
+LOW, HIGH, _TARGET = style.SKY, style.ORANGE, style.pale(style.GREEN, 0.7)
 _MISSING: dict[str, Any] = {"markersize": 5.5, "markeredgecolor": style.INK, "markeredgewidth": 0.5}
 _ROW, _HEAD, _TORNADO_FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
 
@@ -190,12 +183,11 @@ _ROW, _HEAD, _TORNADO_FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
 def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
     """For each result a bar from its value at the low to that at the high value of a parameter.
 
+    Bars start at the nominal result, the parameter with the widest span is on top, the target is
+    shaded.
+
     Args:
         results: one, or several to be shown two a row.
-
-    Returns:
-        A figure of two columns' width; bars start at the nominal result, the parameter with the
-        widest span is on top, the target is shaded.
 
     Raises:
         ValueError: nothing to show.
@@ -208,25 +200,20 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
     tall = [_ROW * max(len(one.effects) for one in row) for row in rows]
     height = sum(tall) + len(rows) * (_HEAD + _TORNADO_FOOT) + _KEY
     figure = sheet.blank(style.PAGE, height)
-    bottom = height - _KEY
+    top, wide = height - _KEY, style.PAGE / columns
     for row, high in zip(rows, tall, strict=True):
-        bottom -= _HEAD + high
+        top -= _HEAD
         for k, one in enumerate(row):
             own = _ROW * len(one.effects)
-            left = k * style.PAGE / columns
-            ax = sheet.place(
-                figure, left + 2.0, bottom + high - own, style.PAGE / columns - 7.0, own
-            )
-            _bars(ax, one, left)
-        bottom -= _TORNADO_FOOT
-    handles: list[Artist] = [
-        legends.shade("at the low value", LOW),
-        legends.shade("at the high value", HIGH),
-    ]
-    if any(one.target for one in shown):
-        handles.append(legends.shade("target", style.pale(style.GREEN, 0.7)))
-    if any(math.isinf(effect.span) for one in shown for effect in one.effects):
-        handles.append(legends.mark("no result", "X", **_MISSING, color="white"))
+            _bars(sheet.place(figure, k * wide + 2.0, top - own, wide - 7.0, own), one, k * wide)
+        top -= high + _TORNADO_FOOT
+    missing = any(math.isinf(effect.span) for one in shown for effect in one.effects)
+    handles = legends.those(
+        (True, legends.shade("at the low value", LOW)),
+        (True, legends.shade("at the high value", HIGH)),
+        (any(one.target for one in shown), legends.shade("target", _TARGET)),
+        (missing, legends.mark("no result", "X", **_MISSING, color="white")),
+    )
     legends.on_top(figure, handles, 2.0, columns=4)
     return figure
 
@@ -255,9 +242,7 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     room = 0.06 * (high - low) or 0.1 * abs(one.nominal) or 1.0
     ax.set_xlim(low - room, high + room)
     if one.target:
-        ax.axvspan(
-            *one.target, color=style.pale(style.GREEN, 0.7), linewidth=0, zorder=0, gid="target"
-        )
+        ax.axvspan(*one.target, color=_TARGET, linewidth=0, zorder=0, gid="target")
     ends = [minus(f"{effect.low:.4g} to {effect.high:.4g}") for effect in effects]
     names = [f"{literal(e.parameter)}  {each}" for e, each in zip(effects, ends, strict=True)]
     style.name_rows(ax, names)
@@ -266,11 +251,7 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.grid(axis="x", color=style.FAINT, linewidth=0.3, alpha=0.5, zorder=0)
     ax.set_axisbelow(True)
-    _make_room(ax, left)
-
-
-def _make_room(ax: Axes, left: float) -> None:
-    """Narrow the axes by as much as their names need from `left` mm on."""
+    # As narrow as the names leave it from `left` on.
     box, place = ax.yaxis.get_tightbbox(), ax.get_position()
     if box is not None:
         missing = (left + 1.0) / style.PAGE - box.x0 / sheet.root(ax).bbox.width
@@ -280,11 +261,12 @@ def _make_room(ax: Axes, left: float) -> None:
 _OUTCOMES, _PARTS = 6, 16
 # Shares below this are within the error of the estimate.
 _LEAST = 0.01
-# A bar, a line of text, and what a row has around them [mm].
-_YIELD_BAR, _YIELD_LINE, _YIELD_GAP = 3.0, 3.1, 2.2
+# A bar and what a row has around it and its text [mm].
+_YIELD_BAR, _YIELD_GAP = 3.0, 2.2
+_STEP = _YIELD_BAR + _YIELD_GAP
 _YIELD_FOOT, _YIELD_HEAD = 10.0, 6.0
-# Characters that the line above a bar has room for, and how many such lines there may be.
-_YIELD_ROOM, _YIELD_MOST_LINES = 48, 3
+# Lines above a bar at most.
+_YIELD_MOST_LINES = 3
 
 
 class _Outcome(NamedTuple):
@@ -297,63 +279,50 @@ class _Outcome(NamedTuple):
 def yield_bars(result: Yield) -> Figure:
     """The share of mechanisms that work, with its confidence interval, and what the others do.
 
-    Args:
-        result: what `design.yields` returns. With sensitivities, a second panel shows the share
-            of the smallest gap's variance that each part's tolerance causes: dark by itself,
-            pale together with others.
+    With sensitivities it is two columns wide, and a second panel shows the share of the smallest
+    gap's variance that each part's tolerance causes: dark by itself, pale together with others.
 
-    Returns:
-        The figure, one column wide, or two with sensitivities.
+    Args:
+        result: what `design.yields` returns.
     """
     table = result.sensitivities
     outcomes = _outcomes(result)
-    tall = sum(_YIELD_BAR + _YIELD_GAP + _YIELD_LINE * len(one.lines) for one in outcomes)
+    tall = sum(_STEP + _LINE * len(one.lines) for one in outcomes)
     parts = [] if table is None or table.deviation == 0 else _parts(table)
-    rows = (_YIELD_BAR + _YIELD_GAP) * len(parts)
+    rows = _STEP * len(parts)
     page = sheet.page_width(style.PAGE if parts else style.COLUMN)
     # Beside each other, or under each other where that is too narrow.
     beside = bool(parts) and page >= 2 * style.COLUMN
     side, start = (style.COLUMN, 0.0) if beside else (page, tall + _YIELD_FOOT + _YIELD_HEAD)
     body = max(tall, rows) if beside or not parts else start + rows
-    height = _YIELD_FOOT + body + _YIELD_HEAD
-    figure = sheet.blank(page, height)
-    _draw_outcomes(
-        sheet.place(figure, 4.0, height - _YIELD_HEAD - tall, side - 9.0, tall), result, outcomes
-    )
+    top = _YIELD_FOOT + body
+    figure = sheet.blank(page, top + _YIELD_HEAD)
+    _draw_outcomes(sheet.place(figure, 4.0, top - tall, side - 9.0, tall), result, outcomes)
     if parts and table is not None:
-        names = [table.parameters[i] for i in parts]
-        first, top = (
-            (style.COLUMN, height - _YIELD_HEAD) if beside else (-2.0, height - _YIELD_HEAD - start)
-        )
-        left = first + 8.0 + 1.6 * max(len(name) for name in names)
+        first, top = (style.COLUMN, top) if beside else (-2.0, top - start)
+        left = first + 8.0 + 1.6 * max(len(table.parameters[i]) for i in parts)
         ax = sheet.place(figure, left, top - rows, page - left - 5.0, rows)
-        _draw_parts(ax, result, parts)
-        look = {"fontweight": "bold"}
-        sheet.text_at(figure, first + 6.0, top + 1.5, "Whose tolerance counts", **look)
+        _draw_parts(ax, table, result.chain.names, parts)
+        head = "Whose tolerance counts"
+        sheet.text_at(figure, first + 6.0, top + 1.5, head, fontweight="bold")
     return figure
 
 
 def _outcomes(result: Yield) -> list[_Outcome]:
     """What was wanted, then the most frequent other outcomes."""
     others = list(result.outcomes.items())
-    shown = others[:_OUTCOMES]
     low, high = map(percent, result.interval)
     # On a line of its own: beside or on the bar, the interval would strike it through.
     words = f"{percent(result.share)} ({low} to {high}) as wanted"
     found = [_Outcome([*_outcome_lines(result.target), words], result.share, style.GREEN)]
-    found += [
-        _Outcome(_outcome_lines(text), count / result.samples, style.VERMILLION)
-        for text, count in shown
-    ]
-    rest = sum(count for _, count in others[_OUTCOMES:])
-    if rest:
-        text = f"{len(others) - _OUTCOMES} other outcomes"
-        found.append(_Outcome([text], rest / result.samples, style.VERMILLION))
-    return found
+    shown = [(_outcome_lines(text), count) for text, count in others[:_OUTCOMES]]
+    if rest := sum(count for _, count in others[_OUTCOMES:]):
+        shown.append(([f"{len(others) - _OUTCOMES} other outcomes"], rest))
+    return found + [_Outcome(one, n / result.samples, style.VERMILLION) for one, n in shown]
 
 
 def _outcome_lines(text: str) -> list[str]:
-    return shortened(sequence_words(text, _YIELD_ROOM), _YIELD_ROOM, _YIELD_MOST_LINES).split("\n")
+    return _lines(sequence_words(text, _ROOM), _YIELD_MOST_LINES)
 
 
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
@@ -364,31 +333,23 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:
             weight = "bold" if k == 0 and line is lines[-1] else "normal"
-            ax.text(
-                0.0, y + _YIELD_LINE / 2, literal(line), va="center_baseline", fontweight=weight
-            )
-            y += _YIELD_LINE
+            look = {"va": "center_baseline", "fontweight": weight}
+            ax.text(0.0, y + _LINE / 2, literal(line), **look)
+            y += _LINE
         middle = y + _YIELD_BAR / 2
-        ax.barh(
-            middle,
-            100.0 * share,
-            _YIELD_BAR,
-            color=style.pale(colour, 0.3),
-            linewidth=0,
-            gid="outcomes",
-        )
+        look = {"color": _pale(colour), "linewidth": 0, "gid": "outcomes"}
+        ax.barh(middle, 100.0 * share, _YIELD_BAR, **look)
         if k == 0:
             ends = [100.0 * bound for bound in result.interval]
             ax.plot(ends, [middle] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
         else:
             x = 2.0 if share > 0.5 else 100.0 * share + 2.0
             ax.text(x, middle, percent(share), va="center_baseline")
-        y += _YIELD_BAR + _YIELD_GAP
+        y += _STEP
     ax.set_yticks([])
     _bare(ax)
-    ax.set_xlabel(
-        f"Share of {result.samples:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}")
-    )
+    count = f"{result.samples:,}".replace(",", "\N{THIN SPACE}")
+    ax.set_xlabel(f"Share of {count} built mechanisms [%]")
     sheet.name_panel(ax, "What they do")
 
 
@@ -398,16 +359,11 @@ def _parts(table: Sensitivities) -> list[int]:
     return [i for i in order if table.total[i] >= _LEAST]
 
 
-def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
+def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Sequence[int]) -> None:
     """What each part's tolerance contributes, by itself and together with others."""
-    table = result.sensitivities
-    assert table is not None
-    names = result.chain.names
-    tall = len(parts) * (_YIELD_BAR + _YIELD_GAP)
+    tall = len(parts) * _STEP
     colours = dict(zip(names, style.cell_colours(len(names)), strict=True))
-    middles = [
-        k * (_YIELD_BAR + _YIELD_GAP) + (_YIELD_BAR + _YIELD_GAP) / 2 for k in range(len(parts))
-    ]
+    middles = [k * _STEP + _STEP / 2 for k in range(len(parts))]
     for middle, i in zip(middles, parts, strict=True):
         colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
         for share, shade, gid in (
@@ -417,8 +373,7 @@ def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
             # An index near zero may come out below it.
             ax.barh(middle, max(0.0, float(share)), _YIELD_BAR, color=shade, linewidth=0, gid=gid)
     ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
-    ax.set_ylim(tall, 0.0)
-    ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))
+    ax.set(ylim=(tall, 0.0), xlim=(0.0, 1.05 * max(0.05, float(np.max(table.total)))))
     _bare(ax)
     ax.set_xlabel("Share of the variance of the smallest gap")
     handles = [

@@ -10,9 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError, Quantity
 from stepwell.figures.common import legends, sheet, style
+from stepwell.figures.common.style import Colour
 from stepwell.figures.common.words import literal, minus, shortened
 
 if TYPE_CHECKING:
@@ -32,14 +34,13 @@ _DARK = 0.9
 def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None = None) -> Figure:
     """How much of each thing that was found each number decides by itself.
 
+    Shares of the variance are shades and numbers, with a sign where more of the number gives mostly
+    more or mostly less; there is nothing where chance alone could have made them. Rows are in the
+    order of their largest share.
+
     Args:
         found: what `studies.decided` returns.
         names: what rows and columns are called; as they are in the study by default.
-
-    Returns:
-        A figure of two columns' width: shares of the variance as shades and numbers, with a sign
-        where more of the number gives mostly more or mostly less; nothing where chance alone could
-        have made them. Rows are in the order of their largest share.
 
     Raises:
         ValueError: nothing to show.
@@ -47,8 +48,12 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
     if not found:
         raise InputError("found is empty: a study of 50 designs or more says what decides.")
     known = names or {}
-    shares = {one.column: {each.name: each for each in one.sure} for one in found}
-    rows = _by_largest_share([each.name for each in found[0].influences], shares)
+    shares = [{each.name: each for each in one.sure} for one in found]
+    largest = {
+        each.name: max((own[each.name].share for own in shares if each.name in own), default=0.0)
+        for each in found[0].influences
+    }
+    rows = sorted(largest, key=lambda name: -largest[name])
     told = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
@@ -66,23 +71,12 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
     letters = max(6, min(16, int(wide / len(found) / _LETTER)))
     heads = [shortened(name, letters, 2) for name in names_of]
     ax.set_xticks(range(len(found)), [literal(head) for head in heads])
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    for k, one in enumerate(found):
+    ax.spines[:].set_visible(False)
+    for k, own in enumerate(shares):
         for i, name in enumerate(rows):
-            _draw_share(ax, k, i, shares[one.column].get(name))
+            _draw_share(ax, k, i, own.get(name))
     sheet.text_at(figure, left, 3.0, minus(f"{_SHARES}{apart}{_SIGNS}"))
     return figure
-
-
-def _by_largest_share(
-    names: Sequence[str], shares: Mapping[str, Mapping[str, Influence]]
-) -> list[str]:
-    largest = dict.fromkeys(names, 0.0)
-    for column in shares.values():
-        for name, one in column.items():
-            largest[name] = max(largest[name], one.share)
-    return sorted(largest, key=lambda name: -largest[name])
 
 
 def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
@@ -99,8 +93,6 @@ def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
     ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1.0, 1.0, facecolor=face, **edge))
 
 
-Colour = str | tuple[float, float, float]
-
 # Panels, points of one, and classes of a bar chart at most.
 _PANELS, _POINTS, _BARS = 8, 3000, 20
 _LEFT, _PANEL_RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
@@ -108,8 +100,7 @@ _LEFT, _PANEL_RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.
 _TWO = 120.0
 # Whole numbers that are told apart as words are, at most so many.
 _COUNTS = 6
-_SPARE = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE, "#7A6A00", style.INK)
-_REST, _NAME = "any other", 44
+_NAME = 44
 _SHADES = "cividis"
 
 
@@ -125,13 +116,12 @@ class _Column(NamedTuple):
 def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     """What was found, each over the number that decides it most; over the plane of two numbers.
 
+    Where two numbers vary, every panel is their plane and colours are what was found; else numbers
+    are points with their means, words shares.
+
     Args:
         study: of which anything is done.
         names: what columns are called; as they are in the study by default.
-
-    Returns:
-        A figure of two columns' width. Where two numbers vary, every panel is their plane and
-        colours are what was found; else numbers are points with their means, words shares.
 
     Raises:
         ValueError: nothing is done yet, or nothing varies.
@@ -141,26 +131,21 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     varied, found = _varied_and_found(study, names or {})
     deciding = {one.column: one.influences[0].name for one in decided(study)}
     shown = list(found.items())[:_PANELS]
-    wordy = [one for _, one in shown if one.words]
-    colours = {one.name: _colours(one.values) for one in wordy}
+    colours = {one.name: _colours(one.values) for _, one in shown if one.words}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = sheet.page_width(style.PAGE)
     beside = 2 if page >= _TWO else 1
     rows = -(-len(shown) // beside)
     figure = sheet.blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
-    wide = page / beside - _LEFT - _PANEL_RIGHT
-    for k, (name, one) in enumerate(shown):
-        row, column = divmod(k, beside)
-        left = _LEFT + column * (wide + _LEFT + _PANEL_RIGHT)
-        bottom = foot + _BOTTOM + (rows - 1 - row) * (_BOTTOM + _TALL + _TOP)
-        ax = sheet.place(figure, left, bottom, wide, _TALL)
+    pitch = page / beside, _BOTTOM + _TALL + _TOP
+    corners = sheet.grid(len(shown), beside, pitch, (_LEFT, foot + _BOTTOM))
+    for (name, one), corner in zip(shown, corners, strict=True):
+        ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, _TALL)
         own = colours.get(one.name, {})
         if len(varied) == 2:
-            x, y = varied.values()
-            _plane(ax, x, y, one, own)
+            _plane(ax, *varied.values(), one, own)
         else:
-            by = varied[deciding.get(name, next(iter(study.varied)))]
-            _over(ax, by, one, own)
+            _over(ax, varied[deciding.get(name, next(iter(study.varied)))], one, own)
         sheet.keep_inside(ax)
     _keys(figure, colours)
     return figure
@@ -192,7 +177,7 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
     if name not in study.varied and name not in names:
         head = head[:1].upper() + head[1:].replace("_", " ")
     if study.columns[name] == "text":
-        words = np.array([str(one) for one in values], object)
+        words = np.array([*map(str, values)], object)
         if study.work.screen:
             # Shares are those of designs drawn by lot: those that a screen chose are no sample.
             words[study.values("lot", chunks) != 1] = ""
@@ -203,7 +188,7 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
 
 
 def _few_counts(values: Floats) -> bool:
-    """Whether these are a few whole numbers, such as those of snaps."""
+    # Such as those of snaps.
     found = np.unique(values)
     return len(found) <= _COUNTS and bool(np.all(np.isfinite(found)) and np.all(found % 1 == 0))
 
@@ -216,17 +201,8 @@ def _differs(one: _Column) -> bool:
 
 
 def _colours(words: np.ndarray[Any, Any]) -> dict[str, Colour]:
-    """The most frequent words have a colour of their own; the rest share one and a name."""
-    often = [word for word, _ in Counter(word for word in words if word).most_common()]
-    spare = iter(_SPARE)
-    found: dict[str, Colour] = {
-        word: colour
-        for word in often
-        if (colour := style.PATHWAY[word] if word in style.PATHWAY else next(spare, "")) != ""
-    }
-    if len(often) > len(found):
-        found[_REST] = style.pale(style.FAINT, 0.5)
-    return found
+    often = Counter(word for word in words if word).most_common()
+    return style.word_colours([word for word, _ in often], style.PATHWAY)
 
 
 def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
@@ -240,58 +216,48 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
     x, y = by.values[told], one.values[told]
     some = np.unique(np.linspace(0, len(x) - 1, min(len(x), _POINTS)).astype(int))
     many = len(some) > 60
-    look = {
-        "color": style.pale(style.BLUE, 0.5) if many else style.BLUE,
-        "markeredgewidth": 0,
-        "gid": "designs",
-    }
-    ax.plot(
-        x[some], y[some], "o", markersize=1.6 if many else 3.2, rasterized=len(some) > 300, **look
-    )
+    look = {"color": style.pale(style.BLUE, 0.5 * many), "markeredgewidth": 0, "gid": "designs"}
+    look |= {"markersize": 1.6 if many else 3.2, "rasterized": len(some) > 300}
+    ax.plot(x[some], y[some], "o", **look)
     ax.ticklabel_format(axis="y", scilimits=(-3, 4))
     if many:
-        ends = _classes(x)
-        of = np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
-        counts = np.maximum(np.bincount(of, minlength=len(ends) - 1), 1)
-        means = [np.bincount(of, v, minlength=len(ends) - 1) / counts for v in (x, y)]
-        here = np.bincount(of, minlength=len(ends) - 1) > 0
-        line = {"color": style.INK, "linewidth": 1.1, "gid": "means"}
-        ax.plot(means[0][here], means[1][here], **line)
+        _, of = _classes(x)
+        counts = np.bincount(of)
+        means = [(np.bincount(of, v) / np.maximum(counts, 1))[counts > 0] for v in (x, y)]
+        ax.plot(*means, color=style.INK, linewidth=1.1, gid="means")
 
 
-def _classes(x: Floats) -> Floats:
-    """Ends of classes of as many designs each; of every value its own where there are few."""
+def _classes(x: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Ends of classes of as many designs each, or one of every value where there are few, and the
+    class of each.
+    """
     levels = np.unique(x)
     if len(levels) <= _BARS:
         between = (levels[1:] + levels[:-1]) / 2
         reach = (levels[1] - levels[0]) / 2 if len(levels) > 1 else 0.5
-        return np.array([levels[0] - reach, *between, levels[-1] + reach])
-    count = min(_BARS, max(2, len(x) // 25))
-    return np.unique(np.quantile(x, np.linspace(0.0, 1.0, count + 1)))
+        ends = np.array([levels[0] - reach, *between, levels[-1] + reach])
+    else:
+        count = min(_BARS, max(2, len(x) // 25))
+        ends = np.unique(np.quantile(x, np.linspace(0.0, 1.0, count + 1)))
+    return ends, np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
 
 
 def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) -> None:
     """Of every class of a number the shares of what its designs do, one upon the other."""
-    told = np.array([bool(word) for word in one.values]) & np.isfinite(x)
-    x, words = x[told], one.values[told]
-    ends = _classes(x)
-    of = np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
+    told = (one.values != "") & np.isfinite(x)
+    words = one.values[told]
+    ends, of = _classes(x[told])
     counts = np.bincount(of, minlength=len(ends) - 1)
     foot = np.zeros(len(ends) - 1)
-    known = np.array([word if word in colours else _REST for word in words], object)
+    known = np.array([word if word in colours else style.REST for word in words], object)
     for word, colour in colours.items():
         times = np.bincount(of[known == word], minlength=len(ends) - 1)
         share = 100.0 * times / np.maximum(counts, 1)
-        ax.bar(
-            ends[:-1], share, np.diff(ends), foot, align="edge",
-            color=colour, edgecolor=colour, linewidth=0.3, gid="shares",
-        )  # fmt: skip
+        look = {"color": colour, "edgecolor": colour, "linewidth": 0.3, "gid": "shares"}
+        ax.bar(ends[:-1], share, np.diff(ends), foot, align="edge", **look)
         foot += share
-    ax.set(
-        xlim=(ends[0], ends[-1]),
-        ylim=(0.0, 100.0),
-        ylabel=f"{literal(shortened(one.name, 16))}: designs [%]",
-    )
+    ax.set(xlim=(ends[0], ends[-1]), ylim=(0.0, 100.0))
+    ax.set_ylabel(f"{literal(shortened(one.name, 16))}: designs [%]")
 
 
 def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
@@ -311,13 +277,13 @@ def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str,
     }
     if one.words:
         for word, colour in colours.items():
-            some = [w == word or (word == _REST and w and w not in colours) for w in one.values]
+            rest = word == style.REST
+            some = [w == word or (rest and w and w not in colours) for w in one.values]
             ax.scatter(x.values[some], y.values[some], color=colour, **look)
     else:
         told = np.isfinite(one.values)
-        points = ax.scatter(
-            x.values[told], y.values[told], c=one.values[told], cmap=_SHADES, **look
-        )
+        at = x.values[told], y.values[told]
+        points = ax.scatter(*at, c=one.values[told], cmap=_SHADES, **look)
         bar = ax.figure.colorbar(points, ax=ax, pad=0.02, aspect=14)  # pyright: ignore[reportAttributeAccessIssue]
         bar.set_label(literal(shortened(one.name, 24)))
         bar.outline.set_visible(False)
