@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,14 +34,9 @@ _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
 def prediction(prediction: Prediction) -> Figure:
     """How far each leg is from another gait, what drag its foot overcomes, what flips it.
 
-    Args:
-        prediction: of any robot.
-
-    Returns:
-        A figure of two columns' width: for each leg the margin [mN] beside what the prediction
-        does not know, and the depths of the feet [mm] at which its gait stays; for each push
-        the largest drag [N] beside the floor's; for each antenna that flips a leg the
-        displacement of its anchor [mm], with the range it may lie in.
+    For each leg the margin [mN] stands beside what the prediction does not know, and the depths of
+    the feet [mm] at which its gait stays; for each push the largest drag [N] beside the floor's;
+    for each antenna that flips a leg the displacement of its anchor [mm], with its range.
     """
     pushes = sum(len(leg.pushes) for leg in prediction.legs)
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
@@ -55,14 +50,20 @@ def prediction(prediction: Prediction) -> Figure:
     rows_of = [rows + 0.8 * narrow for _, rows in panels]
     height = top + sum(head + row * rows + _FOOT for rows in rows_of)
     figure = sheet.blank(page, height)
-    words = "\n".join([*title, _result(prediction, ",\n" if narrow else ", ")])
-    sheet.text_at(
-        figure, 2.0 + sheet.indent(), height - 1.5, words, va="top", fontsize=8, weight="bold"
+    # Nothing is ever minus zero.
+    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
+    result = minus(
+        f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
+        f"turn {turn:.1f}° per cycle"
     )
-    doubtful = {"color": style.VERMILLION, "ha": "right", "va": "top"}
-    doubt = sheet.text_at(
-        figure, page - 2.0, height - 1.5 - 8.0 * narrow, "in this colour: in doubt", **doubtful
-    )
+    if narrow:
+        result = result.replace(", $", ",\n$")
+    look: dict[str, Any] = {"va": "top", "fontsize": 8, "weight": "bold"}
+    left = 2.0 + sheet.current().indent
+    sheet.text_at(figure, left, height - 1.5, "\n".join([*title, result]), **look)
+    look = {"color": style.VERMILLION, "ha": "right", "va": "top"}
+    lower = height - 1.5 - 8.0 * narrow
+    doubt = sheet.text_at(figure, page - 2.0, lower, "in this colour: in doubt", **look)
     bottom = height - top
     for (draw, _), rows in zip(panels, rows_of, strict=True):
         bottom -= head + row * rows
@@ -87,15 +88,6 @@ def _align(figure: Figure, page: float) -> None:
         ax.set_position((left, at.y0, at.x1 - left, at.height))
 
 
-def _result(prediction: Prediction, after_motion: str) -> str:
-    # Nothing is ever minus zero.
-    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
-    return minus(
-        f"predicted: {prediction.motion.value}{after_motion}$d/u_\\mathrm{{max}}$ = {advance:.2f}, "
-        f"turn {turn:.1f}° per cycle"
-    )
-
-
 def _margins(ax: Axes, found: Prediction) -> None:
     legs = found.legs
     ends = [value * style.MN for leg in legs for value in (leg.margin, leg.uncertainty)]
@@ -109,8 +101,8 @@ def _margins(ax: Axes, found: Prediction) -> None:
         reach = leg.margin * style.MN if math.isfinite(leg.margin) else most
         ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
         if math.isfinite(leg.margin):
-            (dot,) = ax.plot(reach, i, "o", color=colour, markersize=5.0, zorder=3)
-            dot.set_gid(f"margin {leg.name}")
+            look = {"color": colour, "markersize": 5.0, "gid": f"margin {leg.name}"}
+            ax.plot(reach, i, "o", **look, zorder=3)
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
@@ -184,20 +176,14 @@ def _limit(values: Sequence[float]) -> float:
 
 
 def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
-    narrow = _is_narrow()
-    ax.annotate(
-        text.replace("\n", " ") if narrow else text,
-        (1.0, row - _OVER * narrow),
-        (0.0 if narrow else 2.0 / 25.4 * 72.0, 0.0),
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        va="bottom" if narrow else "center",
-        ha="right" if narrow else "left",
-        linespacing=0.95,
-        color=style.VERMILLION if doubtful else style.INK,
-        bbox=style.on_white() if narrow else None,
-        zorder=5,
-    )
+    look: dict[str, Any] = {"color": style.VERMILLION if doubtful else style.INK, "zorder": 5}
+    look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    if _is_narrow():
+        look |= {"va": "bottom", "ha": "right", "bbox": style.on_white()}
+        ax.annotate(text.replace("\n", " "), (1.0, row - _OVER), (0.0, 0.0), **look)
+    else:
+        look |= {"va": "center", "ha": "left", "linespacing": 0.95}
+        ax.annotate(text, (1.0, row), (2.0 / 25.4 * 72.0, 0.0), **look)
 
 
 def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
@@ -214,11 +200,8 @@ def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) 
     ax.spines[["top", "right"]].set_visible(False)
 
 
-Colour = str | tuple[float, float, float]
-
 MOST_KEYS = 8
-_COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE, "#7A6A00", style.INK)
-_REST, _STOPPED = "any other", "did not walk to the end"
+_STOPPED = "did not walk to the end"
 _LEFT, _RIGHT, _BOTTOM, _SWEEP_TOP = 16.0, 4.0, 12.0, 4.0
 # A unit at the end of a key, and tables of a path that have names or need none.
 _UNIT = re.compile(
@@ -235,13 +218,11 @@ _LINE = 4.2  # a line of the key [mm]
 def sweep(found: Sweep) -> Figure:
     """Advance and turn of every robot of a sweep, coloured by the gaits of its legs.
 
+    One key: advance and turn over it. Two: every robot at its values, advance and turn as numbers
+    beside it where there is room. More: advance over each.
+
     Args:
         found: a sweep over one key or more; past eight keys the first eight are shown.
-
-    Returns:
-        A figure of two columns' width. One key: advance and turn over it. Two: every robot at
-        its values, advance and turn as numbers beside it where there is room. More: advance
-        over each.
 
     Raises:
         ValueError: no robots, or nothing that is varied.
@@ -251,8 +232,7 @@ def sweep(found: Sweep) -> Figure:
         raise InputError("the sweep is empty: give one robot or more, and one key or more.")
     shown = _read(found, keys)
     foot = _LINE * len(shown.colours) + 4.0
-    layout = _over_one if len(keys) == 1 else _over_two if len(keys) == 2 else _over_many
-    figure = layout(shown, foot)
+    figure = {1: _over_one, 2: _over_two}.get(len(keys), _over_many)(shown, foot)
     handles = [legends.mark(literal(gait), color=one) for gait, one in shown.colours.items()]
     legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
     return figure
@@ -265,16 +245,15 @@ class _Shown(NamedTuple):
     advance: Floats
     turn: Floats
     gaits: NDArray[np.str_]
-    colours: dict[str, Colour]
+    colours: dict[str, style.Colour]
 
 
 def _over_one(shown: _Shown, foot: float) -> Figure:
-    tall = 42.0
+    tall, page = 42.0, sheet.page_width(style.PAGE)
     ((key, values),) = shown.values.items()
-    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + 2 * tall + 5.0 + _SWEEP_TOP)
-    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
-    lower = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
-    upper = sheet.place(figure, _LEFT, foot + _BOTTOM + tall + 5.0, wide, tall)
+    figure = sheet.blank(page, foot + _BOTTOM + 2 * tall + 5.0 + _SWEEP_TOP)
+    corner, wide = (_LEFT, foot + _BOTTOM), page - _LEFT - _RIGHT
+    upper, lower = sheet.stack(figure, corner, wide, [tall, tall], 5.0)
     _points(upper, values, shown.advance, shown, 0.5)
     _points(lower, values, shown.turn, shown, 2.0)
     upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
@@ -288,9 +267,9 @@ _NUMBERS = 9.0, 6.2
 
 
 def _over_two(shown: _Shown, foot: float) -> Figure:
-    tall = 92.0
-    figure = sheet.blank(sheet.page_width(style.PAGE), foot + _BOTTOM + tall + _SWEEP_TOP)
-    wide = sheet.page_width(style.PAGE) - _LEFT - _RIGHT
+    tall, page = 92.0, sheet.page_width(style.PAGE)
+    figure = sheet.blank(page, foot + _BOTTOM + tall + _SWEEP_TOP)
+    wide = page - _LEFT - _RIGHT
     ax = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
     x, y = shown.values.values()
     columns, rows = (max(2, len(np.unique(one))) for one in (x, y))
@@ -306,8 +285,9 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
         look = {"textcoords": "offset points", "va": "center", "linespacing": 1.0}
         for at, d, w in zip(zip(x, y, strict=True), shown.advance, shown.turn, strict=True):
             if np.isfinite(d):
-                text = minus(f"{_whole(d, 0.005):.2f}\n{_whole(w, 0.05):.1f}°")
-                ax.annotate(text, at, (points / 2 + 2, 0), **look)
+                # Nothing is ever minus zero.
+                d, w = 0.0 if abs(d) < 0.005 else d, 0.0 if abs(w) < 0.05 else w
+                ax.annotate(minus(f"{d:.2f}\n{w:.1f}°"), at, (points / 2 + 2, 0), **look)
         title = r"beside each robot: $d/u_\mathrm{max}$ and turn to the left per cycle"
         ax.set_title(title, fontsize=7.0, loc="right", pad=2.0)
     ax.margins(x=0.5 / columns, y=0.5 / rows)
@@ -322,16 +302,14 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
 
 
 def _over_many(shown: _Shown, foot: float) -> Figure:
-    columns = 2 if sheet.page_width(style.PAGE) >= sheet.BESIDE else 1
-    rows = -(-len(shown.values) // columns)
-    tall = 40.0
+    tall, page = 40.0, sheet.page_width(style.PAGE)
+    columns = 2 if page >= sheet.BESIDE else 1
     step = tall + _BOTTOM + 3.0
-    figure = sheet.blank(sheet.page_width(style.PAGE), foot + rows * step + _SWEEP_TOP)
-    wide = (sheet.page_width(style.PAGE) - columns * _LEFT - _RIGHT) / columns
-    for i, (key, values) in enumerate(shown.values.items()):
-        row, column = divmod(i, columns)
-        bottom = foot + _BOTTOM + (rows - 1 - row) * step
-        ax = sheet.place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
+    figure = sheet.blank(page, foot + -(-len(shown.values) // columns) * step + _SWEEP_TOP)
+    pitch = (page - _RIGHT) / columns, step
+    corners = sheet.grid(len(shown.values), columns, pitch, (_LEFT, foot + _BOTTOM))
+    for (key, values), corner in zip(shown.values.items(), corners, strict=True):
+        ax = sheet.place(figure, *corner, pitch[0] - _LEFT, tall)
         _points(ax, values, shown.advance, shown, 0.5)
         ax.set_xlabel(axis_words(key), fontsize=7.0)
         ax.set_ylabel(r"$d/u_\mathrm{max}$")
@@ -339,10 +317,8 @@ def _over_many(shown: _Shown, foot: float) -> Figure:
 
 
 def axis_words(key: str) -> str:
-    """What an axis says of a key path, as in "$q_x$ of outer, left leg [mm]".
-
-    Args:
-        key: of a design file, such as "leg.left.chain.cell.outer.q_mm[0]".
+    """What an axis says of a key of a design file: "$q_x$ of outer, left leg [mm]" of
+    "leg.left.chain.cell.outer.q_mm[0]".
     """
     *path, last = key.split(".")
     name, *numbers = last.replace("]", "").split("[")
@@ -396,16 +372,9 @@ def _discs(ax: Axes, x: Floats, y: Floats, shown: _Shown, size: float) -> None:
         ax.plot(x[some], y[some], "o", color=colour, **look)
 
 
-def _whole(value: float, least: float) -> float:
-    # Nothing is ever minus zero.
-    return 0.0 if abs(value) < least else value
-
-
 def _read(found: Sweep, keys: list[str]) -> _Shown:
-    """What is shown of a sweep over these keys.
-
-    Gaits are those of a robot's legs in a line, or one where all are alike. The most frequent have
-    a colour of their own; the rest share one and a name.
+    """What is shown of a sweep over these keys: gaits are those of a robot's legs in a line, or one
+    where all are alike.
     """
     gaits: list[str] = []
     for trial in found.trials:
@@ -413,20 +382,11 @@ def _read(found: Sweep, keys: list[str]) -> _Shown:
         words = ", ".join(alike if len(alike) == 1 else trial.gaits)
         gaits.append(_STOPPED if trial.stopped else words)
     often = sorted(set(gaits), key=lambda gait: (-gaits.count(gait), gait))
-    known = style.PATHWAY | {_STOPPED: style.FAINT}
-    spare = iter(_COLOURS)
-    colours: dict[str, Colour] = {
-        gait: colour
-        for gait in often
-        if (colour := known[gait] if gait in known else next(spare, "")) != ""
-    }
-    if len(often) > len(colours):
-        gaits = [gait if gait in colours else _REST for gait in gaits]
-        colours[_REST] = style.pale(style.FAINT, 0.5)
+    colours = style.word_colours(often, style.PATHWAY | {_STOPPED: style.FAINT})
     return _Shown(
         {key: np.asarray(found.values[key], float) for key in keys},
         np.array([trial.advance for trial in found.trials]),
         np.degrees([trial.turn for trial in found.trials]),
-        np.array(gaits),
+        np.array([gait if gait in colours else style.REST for gait in gaits]),
         colours,
     )

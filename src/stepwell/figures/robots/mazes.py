@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
@@ -35,13 +36,9 @@ _APART = 0.4
 def maze(maze: Maze) -> Figure:
     """The arena from above with the path that the robot took, coloured by how it moved.
 
-    Args:
-        maze: a way through any arena.
-
-    Returns:
-        A figure of two columns' width, to the scale of its bar: walls and cylinders,
-        darker where touched; the path; the robot at its start, its end and in the middle of
-        presses of its antennas; where antennas were pressed; start, goal and outcome.
+    To the scale of its bar: walls and cylinders, darker where touched; the path; the robot at its
+    start, its end and in the middle of presses of its antennas; where antennas were pressed; start,
+    goal and outcome.
 
     Raises:
         ValueError: a walk without samples.
@@ -70,12 +67,13 @@ def maze(maze: Maze) -> Figure:
     _presses(ax, maze)
     for sample in moments:
         _robot(ax, maze, sample)
-    start, end = (np.array([walk.x[k], walk.y[k]]) * style.MM for k in (0, -1))
+    xy = np.column_stack([walk.x, walk.y]) * style.MM
+    start, end = xy[0], xy[-1]
     ax.plot(*start, "o", **_START, zorder=8, gid="start")
     ax.plot(*end, "o", markersize=5.0, color=style.INK, zorder=8, gid="end")
     bar = marks.round_length((box[1] - box[0]) / 4)
     marks.scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
-    labels = [legends.Label(start[0], start[1], "start"), legends.Label(end[0], end[1], "end")]
+    labels = [legends.Label(*start, "start"), legends.Label(*end, "end")]
     if arena.goal is not None:
         x, y = (value * style.MM for value in arena.goal.at)
         labels.append(legends.Label(x, y, "goal", style.GREEN))
@@ -89,7 +87,7 @@ def maze(maze: Maze) -> Figure:
     return figure
 
 
-def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]:
+def _extent(maze: Maze, moments: list[int]) -> sheet.Box:
     """left, right, bottom, top of all that is drawn [mm], with room for the scale bar below."""
     walk = maze.walk
     points = [np.column_stack([walk.x, walk.y]), *parts.outlines(maze.arena)]
@@ -108,32 +106,27 @@ def _path(ax: Axes, walk: Walk) -> None:
     # What was no whole cycle has no gait.
     cuts = [0, *walks.cycle_samples(walk).tolist(), last]
     named = ["", *kinds, ""] if kinds else [""]
-    spans: dict[str, list[tuple[int, int]]] = {kind: [] for kind in named}
-    for kind, begin, end in zip(named, cuts[:-1], cuts[1:], strict=True):
-        if end > begin:
-            spans[kind].append((begin, end))
-    for kind, ends in spans.items():
+    spans = list(zip(named, pairwise(cuts), strict=True))
+    for kind in dict.fromkeys(named):
+        ends = [(begin, end) for one, (begin, end) in spans if one == kind and end > begin]
         look = {"color": walks.MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
         _along(ax, walk, ends, gid=f"path {kind or 'of no whole cycle'}", **look)
     # Few enough places that an arrow head shows the way and not a single step.
     few = np.linspace(0, last, max(2, min(60, last // 100))).astype(int)
+    x, y = walk.x[few] * style.MM, walk.y[few] * style.MM
     for share in (0.2, 0.4, 0.6, 0.8):
-        x, y = walk.x[few] * style.MM, walk.y[few] * style.MM
         marks.heading(ax, x, y, style.INK, at=share, size=13.0)
 
 
 def _presses(ax: Axes, maze: Maze) -> None:
     """Along the path, where an antenna was pressed."""
-    walk = maze.walk
-    ends = [
-        (int(np.searchsorted(walk.time, one.begin)), int(np.searchsorted(walk.time, one.end)))
-        for one in maze.contacts
-    ]
+    time = maze.walk.time
+    ends = [np.searchsorted(time, [one.begin, one.end]).tolist() for one in maze.contacts]
     look = {"color": _HALO, "linewidth": 5.5, "zorder": 5, "solid_capstyle": "butt"}
-    _along(ax, walk, ends, gid="pressed", **look)
+    _along(ax, maze.walk, ends, gid="pressed", **look)
 
 
-def _along(ax: Axes, walk: Walk, spans: Iterable[tuple[int, int]], **look: Any) -> None:
+def _along(ax: Axes, walk: Walk, spans: Iterable[Sequence[int]], **look: Any) -> None:
     """The path between these first and last samples, as one line with gaps."""
     gap = np.full((1, 2), np.nan)
     xy = np.column_stack([walk.x, walk.y]) * style.MM
@@ -160,15 +153,10 @@ def _robot(ax: Axes, maze: Maze, sample: int) -> None:
     walk = maze.walk
     lines = parts.frame(walk.robot, walk.antenna[sample].tolist())
     bodies = len(lines) - len(walk.robot.antennas)
+    grey: dict[str, Any] = {"facecolor": style.pale(style.BLOCK, 0.3), "edgecolor": style.INK}
+    grey |= {"linewidth": 0.6, "alpha": 0.8, "zorder": 4, "gid": "robot"}
     for line in lines[:bodies]:
-        shape = _placed(line, walk, sample) * style.MM
-        grey = {
-            "facecolor": style.pale(style.BLOCK, 0.3),
-            "edgecolor": style.INK,
-            "linewidth": 0.6,
-            "alpha": 0.8,
-        }
-        ax.add_patch(Polygon(shape, **grey, zorder=4, gid="robot"))
+        ax.add_patch(Polygon(_placed(line, walk, sample) * style.MM, **grey))
     time = walk.time[sample]
     held = {one.antenna for one in maze.contacts if one.begin <= time <= one.end}
     for antenna, line in zip(walk.robot.antennas, lines[bodies:], strict=True):
@@ -185,18 +173,18 @@ def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
 
 def _key(maze: Maze) -> list[Artist]:
     """What colours and marks mean, of those that occur."""
-    kinds = walks.motions(maze.walk)
-    used = [kind for kind in walks.MOTION if kind in kinds]
-    handles: list[Artist] = [legends.line(kind, walks.MOTION[kind], 1.7) for kind in used]
-    if maze.contacts:
-        handles.append(legends.line("antenna pressed", _HALO, 5.5))
-    touched = maze.touched.values()
-    if any(time is not None for time in touched):
-        handles.append(legends.shade("touched obstacle", parts.TOUCHED))
-    if any(time is None for time in touched):
-        look = {"edgecolor": style.INK, "linewidth": 0.5}
-        handles.append(legends.shade("obstacle not touched", parts.OBSTACLE, **look))
-    return [*handles, legends.mark("start", **_START), legends.mark("end", size=5.0)]
+    kinds, touched = walks.motions(maze.walk), maze.touched.values()
+    edge = {"edgecolor": style.INK, "linewidth": 0.5}
+    untouched = legends.shade("obstacle not touched", parts.OBSTACLE, **edge)
+    felt = any(time is not None for time in touched)
+    return legends.those(
+        *((kind in kinds, legends.line(kind, one, 1.7)) for kind, one in walks.MOTION.items()),
+        (maze.contacts, legends.line("antenna pressed", _HALO, 5.5)),
+        (felt, legends.shade("touched obstacle", parts.TOUCHED)),
+        (None in touched, untouched),
+        (True, legends.mark("start", **_START)),
+        (True, legends.mark("end", size=5.0)),
+    )
 
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
@@ -209,15 +197,11 @@ MOST_OBSTACLES = 24
 
 @style.styled
 def maze_timeline(maze: Maze) -> Figure:
-    """Antenna contacts, the gait of each leg cycle by cycle, and obstacles touched, over time.
+    """Antenna contacts, the gait of each leg cycle by cycle, and obstacles touched, over time [s].
 
-    Args:
-        maze: a way through any arena.
-
-    Returns:
-        A figure of two columns' width against time [s]: swing of each antenna [°], shaded while
-        it is pressed; a strip for each leg in the colour of its gait; a strip for each obstacle
-        that was touched, up to 24, in the order of the first touch.
+    There is the swing of each antenna [°], shaded while it is pressed; a strip for each leg in the
+    colour of its gait; a strip for each obstacle that was touched, up to 24, in the order of the
+    first touch.
 
     Raises:
         ValueError: a walk without samples.
@@ -231,38 +215,30 @@ def maze_timeline(maze: Maze) -> Figure:
     page = sheet.page_width(style.PAGE)
     entries = len(colours) + 2 * bool(antennas)
     columns, key_rows = legends.laid(entries, page - _LEFT, _TIMELINE_ENTRY, 3)
-    height = _TOP + len(antennas) * (_ANTENNA + _GAP) + len(legs) * _LANE + _BOTTOM
-    height += (len(order) * _LANE + _GAP if order else 0.0) + 3.0 + 4.2 * key_rows
-    figure = sheet.blank(page, height)
-    wide = page - _LEFT - _RIGHT
-    bottom = height - _TOP
-    axes: list[Axes] = []
-    for i, antenna in enumerate(antennas):
-        bottom -= _ANTENNA
-        axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, _ANTENNA))
+    tall = [_ANTENNA] * len(antennas) + [len(legs) * _LANE, len(order) * _LANE][: 1 + bool(order)]
+    bottom = 3.0 + 4.2 * key_rows + _BOTTOM
+    figure = sheet.blank(page, bottom + sum(tall) + _GAP * (len(tall) - 1) + _TOP)
+    axes = sheet.stack(figure, (_LEFT, bottom), page - _LEFT - _RIGHT, tall, _GAP)
+    for i, (ax, antenna) in enumerate(zip(axes, antennas, strict=False)):
         _swing(ax, maze, i)
         ax.set_ylabel(f"{words.literal(antenna.name)}\nantenna [°]")
-        bottom -= _GAP
-    bottom -= len(legs) * _LANE
-    axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, len(legs) * _LANE))
-    _gaits(ax, maze, colours)
+    _gaits(axes[len(antennas)], maze, colours)
     if order:
-        bottom -= _GAP + len(order) * _LANE
-        axes.append(ax := sheet.place(figure, _LEFT, bottom, wide, len(order) * _LANE))
-        _touches(ax, maze, order)
+        _touches(axes[-1], maze, order)
     for ax in axes:
         ax.set_xlim(0.0, max(maze.duration, 1e-6))
         ax.spines[["top", "right"]].set_visible(False)
         ax.tick_params(labelbottom=False)
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel("Time [s]")
-    handles: list[Artist] = [
+    handles = [
         legends.shade(walks.gait_words(gait) if gait else "no state reached", colour)
         for gait, colour in colours.items()
     ]
-    if antennas:
-        handles.append(legends.shade("antenna pressed", _PRESSED))
-        handles.append(Line2D([], [], **walks.DASHED, label="full swing"))
+    handles += legends.those(
+        (antennas, legends.shade("antenna pressed", _PRESSED)),
+        (antennas, Line2D([], [], **walks.DASHED, label="full swing")),
+    )
     if handles:
         legends.below(figure, handles, columns, _LEFT)
     return figure
@@ -275,31 +251,28 @@ def _swing(ax: Axes, maze: Maze, antenna: int) -> None:
         if contact.antenna == one.name:
             ax.axvspan(contact.begin, contact.end, color=_PRESSED, linewidth=0, gid="contact")
     most = np.degrees(one.swing)
-    ax.plot(
-        walk.time, np.degrees(walk.antenna[:, antenna]), color=style.INK, linewidth=1.0, gid="swing"
-    )
+    look = {"color": style.INK, "linewidth": 1.0, "gid": "swing"}
+    ax.plot(walk.time, np.degrees(walk.antenna[:, antenna]), **look)
     ax.axhline(most, **walks.DASHED, zorder=1)
     ax.set_ylim(-0.05 * most, 1.12 * most)
     ax.set_yticks([0.0, 30.0, 60.0, 90.0, 120.0][: 1 + max(1, int(most // 30))])
 
 
 def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
-    walk = maze.walk
-    legs = walk.robot.legs
-    starts = walk.starts
+    walk, starts = maze.walk, maze.walk.starts
+    legs = [leg.name for leg in walk.robot.legs]
     for i, leg in enumerate(legs):
-        gaits = np.array(walk.gaits[leg.name], dtype=object)
+        gaits = np.array(walk.gaits[leg], dtype=object)
         for gait, colour in colours.items():
             spans = [(starts[k], starts[k + 1] - starts[k]) for k in np.flatnonzero(gaits == gait)]
             if spans:
-                look = {"facecolors": colour, "linewidth": 0, "gid": f"{leg.name} {gait}"}
+                look = {"facecolors": colour, "linewidth": 0, "gid": f"{leg} {gait}"}
                 ax.broken_barh(spans, (i - 0.4, 0.8), **look)
     for change in maze.changes:
-        at = [leg.name for leg in legs].index(change.leg)
-        ax.plot(
-            [change.time] * 2, [at - 0.4, at + 0.4], color=style.INK, linewidth=0.8, gid="change"
-        )
-    style.name_rows(ax, [f"{words.literal(leg.name)} leg" for leg in legs])
+        at = legs.index(change.leg)
+        ends = [change.time] * 2, [at - 0.4, at + 0.4]
+        ax.plot(*ends, color=style.INK, linewidth=0.8, gid="change")
+    style.name_rows(ax, [f"{words.literal(leg)} leg" for leg in legs])
 
 
 def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:

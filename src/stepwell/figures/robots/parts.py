@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import style
+from stepwell.figures.common.sheet import Point
 from stepwell.mechanism import Element
 from stepwell.robot import Antenna, Arena, Leg, Robot, Wall
 
@@ -18,30 +19,22 @@ OBSTACLE, TOUCHED = style.FIXED_BLOCK, style.INK
 
 
 def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
-    """Every obstacle and the goal, in mm.
-
-    Args:
-        ax: axes true to scale.
-        arena: any.
-        touched: of each obstacle, walls first.
-    """
+    """Every obstacle, touched or not, walls first, and the goal, into axes in mm."""
     walls = [Polygon(_wall(wall) * style.MM) for wall in arena.walls]
-    rounds = [
-        Circle((c.at[0] * style.MM, c.at[1] * style.MM), c.radius * style.MM)
-        for c in arena.cylinders
-    ]
+    rounds = [_disc(one.at, one.radius) for one in arena.cylinders]
     for shape, felt in zip([*walls, *rounds], touched, strict=True):
-        shape.set_facecolor(TOUCHED if felt else OBSTACLE)
-        shape.set_edgecolor(style.INK)
-        shape.set(linewidth=0.5, zorder=3, gid="touched obstacle" if felt else "obstacle")
+        shape.set(facecolor=TOUCHED if felt else OBSTACLE, edgecolor=style.INK, linewidth=0.5)
+        shape.set(zorder=3, gid="touched obstacle" if felt else "obstacle")
         ax.add_patch(shape)
     if arena.goal is not None:
-        x, y = (value * style.MM for value in arena.goal.at)
-        disc = Circle((x, y), arena.goal.radius * style.MM, linewidth=0.8, linestyle=(0, (3, 2)))
-        disc.set(
-            facecolor=style.pale(style.GREEN, 0.85), edgecolor=style.GREEN, zorder=0.5, gid="goal"
-        )
+        disc = _disc(arena.goal.at, arena.goal.radius)
+        disc.set(facecolor=style.pale(style.GREEN, 0.85), edgecolor=style.GREEN, linewidth=0.8)
+        disc.set(linestyle=(0, (3, 2)), zorder=0.5, gid="goal")
         ax.add_patch(disc)
+
+
+def _disc(at: Sequence[float], radius: float) -> Circle:
+    return Circle((at[0] * style.MM, at[1] * style.MM), radius * style.MM)
 
 
 def outlines(arena: Arena) -> list[Floats]:
@@ -62,23 +55,14 @@ def _wall(wall: Wall) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class LegParts:
-    """The parts of one leg at given travels, in metres; x forward, y left, z up from the pivots.
+    """The parts of one leg at given travels, in metres; x forward, y left, z up from the pivots."""
 
-    Attributes:
-        blocks: (cells, 2) middle of each moving block, inner first.
-        levers: (cells, 2, 2) ends of each lever, the inner one first.
-        bands: (bands, 2, 2) ends of each band, p then q, cell by cell.
-        owner: (bands,) the cell that each band belongs to.
-        pivots: (2,) x of the two pivots of the V, the outermost block's last.
-        tip: (x, z) of the foot's lowest point.
-    """
-
-    blocks: Floats
-    levers: Floats
-    bands: Floats
-    owner: NDArray[np.intp]
-    pivots: Floats
-    tip: tuple[float, float]
+    blocks: Floats  # (cells, 2) middle of each moving block, inner first
+    levers: Floats  # (cells, 2, 2) ends of each lever, the inner one first
+    bands: Floats  # (bands, 2, 2) ends of each band, p then q, cell by cell
+    owner: NDArray[np.intp]  # (bands,) the cell that each band belongs to
+    pivots: Floats  # (2,) x of the two pivots of the V, the outermost block's last
+    tip: Point  # (x, z) of the foot's lowest point
 
 
 def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegParts:
@@ -107,13 +91,9 @@ def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegP
             owner.append(i)
         inner = np.array([x[i], outer[1]])
     tip = (x[-2] - half_span - s[-1] / 2, -float(robot.foot.depth(s[-1])))
+    blocks = np.array([(at, leg.at[1]) for at in x])
     return LegParts(
-        np.array([(at, leg.at[1]) for at in x]),
-        np.array(levers),
-        np.array(bands),
-        np.array(owner),
-        np.array([x[-2], x[-1]]),
-        tip,
+        blocks, np.array(levers), np.array(bands), np.array(owner), np.array(x[-2:]), tip
     )
 
 
@@ -132,9 +112,10 @@ def antenna_line(antenna: Antenna, swing: float = 0.0) -> Floats:
     """(2 or 3, 2) pivot, end of the rod and, if it has one, end of the hook [m]."""
     angle = abs(antenna.angle) + swing
     points = [np.array(antenna.pivot)]
-    points.append(points[0] + antenna.length * _towards(antenna, angle))
-    if antenna.hook > 0:
-        points.append(points[1] + antenna.hook * _towards(antenna, angle + antenna.hook_angle))
+    turns = ((antenna.length, angle), (antenna.hook, angle + antenna.hook_angle))
+    for length, way in turns[: 1 + (antenna.hook > 0)]:
+        along = np.array([math.cos(way), antenna.side * math.sin(way)])
+        points.append(points[-1] + length * along)
     return np.array(points)
 
 
@@ -155,11 +136,8 @@ def anchor_moves(robot: Robot, antenna: Antenna) -> Floats:
 
 
 def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Floats]:
-    """The outline from above as lines [m]: body, moving blocks of every leg at 0, antennas last.
-
-    Args:
-        robot: any robot.
-        antenna_swings: of each antenna [rad]; at rest by default.
+    """The outline from above as lines [m]: body, moving blocks of every leg at 0, antennas last, at
+    these swings [rad] or at rest.
     """
     swings = antenna_swings or [0.0] * len(robot.antennas)
     lines = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
@@ -182,7 +160,3 @@ def in_world(points: Floats, x: float, y: float, yaw: float) -> Floats:
     """(n, 2) points of the body's frame [m] where the body is at (x, y) [m] and yaw [rad]."""
     c, s = math.cos(yaw), math.sin(yaw)
     return points @ np.array([[c, s], [-s, c]]) + (x, y)
-
-
-def _towards(antenna: Antenna, angle: float) -> Floats:
-    return np.array([math.cos(angle), antenna.side * math.sin(angle)])

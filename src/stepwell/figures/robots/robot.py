@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from textwrap import wrap
 from typing import Any
 
@@ -13,6 +14,7 @@ from matplotlib.patches import Polygon
 
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, plain, scale_bar
+from stepwell.figures.common.sheet import Box
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots import parts
 from stepwell.figures.robots.parts import antenna_line, leg_parts, rectangle, rest_states
@@ -21,6 +23,8 @@ from stepwell.robot import Antenna, Leg, Robot
 # A drawing of this width has room for its dimensions [mm].
 _DETAILED = 140.0
 FOOT, SUPPORT, ANTENNA = style.BLUE, style.VERMILLION, style.ORANGE
+_BODY: dict[str, Any] = {"facecolor": style.pale(style.BLOCK, 0.5), "edgecolor": style.INK}
+_BODY |= {"linewidth": 0.8, "zorder": 1}
 _HOLDER: dict[str, Any] = {"color": style.FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}
 
 
@@ -29,10 +33,10 @@ def detailed() -> bool:
     return sheet.page_width(style.PAGE) >= _DETAILED
 
 
-def above_limits(robot: Robot) -> tuple[float, float, float, float]:
+def above_limits(robot: Robot) -> Box:
     """left, right, bottom, top of what is drawn, in the body's frame [mm]."""
-    points = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
-    points.append(np.asarray(robot.body.supports))
+    body = rectangle((0.0, 0.0), robot.body.length, robot.body.width)
+    points = [body, np.asarray(robot.body.supports)]
     half = np.array([robot.blocks.length, robot.blocks.width]) / 2
     for leg in robot.legs:
         for travels in rest_states(leg):
@@ -51,17 +55,8 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     box = above_limits(robot)
     plain(ax, box)
     body = rectangle((0.0, 0.0), robot.body.length, robot.body.width) * style.MM
-    ax.add_patch(
-        Polygon(
-            body,
-            facecolor=style.pale(style.BLOCK, 0.5),
-            edgecolor=style.INK,
-            linewidth=0.8,
-            zorder=1,
-        )
-    )
-    centre = np.array(robot.body.centre[:2]) * style.MM
-    centre_of_mass(ax, centre[0], centre[1])
+    ax.add_patch(Polygon(body, **_BODY))
+    _centre_of_mass(ax, *np.array(robot.body.centre[:2]) * style.MM)
     for point in robot.body.supports:
         x, y = np.array(point) * style.MM
         ax.plot([0.4 * x, x], [0.4 * y, y], color=SUPPORT, linewidth=1.4, zorder=1.5)
@@ -70,24 +65,19 @@ def draw_above(ax: Axes, robot: Robot) -> None:
         at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
         _chain_above(ax, robot, leg, at_1, faint=True)
         _chain_above(ax, robot, leg, at_0, faint=False)
-    _carriage(ax, robot)
+    # The bar that joins the outermost blocks.
+    ends = [leg_parts(robot, leg, rest_states(leg)[0]).blocks[-1] for leg in robot.legs]
+    bar = np.array(sorted(ends, key=lambda end: end[1])) * style.MM
+    ax.plot(*bar.T, **_HOLDER, zorder=1.2)
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
     _scale(ax, box)
-    if not detailed():
-        return
-    _dimensions(ax, robot, box)
-    names = [
-        legends.Label(leg.at[0] * style.MM, leg.at[1] * style.MM, literal(leg.name), FOOT)
-        for leg in robot.legs
-    ]
-    for antenna in robot.antennas:
-        x, y = antenna_line(antenna)[1] * style.MM
-        names.append(legends.Label(float(x), float(y), _antenna_text(robot, antenna)))
-    legends.beside(ax, names)
+    if detailed():
+        _dimensions(ax, robot, box)
 
 
-def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) -> None:
+def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
+    """What is measured, and the names of legs and antennas."""
     leg = min(robot.legs, key=lambda one: one.at[1])
     near, far = (
         leg_parts(robot, leg, travels).blocks[-1] * style.MM for travels in rest_states(leg)
@@ -98,9 +88,14 @@ def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) 
     if high > low:
         apart = f"{mm(high - low)} mm"
         along_y(ax, (low * style.MM, high * style.MM), (far[0], box[0] + 9.0), apart)
+    at = [(np.array(leg.at) * style.MM, literal(leg.name), FOOT) for leg in robot.legs]
+    for antenna in robot.antennas:
+        end = antenna_line(antenna)[1] * style.MM
+        at.append((end, _antenna_text(robot, antenna), style.INK))
+    legends.beside(ax, [legends.Label(*point, text, colour) for point, text, colour in at])
 
 
-def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
+def _scale(ax: Axes, box: Box) -> None:
     """What is forward, and how long 50 mm are."""
     x, y = box[1] - 26.0, box[2] + 6.0
     arrow(ax, (x, y), (x + 18.0, y), width=1.0)
@@ -109,21 +104,16 @@ def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
 
 
 def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, faint: bool) -> None:
-    def shade(colour: str) -> tuple[float, float, float]:
-        return faded(colour, faint)
-
-    z = 2.0 if faint else 3.0
+    shade, z = partial(_faded, faint=faint), 2.0 if faint else 3.0
     ink = shade(style.INK)
     frame = {"facecolor": "none" if faint else style.BLOCK, "edgecolor": ink, "linewidth": 0.6}
     for middle in parts.blocks:
         outline = rectangle(middle, robot.blocks.length, robot.blocks.width) * style.MM
         ax.add_patch(Polygon(outline, **frame, zorder=z))
     # What slides sideways on a block reaches from beside it to the lever's outer joint.
-    for middle, lever in zip(parts.blocks, parts.levers, strict=True):
-        joint = lever[1]
-        x = np.array([middle[0], middle[0], joint[0]]) * style.MM
-        y = np.array([middle[1], joint[1], joint[1]]) * style.MM
-        ax.plot(x, y, color=shade(style.FAINT), linewidth=2.0, zorder=z + 0.1)
+    for (x, y), (_, joint) in zip(parts.blocks, parts.levers, strict=True):
+        slide = np.array([(x, y), (x, joint[1]), joint]) * style.MM
+        ax.plot(*slide.T, color=shade(style.FAINT), linewidth=2.0, zorder=z + 0.1)
     joints = style.hollow(2.6, ink, marker="o", markeredgewidth=0.6, gid=None if faint else "lever")
     for lever in parts.levers:
         ax.plot(*(lever * style.MM).T, color=ink, linewidth=1.6, zorder=z + 0.3, **joints)
@@ -144,31 +134,21 @@ def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, fai
     ax.plot(parts.tip[0] * style.MM, y, "o", color=foot, markersize=5.0, **tip)
 
 
-def _carriage(ax: Axes, robot: Robot) -> None:
-    """The bar that joins the outermost blocks."""
-    ends = [leg_parts(robot, leg, rest_states(leg)[0]).blocks[-1] for leg in robot.legs]
-    line = np.array(sorted(ends, key=lambda end: end[1])) * style.MM
-    ax.plot(*line.T, **_HOLDER, zorder=1.2)
-
-
 def _antenna_above(ax: Axes, robot: Robot, antenna: Antenna) -> None:
-    back = antenna_line(antenna, antenna.swing) * style.MM
+    at_rest, back = (antenna_line(antenna, turn) * style.MM for turn in (0.0, antenna.swing))
     ax.plot(*back.T, color=style.pale(ANTENNA, 0.6), linewidth=1.3, zorder=4)
     swings = np.linspace(0.0, antenna.swing, 41)
     sweep = np.array([antenna_line(antenna, swing)[1] for swing in swings]) * style.MM
     ax.plot(*sweep.T, color=ANTENNA, linewidth=0.7, linestyle=(0, (2, 2)), zorder=4, gid="swing")
-    arrow(ax, tuple(sweep[-4]), tuple(sweep[-1]), ANTENNA, 0.0)
-    ax.plot(
-        *(antenna_line(antenna) * style.MM).T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna"
-    )
-    ax.plot(*(np.array(antenna.pivot) * style.MM), "o", **style.hollow(3.6, ANTENNA), zorder=6)
-    ax.plot(
-        *(parts.bracket(robot, antenna) * style.MM).T, color=style.FAINT, linewidth=0.6, zorder=1
-    )
+    arrow(ax, sweep[-4], sweep[-1], ANTENNA, 0.0)
+    ax.plot(*at_rest.T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna")
+    ax.plot(*at_rest[0], "o", **style.hollow(3.6, ANTENNA), zorder=6)
+    bracket = parts.bracket(robot, antenna) * style.MM
+    ax.plot(*bracket.T, color=style.FAINT, linewidth=0.6, zorder=1)
     if antenna.connected:
         start, end = parts.anchor_moves(robot, antenna) * style.MM
         ax.plot(*end, linestyle="none", gid="moved anchor")
-        arrow(ax, tuple(start), tuple(end), width=1.0)
+        arrow(ax, start, end, width=1.0)
 
 
 def _antenna_text(robot: Robot, antenna: Antenna) -> str:
@@ -176,29 +156,27 @@ def _antenna_text(robot: Robot, antenna: Antenna) -> str:
     first = f"{literal(antenna.name)}: {mm(antenna.length)} mm, swing {swing:.3g}°"
     if not antenna.connected:
         return f"{first}\nlever taken off"
-    cell = robot.leg(antenna.leg).chain.names[robot.leg(antenna.leg).cell_index(antenna.cell)]
-    moved = literal(f"{antenna.leg} {cell}")
+    leg = robot.leg(antenna.leg)
+    moved = literal(f"{antenna.leg} {leg.chain.names[leg.cell_index(antenna.cell)]}")
     return f"{first}\nmoves $p$ of {moved} by {mm(math.hypot(*antenna.moves))} mm"
 
 
-def faded(colour: str, faint: bool) -> tuple[float, float, float]:
-    """The colour itself, or so pale that what is drawn in it stays in the background."""
+def _faded(colour: str, faint: bool) -> tuple[float, float, float]:
     return style.pale(colour, 0.72 if faint else 0.0)
 
 
-def centre_of_mass(ax: Axes, x: float, y: float) -> None:
-    """The mark of the body's centre of mass [mm]."""
+def _centre_of_mass(ax: Axes, x: float, y: float) -> None:
     ax.plot(x, y, "o", **style.hollow(6.0), zorder=7, gid="centre of mass")
     ax.plot(x, y, "+", markersize=6.0, color=style.INK, markeredgewidth=0.8, zorder=7.1)
 
 
-def side_limits(robot: Robot) -> tuple[float, float, float, float]:
+def side_limits(robot: Robot) -> Box:
     """left, right, bottom, top of what is drawn, x of the body and z from the floor [mm]."""
-    above = above_limits(robot)
-    right = max(above[1], _beyond(robot) + 44.0)
+    left, right, _, _ = above_limits(robot)
+    pivot = float(robot.foot.depth(0.0)) * style.MM
     if not detailed():
-        return above[0], above[1], -6.0, float(robot.foot.depth(0.0)) * style.MM + 16.0
-    return above[0], right, -12.0, float(robot.foot.depth(0.0)) * style.MM + 34.0
+        return left, right, -6.0, pivot + 16.0
+    return left, max(right, _beyond(robot) + 44.0), -12.0, pivot + 34.0
 
 
 def draw_side(ax: Axes, robot: Robot) -> None:
@@ -222,10 +200,8 @@ def draw_side(ax: Axes, robot: Robot) -> None:
 def _body(ax: Axes, robot: Robot, pivot: float) -> None:
     """Body, supports and antennas; the body has a length, and its height is drawn for the eye."""
     half, low = robot.body.length / 2 * style.MM, robot.foot.below * style.MM
-    plate = rectangle((0.0, pivot + 8.0), 2 * half, 8.0)
-    grey = style.pale(style.BLOCK, 0.5)
-    ax.add_patch(Polygon(plate, facecolor=grey, edgecolor=style.INK, linewidth=0.8, zorder=1))
-    centre_of_mass(ax, robot.body.centre[0] * style.MM, pivot + robot.body.centre[2] * style.MM)
+    ax.add_patch(Polygon(rectangle((0.0, pivot + 8.0), 2 * half, 8.0), **_BODY))
+    _centre_of_mass(ax, robot.body.centre[0] * style.MM, pivot + robot.body.centre[2] * style.MM)
     # Supports behind each other are one in this view.
     for x in sorted({round(x * style.MM, 6) for x, _ in robot.body.supports}):
         strut = [0.4 * x, x], [pivot + 4.0, low + 1.5]
@@ -267,15 +243,9 @@ def _beyond(robot: Robot) -> float:
 
 
 def _leg(ax: Axes, robot: Robot, parts: parts.LegParts, pivot: float, *, faint: bool) -> None:
-    def shade(colour: str) -> tuple[float, float, float]:
-        return faded(colour, faint)
-
-    z = 3.0 if faint else 4.0
-    frame = {
-        "facecolor": "white" if faint else style.BLOCK,
-        "edgecolor": shade(style.INK),
-        "linewidth": 0.6,
-    }
+    shade, z = partial(_faded, faint=faint), 3.0 if faint else 4.0
+    ink, fill = shade(style.INK), "white" if faint else style.BLOCK
+    frame = {"facecolor": fill, "edgecolor": ink, "linewidth": 0.6}
     for x, _ in parts.blocks:
         outline = rectangle((x * style.MM, pivot), robot.blocks.length * style.MM, 8.0)
         ax.add_patch(Polygon(outline, **frame, zorder=z))
@@ -283,7 +253,7 @@ def _leg(ax: Axes, robot: Robot, parts: parts.LegParts, pivot: float, *, faint: 
     link = {"color": shade(FOOT), "linewidth": 1.6, "gid": "link at 1" if faint else "link"}
     for x in parts.pivots * style.MM:
         ax.plot([x, tip[0]], [pivot, tip[1]], **link, zorder=z + 0.3)
-    pins = style.hollow(2.8, shade(style.INK), markeredgewidth=0.6)
+    pins = style.hollow(2.8, ink, markeredgewidth=0.6)
     ax.plot(parts.pivots * style.MM, [pivot] * 2, "o", **pins, zorder=z + 0.5)
     radius = robot.foot.radius * style.MM
     turn = np.linspace(0.0, 2 * np.pi, 33)
@@ -304,14 +274,8 @@ _LINE, _LETTER = 3.4, 1.7
 def robot_drawing(robot: Robot) -> Figure:
     """The robot from above and, at the same scale below, from the right.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1.
-
-    Args:
-        robot: any robot.
-
-    Returns:
-        A figure of two columns' width, dimensions in mm; as a narrower panel of a page without
-        them.
+    Drawn from its values with every cell at 0 and, pale, with every cell at 1, with dimensions in
+    mm; as a narrower panel of a page without them.
     """
     page = sheet.page_width(style.PAGE)
     above, side = above_limits(robot), side_limits(robot)
@@ -319,8 +283,7 @@ def robot_drawing(robot: Robot) -> Figure:
     scale = min(_LARGEST, (page - 4.0) / (right - left))
     high = [(box[3] - box[2]) * scale for box in (above, side)]
     words = wrap(robot.title, int(page / _LETTER))
-    title = 7.0 + _LINE * (len(words) - 1) if words else 1.0
-    key = _rows()[1]
+    title, key = 7.0 + _LINE * (len(words) - 1) if words else 1.0, _rows()[1]
     height = sum(high) + key + title + 2.0
     figure = sheet.blank(page, height)
     across = (right - left) * scale
@@ -340,15 +303,13 @@ def robot_drawing(robot: Robot) -> Figure:
 def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from above: body, supports, chains, feet, antennas with their swing.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1. Blocks that move
-    sideways with a lever are drawn beside the block that they slide on.
+    Drawn from its values with every cell at 0 and, pale, with every cell at 1, x forward and y to
+    the left, dimensions in mm. Blocks that move sideways with a lever are drawn beside the block
+    that they slide on.
 
     Args:
         robot: any robot.
         ax: axes to draw into; a new figure of two columns' width by default.
-
-    Returns:
-        The figure, x forward and y to the left, dimensions in mm.
     """
     return _view(robot, ax, above_limits, draw_above)
 
@@ -357,14 +318,8 @@ def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
 def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from its right: floor, supports, V links and feet, to scale.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1.
-
-    Args:
-        robot: any robot; the rightmost leg is in front.
-        ax: axes to draw into; a new figure of two columns' width by default.
-
-    Returns:
-        The figure, x forward and z up from the floor, dimensions in mm.
+    Drawn from its values with every cell at 0 and, pale, with every cell at 1, x forward and z up
+    from the floor, dimensions in mm; the rightmost leg is in front. All else as for `robot_above`.
     """
     return _view(robot, ax, side_limits, draw_side)
 
@@ -372,7 +327,7 @@ def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
 def _view(
     robot: Robot,
     ax: Axes | None,
-    limits_of: Callable[[Robot], tuple[float, float, float, float]],
+    limits_of: Callable[[Robot], Box],
     draw: Callable[[Axes, Robot], None],
 ) -> Figure:
     if ax is not None:
@@ -397,15 +352,15 @@ def _rows() -> tuple[int, float]:
 
 def _key(figure: Figure, robot: Robot) -> None:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
+    edge = {"edgecolor": _faded(style.INK, True), "linewidth": 0.6}
+    antenna = legends.line("antenna, pale at full swing", ANTENNA, 1.8)
     handles: list[Artist] = [
         *legends.cells(longest.names, 1.8, "band of {}", marker="o", markersize=2.8),
         legends.line("lever", width=1.6, marker="o", **style.hollow(2.6)),
         legends.line("V links, foot", FOOT, 1.2, marker="o", markersize=5.0),
         legends.line("T-foot", SUPPORT, marker="s", markersize=4.5),
         legends.mark("body's centre of mass", **style.hollow(6.0)),
+        *[antenna] * bool(robot.antennas),
+        legends.shade("pale: every cell at 1", "white", **edge),
     ]
-    if robot.antennas:
-        handles.append(legends.line("antenna, pale at full swing", ANTENNA, 1.8))
-    look = {"edgecolor": faded(style.INK, True), "linewidth": 0.6}
-    handles.append(legends.shade("pale: every cell at 1", "white", **look))
     legends.below(figure, handles, _rows()[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
@@ -34,23 +34,15 @@ _START = style.hollow(4.5)
 _HEADING = 3.4  # length of an arrow to the heading [mm]
 _FAN = 2.6  # longer where steps are shorter than arrows
 _SLIGHT = 0.5  # turns that no bar shows [°]
-_SIDEWAYS: dict[str, Any] = {
-    "markersize": 3.0,
-    "color": style.ORANGE,
-    "markeredgecolor": style.INK,
-    "markeredgewidth": 0.4,
-}
+_SIDEWAYS: dict[str, Any] = {"markersize": 3.0, "color": style.ORANGE}
+_SIDEWAYS |= {"markeredgecolor": style.INK, "markeredgewidth": 0.4}
 
 
 def trajectory(walk: Walk) -> Figure:
     """The path of the body from above, and displacement and rotation cycle by cycle.
 
-    Args:
-        walk: any walk.
-
-    Returns:
-        A figure of two columns' width: path [mm] with an arrow to the heading at the start of every
-        cycle, d/u_max along and across that heading, turn to the left [°].
+    The path [mm] has an arrow to the heading at the start of every cycle; beside it are d/u_max
+    along and across that heading and the turn to the left [°].
 
     Raises:
         ValueError: a walk without samples.
@@ -62,13 +54,8 @@ def trajectory(walk: Walk) -> Figure:
 
 @style.styled
 def trajectories(walks: Mapping[str, Walk]) -> Figure:
-    """The paths of several walks at one scale, each with its displacement and rotation a cycle.
-
-    Args:
-        walks: by the name to write above each.
-
-    Returns:
-        A figure of two columns' width, a row for each walk; see `trajectory`.
+    """The paths of several walks at one scale, by the name to write above each, in a row for each
+    with its displacement and rotation a cycle; see `trajectory`.
 
     Raises:
         ValueError: nothing to show, or a walk without samples.
@@ -86,7 +73,10 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     # A tenth of the width more, so that ticks stand clear of the frame.
     scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
-    names = [_name(name, walk, page - _LEFT) for name, walk in walks.items()]
+    remarks = [
+        [name] * bool(name) + ["stopped early"] * bool(w.stopped) for name, w in walks.items()
+    ]
+    names = [wrap(", ".join(words), int((page - _LEFT) / _LETTER)) for words in remarks]
     named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
     lower = 0.0 if beside else _LOW + _BELOW + _APART
     handles = _key()
@@ -108,31 +98,17 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         turned = sheet.place(figure, left + bar + _GAP, under, bar - 3.0, low)
         _bars(moved, turned, walk, bar)
         bars.append((moved, turned))
-        _write(figure, bottom + high + 1.8, lines)
+        for k, line in enumerate(reversed(lines)):
+            y = bottom + high + 1.8 + _LINE * k
+            sheet.text_at(figure, _LEFT, y, literal(line), weight="bold")
         bottom -= _BELOW + lower
     for column in zip(*bars, strict=True):
-        _share_limits(column)
+        # One vertical scale, symmetric around zero.
+        most = max(ax.get_ylim()[1] for ax in column)
+        for ax in column:
+            ax.set_ylim(-most, most)
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
-
-
-def _write(figure: Figure, bottom: float, lines: Sequence[str]) -> None:
-    """Lines of text in bold, the last one at this height [mm]."""
-    for k, line in enumerate(reversed(lines)):
-        sheet.text_at(figure, _LEFT, bottom + _LINE * k, literal(line), weight="bold")
-
-
-def _share_limits(panels: Sequence[Axes]) -> None:
-    """Give panels one vertical scale, symmetric around zero."""
-    most = max(ax.get_ylim()[1] for ax in panels)
-    for ax in panels:
-        ax.set_ylim(-most, most)
-
-
-def _name(name: str, walk: Walk, room: float) -> list[str]:
-    """What stands above a path, in lines of so many mm."""
-    words = ", ".join([name] * bool(name) + ["stopped early"] * bool(walk.stopped))
-    return wrap(words, int(room / _LETTER))
 
 
 def _key() -> list[Artist]:
@@ -151,20 +127,14 @@ def _outline(walk: Walk, sample: int) -> list[Floats]:
     return [in_world(line, *where) * style.MM for line in frame(walk.robot)]
 
 
-def _extent(walk: Walk) -> tuple[float, float, float, float]:
+def _extent(walk: Walk) -> sheet.Box:
     refuse_empty(walk)
     ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
     points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * style.MM])
     return marks.limits(points, (0.0, 0.0, 0.0, 0.0))
 
 
-def _path(
-    ax: Axes,
-    walk: Walk,
-    box: tuple[float, float, float, float],
-    scale: float,
-    size: tuple[float, float],
-) -> None:
+def _path(ax: Axes, walk: Walk, box: sheet.Box, scale: float, size: sheet.Point) -> None:
     """The path in axes of this width and height [mm]."""
     wide, high = size
     x, y = walk.x * style.MM, walk.y * style.MM
@@ -177,12 +147,12 @@ def _path(
     step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
     length = _HEADING / scale * (1.0 if step * scale > _HEADING else _FAN)
     for sample in at:
-        tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
-        start = np.array([x[sample], y[sample]])
+        yaw, start = walk.yaw[sample], np.array([x[sample], y[sample]])
+        tip = start + length * np.array([math.cos(yaw), math.sin(yaw)])
         # Below the path, and only its head above: who walks straight on has both in one line.
         look = {"color": style.INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
-        ax.plot(*np.array([start, start + tip]).T, **look)
-        marks.head(ax, start.tolist(), (start + tip).tolist(), style.INK, size=9.0)
+        ax.plot(*np.array([start, tip]).T, **look)
+        marks.head(ax, start.tolist(), tip.tolist(), style.INK, size=9.0)
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
     ax.plot(x[-1], y[-1], "o", markersize=4.5, color=style.INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
@@ -197,19 +167,19 @@ def _path(
 
 
 def _bars(moved: Axes, turned: Axes, walk: Walk, wide: float) -> None:
-    number = number_cycles(moved, walk)
+    number, degrees = number_cycles(moved, walk), np.degrees(walk.turn)
     number_cycles(turned, walk)
-    moved.bar(number, walk.advance, width=0.7, color=style.BLUE, zorder=2, gid="advance")
+    look = {"width": 0.7, "color": style.BLUE, "zorder": 2}
+    moved.bar(number, walk.advance, **look, gid="advance")
     moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
-    turned.bar(number, np.degrees(walk.turn), width=0.7, color=style.BLUE, zorder=2, gid="turn")
+    turned.bar(number, degrees, **look, gid="turn")
     # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
-    degrees = np.degrees(walk.turn)
     turned.plot(number, degrees, "o", markersize=3.0, color=style.INK, zorder=3, gid="turns")
     most = float(np.abs(degrees).max(initial=0.0))
     if walk.cycles and most < _SLIGHT:
-        words = (
-            "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
-        )
+        words = f"at most {most:.1f}° a cycle"
+        if most < 0.1:
+            words = "straight on:\nless than 0.1° a cycle"
         if wide < _BAR:
             words = fill(words, int(wide / 1.8))
         look = {"transform": turned.transAxes, "ha": "center", "va": "center"}

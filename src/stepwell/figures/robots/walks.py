@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -66,7 +67,7 @@ def intervals(time: Floats, held: Bools) -> list[tuple[float, float]]:
 
 
 def standing(force: Floats) -> Bools:
-    """Whether a foot or support that carries these forces [N] stands, of the same shape."""
+    """Whether a foot or support that carries these forces [N] stands."""
     from stepwell.simulation import LOADED
 
     return force > LOADED
@@ -74,30 +75,20 @@ def standing(force: Floats) -> Bools:
 
 def resting(walk: Walk, leg: str, some: slice) -> list[Rest]:
     """The states that a leg rests in, one after another, as `Walk.gait` counts them."""
-    found: list[Rest] = []
-    for time in walk.time[some].tolist():
-        state = walk.state(leg, time)
-        if state is None:
-            continue
-        if found and found[-1].state == state:
-            found[-1] = found[-1]._replace(end=time)
-        else:
-            found.append(Rest(time, time, state))
-    return found
+    states = ((time, walk.state(leg, time)) for time in walk.time[some].tolist())
+    rests = groupby(((time, state) for time, state in states if state is not None), itemgetter(1))
+    found = [(state, [time for time, _ in rest]) for state, rest in rests]
+    return [Rest(times[0], times[-1], state) for state, times in found]
 
 
 def direction(gait: str) -> int:
-    """+1 for a forward step, -1 for a backward one, 0 for none.
-
-    Forward: the last cell, which lifts the foot, moves last on the way out and last on the
-    way back.
+    """+1 for a forward step, -1 for a backward one, 0 for none: forward, the last cell, which lifts
+    the foot, moves last on the way out and last on the way back.
     """
     states = gait.split(">")
-    if len(states[0]) < 2:
-        return 0
     ones = "1" * (len(states[0]) - 1)
     out, back = ones + "0", "0" * len(ones) + "1"
-    if out not in states or back not in states or ones + "1" not in states:
+    if not ones or not {out, back, ones + "1"} <= {*states}:
         return 0
     return 1 if states.index(out) < states.index(back) else -1
 
@@ -112,10 +103,9 @@ def motions(walk: Walk) -> list[str]:
     gaits = walk.gaits
     found: list[str] = []
     for cycle in range(walk.cycles):
-        steps: dict[int, list[int]] = {1: [], -1: []}
-        for leg in walk.robot.legs:
-            steps[leg.side].append(direction(gaits[leg.name][cycle]))
-        left, right = (float(np.mean(steps[side])) if steps[side] else 0.0 for side in (1, -1))
+        steps = [(leg.side, direction(gaits[leg.name][cycle])) for leg in walk.robot.legs]
+        sides = ([step for own, step in steps if own == side] for side in (1, -1))
+        left, right = (sum(own) / max(len(own), 1) for own in sides)
         if left != right:
             found.append(LEFT if right > left else RIGHT)
         else:
@@ -157,9 +147,8 @@ def last_cycles(walk: Walk, cycles: float) -> slice:
 
 
 def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
-    """Limits at the first and the last of these samples, a tenth of a period apart at least.
-
-    The starts of cycles between them are dashed.
+    """Limits at the first and the last of these samples, a tenth of a period apart at least, with
+    the starts of cycles between them dashed.
     """
     time = walk.time[some]
     ax.set_xlim(time[0], max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
@@ -193,15 +182,14 @@ _ENTRY, _ROW = 26.0, 3.8
 
 @style.styled
 def gait(walk: Walk, *, cycles: float = 3) -> Figure:
-    """Travel of every cell of every leg against time, with the states that each leg rests in.
+    """Travel of every cell of every leg against time [s], with the states that each leg rests in.
+
+    The actuator's stroke [mm] is on top, then travels [mm] leg by leg, shaded while the foot
+    stands, with the states below each.
 
     Args:
         walk: any walk.
         cycles: how many to show, counted back from its end; > 0.
-
-    Returns:
-        A figure of two columns' width: the actuator's stroke [mm] on top, then travels [mm] leg
-        by leg, shaded while the foot stands, with the states below each.
 
     Raises:
         ValueError: no cycles asked for, or a walk without samples.
@@ -219,40 +207,35 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     ]
     columns, rows = legends.laid(len(handles), page - _LEFT, _ENTRY)
     above = _TOP + _ROW * (rows - 1)
-    height = above + _STROKE + 3.0 + len(robot.legs) * (_LEG + _STATES) + _BOTTOM
-    figure = sheet.blank(page, height)
+    legs = len(robot.legs) * (_LEG + _STATES)
+    figure = sheet.blank(page, above + _STROKE + 3.0 + legs + _BOTTOM)
     across = page - _LEFT - _RIGHT
-    bottom = height - above - _STROKE
-    top = sheet.place(figure, _LEFT, bottom, across, _STROKE)
+    top = sheet.place(figure, _LEFT, _BOTTOM + legs + 3.0, across, _STROKE)
+    corner = _LEFT, _BOTTOM + _STATES
+    axes = sheet.stack(figure, corner, across, [_LEG] * len(robot.legs), _STATES)
     top.plot(time, walk.command[some] * style.MM, color=style.FAINT, linewidth=1.0, gid="command")
     top.plot(time, walk.stroke[some] * style.MM, color=style.INK, linewidth=1.2, gid="stroke")
     most = robot.drive.amplitude * style.MM
     top.set(ylim=(-0.06 * most, 1.06 * most), ylabel="Stroke\n$u$ [mm]")
-    axes = [top]
-    for i, leg in enumerate(robot.legs):
-        bottom -= _LEG + (_STATES if i else 3.0)
-        ax = sheet.place(figure, _LEFT, bottom, across, _LEG)
-        axes.append(ax)
+    for i, (ax, leg) in enumerate(zip(axes, robot.legs, strict=True)):
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
-        full = max(leg.chain.full_travels) * style.MM
-        cells = len(leg.chain)
+        full, cells = max(leg.chain.full_travels) * style.MM, len(leg.chain)
         looks = zip(style.cell_colours(cells), style.cell_dashes(cells), strict=True)
         for j, (colour, dashes) in enumerate(looks):
             look = {"color": colour, "linestyle": dashes, "gid": f"{leg.name} cell {j}"}
             ax.plot(time, walk.travel[some, i, j] * style.MM, linewidth=1.4, **look)
         ax.set(ylim=(-0.06 * full, 1.06 * full), ylabel=f"Travel $s$ of\n{literal(leg.name)} [mm]")
-    for ax in axes:
+    for ax in (top, *axes):
         show_time(ax, walk, some, zorder=1)
         ax.spines[["top", "right"]].set_visible(False)
         ax.yaxis.set_label_coords(-7.5 / across, 0.5)
         ax.tick_params(labelbottom=False)
-    for ax, leg in zip(axes[1:], robot.legs, strict=True):
+    for ax, leg in zip(axes, robot.legs, strict=True):
         _states(ax, resting(walk, leg.name, some))
     _number_cycles(top, walk)
-    last = axes[-1]
-    last.tick_params(axis="x", labelbottom=True, pad=_STATES / 25.4 * 72.0 - 4.0)
-    last.set_xlabel("Time [s]")
+    axes[-1].tick_params(axis="x", labelbottom=True, pad=_STATES / 25.4 * 72.0 - 4.0)
+    axes[-1].set_xlabel("Time [s]")
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
 
@@ -301,14 +284,13 @@ _CONTACTS_ENTRY = 25.0  # what one of a key takes [mm]
 def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     """When each foot and the T-foot stand, what they carry, and the actuator's force and work.
 
+    Contacts and forces [N] are drawn against time [s], the actuator's force [N] against stroke
+    [mm], and the work of each cycle [mJ].
+
     Args:
         walk: any walk.
         cycles: how many to show against time, counted back from its end; > 0. Force against
             stroke and work are of all whole cycles.
-
-    Returns:
-        A figure of two columns' width: contacts and forces [N] against time [s], actuator force
-        [N] against stroke [mm], work of each cycle [mJ].
 
     Raises:
         ValueError: no cycles asked for, or a walk without samples.
@@ -316,21 +298,17 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     some = last_cycles(walk, cycles)
     lanes = _LANE * (len(walk.robot.legs) + 1)
     page = sheet.page_width(style.PAGE)
-    below = 0.0 if page >= sheet.BESIDE else _FORCE + 12.0
-    height = _CONTACTS_TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + below + 10.0
-    figure = sheet.blank(page, height)
-    wide = page - _CONTACTS_LEFT - _CONTACTS_RIGHT
-    bars = sheet.place(figure, _CONTACTS_LEFT, height - _CONTACTS_TOP - lanes, wide, lanes)
-    force = sheet.place(
-        figure, _CONTACTS_LEFT, height - _CONTACTS_TOP - lanes - 2.5 - _FORCE, wide, _FORCE
-    )
+    left, wide = _CONTACTS_LEFT, page - _CONTACTS_LEFT - _CONTACTS_RIGHT
+    # The work beside the loop, or below it.
+    base, loop, work = 10.0, 72.0, (112.0, 10.0, page - 112.0 - _CONTACTS_RIGHT, _LOOP)
+    if page < sheet.BESIDE:
+        base, loop, work = 22.0 + _FORCE, wide, (left, 10.0, wide, _FORCE)
+    upper = base + _LOOP + 14.0
+    figure = sheet.blank(page, upper + _FORCE + 2.5 + lanes + _CONTACTS_TOP)
+    bars, force = sheet.stack(figure, (left, upper), wide, [lanes, _FORCE], 2.5)
     _carried(bars, force, walk, some)
-    if below:
-        _loop(sheet.place(figure, _CONTACTS_LEFT, 10.0 + below, wide, _LOOP), walk)
-        _work(sheet.place(figure, _CONTACTS_LEFT, 10.0, wide, _FORCE), walk)
-    else:
-        _loop(sheet.place(figure, _CONTACTS_LEFT, 10.0, 72.0, _LOOP), walk)
-        _work(sheet.place(figure, 112.0, 10.0, page - 112.0 - _CONTACTS_RIGHT, _LOOP), walk)
+    _loop(sheet.place(figure, left, base, loop, _LOOP), walk)
+    _work(sheet.place(figure, *work), walk)
     return figure
 
 
@@ -346,20 +324,17 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
         stood = intervals(time, standing(loads[:, i]))
         spans = [(begin - step / 2, end - begin + step) for begin, end in stood]
         bars.broken_barh(spans, (i - 0.32, 0.64), facecolors=colour, linewidth=0, gid=name)
-        look = {
-            "color": colour,
-            "linewidth": widths[i],
-            "linestyle": _UPPER if 0 < i < len(names) - 1 else "-",
-            "zorder": 2 if name == "T-foot" else 3,
-        }
+        last = i == len(names) - 1
+        look = {"color": colour, "linewidth": widths[i], "zorder": 2 if last else 3}
+        look["linestyle"] = "-" if i == 0 or last else _UPPER
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
     style.name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)
     bars.set_title("Stands on the floor", loc="left", pad=3.0)
     bars.spines[["top", "right", "left"]].set_visible(False)
     weight = walk.robot.weight
-    look = DASHED | {"linewidth": 0.7, "zorder": 1}
-    force.axhline(weight, **look, gid="weight", label="weight of the robot")
+    look = DASHED | {"linewidth": 0.7, "zorder": 1, "gid": "weight"}
+    force.axhline(weight, **look, label="weight of the robot")
     force.set(xlabel="Time [s]", ylabel="Force of the floor [N]")
     room = sheet.page_width(style.PAGE) - _CONTACTS_LEFT - _CONTACTS_RIGHT
     columns, rows = legends.laid(len(names) + 1, room, _CONTACTS_ENTRY, 7)
@@ -377,25 +352,19 @@ def _loop(ax: Axes, walk: Walk) -> None:
     looks = (rising, style.LOADING, "out"), (~rising, style.UNLOADING, "back")
     for held, colour, name in looks:
         # A sample past each end joins the way out to the way back.
-        joined = held | np.roll(held, 1) if len(held) > 1 else held
-        joined[0] = held[0]
+        joined = held | np.append(False, held[:-1])
         u, f = (np.where(joined, values, np.nan) for values in (stroke, force))
         ax.plot(u, f, color=colour, linewidth=0.9, gid=name)
     most = walk.robot.drive.amplitude * style.MM
     low, high = ax.get_ylim()
-    ax.set(
-        xlim=(-0.06 * most, 1.06 * most), ylim=(min(low, -_LEAST_FORCE), max(high, _LEAST_FORCE))
-    )
+    ends = min(low, -_LEAST_FORCE), max(high, _LEAST_FORCE)
+    ax.set(xlim=(-0.06 * most, 1.06 * most), ylim=ends)
     ax.set(xlabel="Stroke $u$ [mm]", ylabel="Actuator force [N]")
     legends.above(ax, [legends.line(name, colour) for _, colour, name in looks])
 
 
 def _work(ax: Axes, walk: Walk) -> None:
-    """The area of each loop."""
-    work = [
-        np.trapezoid(walk.actuator_force[a : b + 1], walk.stroke[a : b + 1])
-        for a, b in pairwise(cycle_samples(walk))
-    ]
-    number = number_cycles(ax, walk)
-    ax.bar(number, np.array(work) * style.MJ, width=0.7, color=style.INK, gid="work")
+    spans = [slice(a, b + 1) for a, b in pairwise(cycle_samples(walk))]
+    work = [np.trapezoid(walk.actuator_force[one], walk.stroke[one]) * style.MJ for one in spans]
+    ax.bar(number_cycles(ax, walk), work, width=0.7, color=style.INK, gid="work")
     ax.set_ylabel("Work of the actuator [mJ]")
