@@ -5,7 +5,7 @@ import math
 import re
 import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -104,12 +104,14 @@ LETTERS: dict[str, Callable[[str], str]] = {
 }
 
 
-@dataclass(frozen=True)
-class _Cell:
+class _Cell(NamedTuple):
     """A panel and its size [mm]."""
 
     draw: sheet.Draw
     size: sheet.Size
+
+    def with_height(self, height: float) -> "_Cell":
+        return self._replace(size=self.size._replace(height=height))
 
 
 @style.styled
@@ -136,9 +138,6 @@ def compose(
         columns: panels in a row where no rows are given; by default as many as have about 75 mm.
             A figure that is two columns wide by itself has a row of its own.
         letters: how panels are numbered: "A", "a", "(a)" or "none". One panel has no letter.
-
-    Returns:
-        The figure.
 
     Raises:
         ValueError: no panel or too many, a width or height that they cannot have, other letters.
@@ -185,16 +184,13 @@ def _draw_row(
 ) -> None:
     """Panels beside each other, each with its letter, under a height of the page [mm]."""
     left = 0.0
-    for cell in row:
-        size = cell.size
+    for draw, size in row:
         onto = _part(figure, left, top - size.height, size)
-        own = replace(panel, width=size.width, onto=onto)
-        if not size.rigid:
-            own = replace(own, height=size.height)
-        if not size.keyed:
-            own = replace(own, shared=None)
-        with sheet.drawing(own):
-            cell.draw()
+        height, shared = None if size.rigid else size.height, panel.shared if size.keyed else None
+        with sheet.drawing(
+            replace(panel, width=size.width, height=height, onto=onto, shared=shared)
+        ):
+            draw()
         if panel.lettered:
             look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
             sheet.text_at(figure, left + 0.5, top - 0.5, next(names), **look)
@@ -207,7 +203,6 @@ def _rows(
     columns: int | None,
     panel: sheet.CurrentPanel,
 ) -> list[list[sheet.Draw]]:
-    """What stands beside each other."""
     if columns is not None and not 1 <= columns <= MOST_PANELS:
         raise InputError(f"columns = {columns}: must be 1 to {MOST_PANELS}.")
     if not all(map(callable, panels)):
@@ -256,13 +251,11 @@ def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> lis
 
 
 def _tall(cell: _Cell, height: float) -> _Cell:
-    """The panel with another height, if it may have it; far higher than wide, it would be drawn
-    out to a row of lines.
-    """
+    """The panel with another height, if it may have it."""
     if cell.size.rigid:
         return cell
-    most = max(1.1 * cell.size.width, cell.size.height)
-    return replace(cell, size=cell.size._replace(height=min(height, most)))
+    # Far higher than wide, it would be drawn out to a row of lines.
+    return cell.with_height(min(height, max(1.1 * cell.size.width, cell.size.height)))
 
 
 def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell]]:
@@ -275,12 +268,12 @@ def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell
     rest = sum(tall) - fixed
     least = fixed + _LOWEST * sum(loose)
     if not rest or height < least:
-        more = sum(tall) if not rest else least
-        what = "these panels have a height of their own," if not rest else "these panels need"
-        raise InputError(f"height: {what} {more:.4g} mm; the page leaves them {height:.4g} mm.")
+        own = f"have a height of their own, {sum(tall):.4g}"
+        what = own if not rest else f"need {least:.4g}"
+        raise InputError(f"height: these panels {what} mm; the page leaves them {height:.4g} mm.")
     by = (height - fixed) / rest
     return [
-        [replace(cell, size=cell.size._replace(height=high * by)) if may else cell for cell in row]
+        [cell.with_height(high * by) if may else cell for cell in row]
         for row, high, may in zip(rows, tall, loose, strict=True)
     ]
 
