@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import accumulate, combinations, pairwise, product
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import Bools, Floats, InputError
 from stepwell.figures.common import style
 from stepwell.figures.common.sheet import Point, page_width
-from stepwell.sequences import TransitionKind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from stepwell.sequences import Program, TransitionGraph
-
+from stepwell.sequences import Program, TransitionGraph, TransitionKind
 
 _SWEEPS = 12
 # Length counts too, but a crossing is worse than any.
@@ -143,8 +136,7 @@ def _side(p: Floats, q: Floats, r: Floats) -> Bools:
 _SLIP = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class FoldedTransition:
+class FoldedTransition(NamedTuple):
     """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next, and
     whether the chain snaps on the way.
     """
@@ -155,8 +147,7 @@ class FoldedTransition:
     snaps: bool
 
 
-@dataclass(frozen=True, slots=True)
-class FoldedGraph:
+class FoldedGraph(NamedTuple):
     """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
 
     shown: tuple[str, ...]
@@ -185,15 +176,12 @@ def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
 def _level(graph: TransitionGraph, label: str) -> float:
     """The digits of a state added up, a cell half-way between two phases counting as such."""
     node, state = graph.node(label), label.partition("#")[0]
-    total = 0.0
-    for i, digit in enumerate(state):
-        if digit != "-":
-            total += int(digit)
-        elif graph.chain is None:
-            total += 0.5
-        else:
+    total = float(sum(int(digit) for digit in state if digit != "-"))
+    for i in (i for i, digit in enumerate(state) if digit == "-"):
+        total += 0.5
+        if graph.chain is not None:
             travel = (node.travel_low[i] + node.travel_high[i]) / 2
-            total += sum(phase.high < travel for phase in graph.chain.phases[i]) - 0.5
+            total += sum(phase.high < travel for phase in graph.chain.phases[i]) - 1
     return total
 
 
@@ -206,15 +194,14 @@ def _offers_a_choice(label: str, ways: Sequence[FoldedTransition]) -> bool:
 def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition]:
     known = set(shown)
     found: list[FoldedTransition] = []
-    for source in shown:
-        for direction in (1, -1):
-            label, snaps = source, False
-            while step := graph.transition(label, direction):
-                label, transition = step
-                snaps = snaps or transition.kind is TransitionKind.SNAP
-                if label in known:
-                    found.append(FoldedTransition(source, label, direction, snaps))
-                    break
+    for source, direction in product(shown, (1, -1)):
+        label, snaps = source, False
+        while step := graph.transition(label, direction):
+            label, transition = step
+            snaps = snaps or transition.kind is TransitionKind.SNAP
+            if label in known:
+                found.append(FoldedTransition(source, label, direction, snaps))
+                break
     return found
 
 
@@ -346,14 +333,9 @@ class Layout:
         others = [label for label in self.at if label not in (way.source, way.target)]
         at = np.array([self.at[label] for label in others]).reshape(-1, 1, 2)
         half = np.array([self.half(label) for label in others]).reshape(-1, 1, 2)
-
-        def met(curve: Floats) -> int:
-            """Number of other nodes that a curve runs through."""
-            inside = np.all(np.abs(curve - at) < half, axis=2)
-            return int(np.any(inside, axis=1).sum())
-
+        met = [np.all(np.abs(curve - at) < half, axis=2).any(axis=1).sum() for curve in curves]
         # The flattest of those that run through the fewest other nodes.
-        return min(curves, key=met)
+        return curves[int(np.argmin(met))]
 
 
 def head(curve: Floats, size: float) -> Floats:

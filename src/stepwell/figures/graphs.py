@@ -18,11 +18,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from stepwell.base import InputError, number
 from stepwell.figures import graph_layout
 from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.mechanism import Cell
+from stepwell.mechanism import Cell, Chain
+from stepwell.sequences import Program, TransitionGraph
 
 if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
-    from stepwell.sequences import Program, TransitionGraph
     from stepwell.studies import Atlas, Machine
 
 
@@ -111,7 +110,8 @@ class _Drawing:
     def _draw_way(self, ax: Axes, way: graph_layout.FoldedTransition) -> None:
         curve = self.layout.curve(way)
         known = way.source in self.reachable
-        colour = style.pale(style.direction_colour(way.direction), 0.0 if known else 0.62)
+        colour = style.direction_colour(way.direction)
+        colour = colour if known else style.pale(colour)
         bold = (way.source, way.target) in self.loop_ways
         level = 2.0 + 2.0 * bold + known
         if (way.source, way.target) in self.program_ways:

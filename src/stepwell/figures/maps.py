@@ -14,6 +14,7 @@ from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
+from stepwell.design import Boundary
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, sequence_words
 from stepwell.figures.map_parts import PLACES, Key, Row, badge, between, name_regions
@@ -21,8 +22,6 @@ from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-    from stepwell.design import Boundary
 
 
 # Of a map, as wide as it may be, and from which width of the page on the key stands beside it

@@ -11,11 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import InputError, number, percent, signed
+from stepwell.design import USUAL, Change, Margin, Sensitivities, Tolerances, Yield
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus, sequence_words, shortened
 
 if TYPE_CHECKING:
-    from stepwell.design import Change, Margin, Sensitivities, Tolerances, Yield
     from stepwell.paper import Sensitivity
 
 
@@ -76,10 +76,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
         margin: what `design.margin` returns.
         tolerances: how far parts are off when it is built, shaded; by default the usual ones.
     """
-    from stepwell.design import USUAL
-
-    given = USUAL if tolerances is None else tolerances
-    drawn = [(panel, _rows(margin, panel, given)) for panel in _panels(margin)]
+    drawn = [(panel, _rows(margin, panel, tolerances or USUAL)) for panel in _panels(margin)]
     every = [row for _, rows in drawn for row in rows]
     near = legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
     handles = legends.those(
@@ -103,13 +100,9 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
 def _panels(margin: Margin) -> list[_Panel]:
     """The anchors, then all that is told as a share."""
     near = sorted(margin.changes, key=lambda change: change.distance)
-    anchors = [change for change in near if change.parameter == "anchor"]
-    others = [change for change in near if change.parameter != "anchor"]
-    found = [
-        _Panel(anchors, style.MM, "The anchor moved by [mm]"),
-        _Panel(others, 100.0, "The number changed by [%]"),
-    ]
-    return [panel for panel in found if panel.changes]
+    units = (style.MM, "The anchor moved by [mm]"), (100.0, "The number changed by [%]")
+    moved = [[one for one in near if (one.parameter == "anchor") == so] for so in (True, False)]
+    return [_Panel(one, *unit) for one, unit in zip(moved, units, strict=True) if one]
 
 
 def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
@@ -151,11 +144,7 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
     y = 0.0
     for row in rows:
         known = math.isfinite(row.far)
-        for k, line in enumerate(row.lines):
-            look: dict[str, Any] = {"fontweight": "bold" if k == 0 and known else "normal"}
-            at = 0.012 * ax.get_xlim()[1], y + _LINE / 2
-            ax.text(*at, literal(line), va="center_baseline", zorder=3, **look)
-            y += _LINE
+        y = _write(ax, 0.012 * ax.get_xlim()[1], y, row.lines, 0 if known else -1)
         if known:
             colour = _pale(style.VERMILLION if row.near else style.GREEN)
             look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
@@ -168,6 +157,15 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
     _bare(ax)
     ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
     ax.set_xlabel(panel.label)
+
+
+def _write(ax: Axes, x: float, y: float, lines: Sequence[str], bold: int) -> float:
+    """Lines from a height down, one of them bold; the height below them."""
+    for k, line in enumerate(lines):
+        weight = "bold" if k == bold else "normal"
+        ax.text(x, y + _LINE / 2, literal(line), va="center_baseline", fontweight=weight)
+        y += _LINE
+    return y
 
 
 def _pale(colour: str) -> tuple[float, float, float]:
@@ -223,15 +221,12 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     for i, effect in enumerate(effects):
         # Two bars to one side of the nominal value lie on halves of the lane.
         same_side = (effect.at_low - one.nominal) * (effect.at_high - one.nominal) > 0
-        tall = 0.38 if same_side else 0.76
-        for value, colour, name, off in (
-            (effect.at_low, LOW, "low", -0.2),
-            (effect.at_high, HIGH, "high", 0.2),
-        ):
+        ends = (effect.at_low, LOW, "low", -0.2), (effect.at_high, HIGH, "high", 0.2)
+        for value, colour, name, off in ends:
             if math.isfinite(value):
-                look = {"color": colour, "zorder": 2, "gid": f"{name} {effect.parameter}"}
-                row, wide = i + off * same_side, value - one.nominal
-                ax.barh(row, wide, left=one.nominal, height=tall, **look)
+                look = {"left": one.nominal, "height": 0.38 if same_side else 0.76, "zorder": 2}
+                look |= {"color": colour, "gid": f"{name} {effect.parameter}"}
+                ax.barh(i + off * same_side, value - one.nominal, **look)
             else:
                 look = _MISSING | {"color": colour, "zorder": 4, "gid": "missing"}
                 ax.plot(one.nominal, i + off, "X", **look)
@@ -243,9 +238,8 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     ax.set_xlim(low - room, high + room)
     if one.target:
         ax.axvspan(*one.target, color=_TARGET, linewidth=0, zorder=0, gid="target")
-    ends = [minus(f"{effect.low:.4g} to {effect.high:.4g}") for effect in effects]
-    names = [f"{literal(e.parameter)}  {each}" for e, each in zip(effects, ends, strict=True)]
-    style.name_rows(ax, names)
+    told = ((literal(e.parameter), minus(f"{e.low:.4g} to {e.high:.4g}")) for e in effects)
+    style.name_rows(ax, [*map("  ".join, told)])
     ax.locator_params(axis="x", nbins=4)
     ax.set_xlabel(one.result, loc="right")
     ax.spines[["top", "right", "left"]].set_visible(False)
@@ -331,11 +325,7 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
     ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
-        for line in lines:
-            weight = "bold" if k == 0 and line is lines[-1] else "normal"
-            look = {"va": "center_baseline", "fontweight": weight}
-            ax.text(0.0, y + _LINE / 2, literal(line), **look)
-            y += _LINE
+        y = _write(ax, 0.0, y, lines, len(lines) - 1 if k == 0 else -1)
         middle = y + _YIELD_BAR / 2
         look = {"color": _pale(colour), "linewidth": 0, "gid": "outcomes"}
         ax.barh(middle, 100.0 * share, _YIELD_BAR, **look)
@@ -366,9 +356,10 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     middles = [k * _STEP + _STEP / 2 for k in range(len(parts))]
     for middle, i in zip(middles, parts, strict=True):
         colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
+        total, alone = table.total[i], table.first_order[i]
         for share, shade, gid in (
-            (table.total[i], style.pale(colour), "total"),
-            (table.first_order[i], colour, "first order"),
+            (total, style.pale(colour), "total"),
+            (alone, colour, "first order"),
         ):
             # An index near zero may come out below it.
             ax.barh(middle, max(0.0, float(share)), _YIELD_BAR, color=shade, linewidth=0, gid=gid)
@@ -376,10 +367,8 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     ax.set(ylim=(tall, 0.0), xlim=(0.0, 1.05 * max(0.05, float(np.max(table.total)))))
     _bare(ax)
     ax.set_xlabel("Share of the variance of the smallest gap")
-    handles = [
-        legends.shade("by itself", style.INK),
-        legends.shade("with others", style.pale(style.INK)),
-    ]
+    pale = style.pale(style.INK)
+    handles = [legends.shade("by itself", style.INK), legends.shade("with others", pale)]
     ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
 
 

@@ -216,7 +216,11 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
     x, y = by.values[told], one.values[told]
     some = np.unique(np.linspace(0, len(x) - 1, min(len(x), _POINTS)).astype(int))
     many = len(some) > 60
-    look = {"color": style.pale(style.BLUE, 0.5 * many), "markeredgewidth": 0, "gid": "designs"}
+    look = {
+        "color": style.pale(style.BLUE, 0.5) if many else style.BLUE,
+        "markeredgewidth": 0,
+        "gid": "designs",
+    }
     look |= {"markersize": 1.6 if many else 3.2, "rasterized": len(some) > 300}
     ax.plot(x[some], y[some], "o", **look)
     ax.ticklabel_format(axis="y", scilimits=(-3, 4))

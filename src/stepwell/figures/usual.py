@@ -19,7 +19,7 @@ from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze
 from stepwell.figures.robots.robot import robot_drawing
 from stepwell.figures.robots.trajectory import trajectory
-from stepwell.lab import BandFit, BandTest, Comparison, choose_law
+from stepwell.lab import BandTest, Comparison, choose_law
 from stepwell.mechanism import Chain
 
 # Mechanisms that are drawn around a design.
@@ -60,14 +60,7 @@ def plot(value: Any, **options: Any) -> Figure:
     return draw(value, **options)
 
 
-def designed(found: Design) -> Figure:
-    """The force plane of a design that was found: what could be reached, what may be built.
-
-    Args:
-        found: what `design.design` returns.
-
-    Source: as `force_plane`.
-    """
+def _designed(found: Design) -> Figure:
     drilled = found.holes is not None
     # Cells of more than two phases have more switches than there are cells to be in order.
     one_each = len(found.forces) == len(found.chain)
@@ -105,21 +98,15 @@ def _band_test(test: BandTest, **options: Any) -> Figure:
     return measured.band_laws(test, **{"choice": choose_law(test)} | options)
 
 
-def _band_fit(found: BandFit, **options: Any) -> Figure:
-    return measured.band_laws(found.test, found.choice, **options)
-
-
 def _comparison(found: Comparison) -> Figure:
-    return (
-        measured.measured_forces(found.cells)
-        if found.cells
-        else measured.measured_pairs(found.pairs)
-    )
+    if found.cells:
+        return measured.measured_forces(found.cells)
+    return measured.measured_pairs(found.pairs)
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": graphs.machines,
-    "BandFit": _band_fit,
+    "BandFit": lambda fit, **options: measured.band_laws(fit.test, fit.choice, **options),
     "BandTest": _band_test,
     "Calibration": measured.calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),
@@ -127,7 +114,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Chain": _chain,
     "Comparison": _comparison,
     "Cycle": overview,
-    "Design": designed,
+    "Design": _designed,
     "Element": element_curve,
     "MapView": _map_view,
     "Margin": robustness.margins,

@@ -370,11 +370,9 @@ def _stiffness(cell: Cell) -> float:
 
 
 def _names(cells: Sequence[Cell]) -> list[str]:
-    same_p = len({cell.bands[0].p for cell in cells}) == 1
+    letter = "q" if len({cell.bands[0].p for cell in cells}) == 1 else "d"
     found: list[str] = []
-    for i, cell in enumerate(cells):
-        band = cell.bands[0]
-        anchor = f"${'q' if same_p else 'd'}$ = {marks.mm_pair(band.q if same_p else band.d)} mm"
-        unnamed = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
-        found.append(literal(cell.name) if cell.name else unnamed)
+    for i, cell in enumerate(cells, 1):
+        anchor = f"${letter}$ = {marks.mm_pair(getattr(cell.bands[0], letter))} mm"
+        found.append(literal(cell.name) or (anchor if len(cell.bands) == 1 else f"cell {i}"))
     return found

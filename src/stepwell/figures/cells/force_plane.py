@@ -133,7 +133,10 @@ def force_plane(
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
-        _draw_gap(ax, gap, forces)
+        # The narrowest step, as a band across the plane.
+        look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0, "gid": "narrowest"}
+        ends = np.sort(forces[[gap.first, gap.second], gap.side])
+        (ax.axvspan, ax.axhspan)[gap.side](*ends, **look, zorder=0.5)
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
         order = _Order(strip_ax, ax, half, orders[half])
@@ -180,11 +183,11 @@ def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tu
 
 def _narrowest(forces: Floats, orders: tuple[Sequence[int], Sequence[int]]) -> _Gap | None:
     """The step between neighbours that is smallest, or farthest the wrong way."""
-    gaps = [
-        _Gap(i, j, side, sign * float(forces[j, side] - forces[i, side]))
-        for side, sign in ((0, 1), (1, -1))
+    gaps = (
+        _Gap(i, j, side, (1 - 2 * side) * float(forces[j, side] - forces[i, side]))
+        for side in (0, 1)
         for i, j in pairwise(orders[side])
-    ]
+    )
     return min(gaps, key=lambda gap: gap.size, default=None)
 
 
@@ -233,13 +236,6 @@ def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
 
 
-def _draw_gap(ax: Axes, gap: _Gap, forces: Floats) -> None:
-    """The narrowest step as a band across the plane."""
-    band = ax.axvspan if gap.side == 0 else ax.axhspan
-    look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
-    band(*np.sort(forces[[gap.first, gap.second], gap.side]), **look, zorder=0.5, gid="narrowest")
-
-
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
     """Single mechanisms as dots, and the ellipse that holds most of them."""
     points = points[np.isfinite(points).all(axis=1)]
@@ -286,18 +282,15 @@ class _Order(NamedTuple):
     def frame(self, switches: Sequence[_Switch]) -> None:
         """Put the names of the cells at their rows; the forces are those of the plane."""
         ax, main, count = self.ax, self.main, len(self.cells)
-        ends = count - 0.4, -0.6
         names = [literal(shortened(switches[i].name, _NAME)) for i in self.cells]
         if self.side == 0:
-            ax.set_ylim(ends)
             ax.set_xticks(main.get_xticks(), [])
-            ax.set_xlim(main.get_xlim())
+            ax.set(xlim=main.get_xlim(), ylim=(count - 0.4, -0.6))
             ax.set_yticks(range(count), names)
             labels = ax.get_yticklabels()
         else:
-            ax.set_xlim(ends[1], ends[0])
             ax.set_yticks(main.get_yticks(), [])
-            ax.set_ylim(main.get_ylim())
+            ax.set(xlim=(-0.6, count - 0.4), ylim=main.get_ylim())
             ax.xaxis.tick_top()
             ax.set_xticks(range(count), names, rotation=90)
             labels = ax.get_xticklabels()

@@ -217,9 +217,12 @@ class _Shown:
         arrow(ax, (x, y), (x, top + 8.5), style.INK, 1.4)
         ax.text(x - 2.0, top + 6.5, "outer block,\npulled", ha="right", va="center")
         ax.text(x / 2 - 1.0, self.outer[1] / 2 + self.pair + 1.0, "$r$", va="bottom", fontsize=_BIG)
-        self._frame(ax)
-        figure = sheet.root(ax)
-        figure.draw_without_rendering()
+        # Which way x and y go.
+        corner = np.array([self.box[0] + 1.0, self.box[2] + 1.0])
+        for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
+            arrow(ax, corner, corner + way, style.FAINT, 0.8)
+            ax.text(*corner + 1.25 * np.array(way), name, ha="center", va="center")
+        sheet.root(ax).draw_without_rendering()
         clear = [text.get_window_extent() for text in ax.texts]
         for joint in (np.zeros(2), self.outer):
             corners = ax.transData.transform(self._block(joint))
@@ -230,13 +233,6 @@ class _Shown:
             Label(*(0.85 * self.p + 0.15 * self.q), "band", self.colour),
         ]
         legends.beside(ax, labels, keep_clear=clear)
-
-    def _frame(self, ax: Axes) -> None:
-        """Which way x and y go."""
-        x, y = self.box[0] + 1.0, self.box[2] + 1.0
-        for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
-            arrow(ax, (x, y), (x + way[0], y + way[1]), style.FAINT, 0.8)
-            ax.text(x + 1.25 * way[0], y + 1.25 * way[1], name, ha="center", va="center")
 
     def draw_triangle(self, ax: Axes) -> None:
         plain(ax, self.triangle_box)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -104,6 +105,10 @@ class Pose:
         return np.concatenate([part.reshape(-1, 2) for part in parts])
 
 
+_SHAPES = {"tension": (-1,), "slack": (-1,), "blocks": (-1, 4), "boxes": (-1, 4), "dots": (-1, 2)}
+_SHAPES |= dict.fromkeys(("levers", "bands", "posts", "rods"), (-1, 2, 2))
+
+
 class LinkageDrawing:
     """Places a chain on the page: stroke to the right, fixed block at the left.
 
@@ -148,57 +153,41 @@ class LinkageDrawing:
         reach, half = self.reach, self.half_block
         inner = np.zeros(2)
         left, side = -reach, 1.0
-        blocks: list[list[float]] = []
-        levers: list[Floats] = []
-        bands: list[Floats] = []
-        posts: list[Floats] = []
-        tension: list[float] = []
-        slack: list[bool] = []
-        boxes: list[list[float]] = []
-        rods: list[Floats] = []
-        dots: list[Floats] = []
+        of: dict[str, list[Any]] = {name: [] for name in _SHAPES}
         for i, cell in enumerate(self.chain.cells):
             right, y = inner[0] + reach, inner[1]
-            blocks.append([left, y - half, right, y + half])
+            of["blocks"].append([left, y - half, right, y + half])
             if isinstance(cell, Element):
                 symbol, travel = self.symbols[i], float(travels[i])
                 begin = right + self.rod
                 end = begin + self.box
                 left = end + self.rod + self.unit * (travel - symbol.low)
-                boxes.append([begin, y - self.box / 2, end, y + self.box / 2])
-                rods += [np.array([(a, y), (b, y)]) for a, b in ((right, begin), (end, left))]
+                of["boxes"].append([begin, y - self.box / 2, end, y + self.box / 2])
+                of["rods"] += [[(right, y), (begin, y)], [(end, y), (left, y)]]
                 on = symbol.at(travel, None if sheets is None else sheets[i])
-                dots.append(_xy(begin, y - self.box / 2) + self.box * on)
+                of["dots"].append(_xy(begin, y - self.box / 2) + self.box * on)
                 outer = _xy(left + reach, y)
             else:
                 theta = float(cell.angle(travels[i]))
                 along, across = math.sin(theta), side * math.cos(theta)
                 outer = inner + _xy(cell.lever * along, cell.lever * across)
-                for along in (-self.half_pair, self.half_pair):
-                    levers.append(np.array([inner, outer]) + _xy(along, 0.0))
+                ends = np.array([inner, outer])
+                of["levers"] += [ends - _xy(self.half_pair, 0.0), ends + _xy(self.half_pair, 0.0)]
                 for band in cell.bands:
                     turned = np.array([band.p, band.q])[:, ::-1] * (1.0, side)
-                    ends = np.array([inner, outer]) + turned
                     length = float(band.length(theta, cell.lever))
-                    bands.append(ends)
-                    posts += [np.array([inner, ends[0]]), np.array([outer, ends[1]])]
-                    tension.append(float(band.tension(length)))
-                    slack.append(length <= band.rest_length and not band.two_sided)
+                    of["bands"].append(ends + turned)
+                    of["posts"] += [
+                        (joint, joint + off) for joint, off in zip(ends, turned, strict=True)
+                    ]
+                    of["tension"].append(float(band.tension(length)))
+                    of["slack"].append(length <= band.rest_length and not band.two_sided)
                 left, side = outer[0] - reach, -side
             span = self.spans[i] if i < len(self.spans) else 0.0
             inner = outer + _xy(span, 0.0)
-        blocks.append([left, inner[1] - half, inner[0] + reach, inner[1] + half])
-        return Pose(
-            np.array(blocks),
-            np.array(levers).reshape(-1, 2, 2),
-            np.array(bands).reshape(-1, 2, 2),
-            np.array(posts).reshape(-1, 2, 2),
-            np.array(tension),
-            np.array(slack, bool),
-            np.array(boxes).reshape(-1, 4),
-            np.array(rods).reshape(-1, 2, 2),
-            np.array(dots).reshape(-1, 2),
-        )
+        of["blocks"].append([left, inner[1] - half, inner[0] + reach, inner[1] + half])
+        parts = {name: np.array(of[name], float).reshape(_SHAPES[name]) for name in _SHAPES}
+        return Pose(**parts | {"slack": np.array(of["slack"], bool)})
 
     def bounds(self, states: Iterable[Sequence[float] | Floats], room: float = 0.0) -> Box:
         """left, bottom, right, top [m] of the chain at all these travels (N,), with room around."""

@@ -1,17 +1,15 @@
 """What a figure has to find in a path: its smooth pieces, its snaps, the states it rests in."""
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Bools, Floats, InputError
 from stepwell.mechanism import Cell, Chain, Element
+from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
-
-if TYPE_CHECKING:
-    from stepwell.sequences import Cycle, Program
 
 # Of its full travel: a cell this near a stop or a phase is there.
 _SLIP = 1e-7
@@ -34,7 +32,7 @@ class SnapSamples(NamedTuple):
     cells: tuple[int, ...]
 
 
-def path_of(result: "Cycle | Path | Program") -> Path:
+def path_of(result: Cycle | Path | Program) -> Path:
     """The path of a cycle or of a program, or the path itself."""
     return result if isinstance(result, Path) else result.path
 
@@ -55,11 +53,9 @@ def snaps_of(path: Path) -> list[SnapSamples]:
 def pieces(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
     """(direction, sample indices) of every stretch between snaps and turning points."""
     direction = np.asarray(path.direction)
-    after_snap = np.flatnonzero(path.snap_after[:-1]) + 1
-    after_turn = np.flatnonzero(np.diff(direction)) + 1
-    cuts = np.unique(np.concatenate([[0], after_snap, after_turn, [len(direction)]]))
+    inside = np.flatnonzero(path.snap_after[:-1] | (np.diff(direction) != 0)) + 1
     found: list[tuple[int, NDArray[np.intp]]] = []
-    for first, end in pairwise(int(c) for c in cuts):
+    for first, end in pairwise([0, *inside.tolist(), len(direction)]):
         # A turning point belongs to both of its stretches.
         begin = first - 1 if first > 0 and not path.snap_after[first - 1] else first
         if end - begin > 1:

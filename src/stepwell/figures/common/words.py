@@ -5,15 +5,13 @@ import math
 import re
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from matplotlib.font_manager import FontProperties, findfont, fontManager
 from matplotlib.ft2font import FT2Font
 
 from stepwell.base import Measure, Quantity, printable, told_in
-
-if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain
 
 
 def wrapped(text: str, most: int) -> list[str]:
@@ -174,7 +172,7 @@ def actuator(measure: Measure) -> Told:
     return force(measure)._replace(word=f"Actuator {measure.force}", symbol="")
 
 
-def drive(chain: "Chain") -> Told:
+def drive(chain: Chain) -> Told:
     """What the actuator prescribes."""
     if chain.actuator_stiffness == 0:
         return actuator(chain.measure)

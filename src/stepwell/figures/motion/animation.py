@@ -23,12 +23,11 @@ from stepwell.figures.common import marks, reading, style, words as told, write
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.motion import overview, stroke_program, strokes
+from stepwell.sequences import Cycle, Program
+from stepwell.statics import Path
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
-
-    from stepwell.sequences import Cycle, Program
-    from stepwell.statics import Path
 
 
 _DPI = 110.0
@@ -96,8 +95,6 @@ class _Scene:
     """One figure of which only the moving parts are drawn again."""
 
     def __init__(self, result: Cycle | Path | Program, path: Path):
-        from stepwell.sequences import Cycle, Program
-
         self.chain = path.chain
         colours = style.cell_colours(len(self.chain))
         # Of lever chains the sizes are known; else three digits of the largest value.
@@ -182,11 +179,6 @@ class _Scene:
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, frame: stroke_program.Instant) -> str:
-        places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
-        found = (int(reading.phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
-        return "".join("-" if digit < 0 else str(digit) for digit in found)
-
     def swatches(self) -> Picture:
         """The colours of thin lines, which keep them so in the palette."""
         from PIL import Image
@@ -210,7 +202,9 @@ class _Scene:
             dot.set_data([x], [y])
         for dot in self.plan:
             dot.set_data([frame.way], [frame.drive])
-            self.state.set_text(f"state {self._state(frame)}")
+            places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
+            digits = "".join(str(int(reading.phases(*place, _AT))) for place in places)
+            self.state.set_text(f"state {digits.replace('-1', '-')}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)
         self.canvas.restore_region(self.still)

@@ -1,12 +1,9 @@
 """The mechanism moving through its stroke as one small SVG that plays by itself."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from pathlib import Path as File
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,11 +12,8 @@ from stepwell.figures.cells.linkage import LinkageDrawing, Pose, corners
 from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import reading, style
 from stepwell.figures.motion.stroke_program import instants
-
-if TYPE_CHECKING:
-    from stepwell.sequences import Cycle, Program
-    from stepwell.statics import Path
-
+from stepwell.sequences import Cycle, Program
+from stepwell.statics import Path
 
 # What cannot be seen [px].
 _UNSEEN = 0.35
@@ -163,8 +157,7 @@ class _Picture:
         )
 
     def _linkage(self) -> Iterable[str]:
-        joint = _mark("joint", "white", style.INK, 1.8 * self.weight)
-        yield joint + self._ground()
+        yield _mark("joint", "white", style.INK, 1.8 * self.weight) + self._ground()
         yield self._lines(lambda pose: pose.posts, style.FIXED_BLOCK, 2.6)
         yield self._lines(lambda pose: pose.rods, style.INK, 2.0)
         yield self._boxes(lambda pose: pose.blocks[:1], style.FIXED_BLOCK)

@@ -1,11 +1,9 @@
 """A cycle on one page: its usual figures, and the energy landscape with the path."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,11 +20,8 @@ from stepwell.figures.common.sheet import Draw, Point, blank, canvas, place, tex
 from stepwell.figures.composing import compose
 from stepwell.figures.motion.strokes import MOST_LANES, force_stroke, travel_stroke
 from stepwell.mechanism import Cell, Chain, Element
-
-if TYPE_CHECKING:
-    from stepwell.sequences import Cycle
-    from stepwell.statics import Path
-
+from stepwell.sequences import Cycle
+from stepwell.statics import Path
 
 # Loading lies under unloading, so it is drawn wider where both take the same way.
 _WIDTHS = (3.0, 1.3)

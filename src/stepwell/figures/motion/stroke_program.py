@@ -1,10 +1,8 @@
 """A path in time, and a stroke program: turning points, tolerance intervals and states."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,11 +17,8 @@ from stepwell.figures.common.legends import Label, beside, inside
 from stepwell.figures.common.reading import curve, snaps_of, span, travelled, vertices
 from stepwell.figures.common.words import minus, shortened
 from stepwell.figures.motion.strokes import lanes, name_lane
-
-if TYPE_CHECKING:
-    from stepwell.sequences import Program
-    from stepwell.statics import Path
-
+from stepwell.sequences import Program
+from stepwell.statics import Path
 
 _BAR: dict[str, Any] = {"color": "#BDBDBD", "linewidth": 5.0}
 

@@ -1,11 +1,9 @@
 """Actuator force and travels: against stroke, and over time during a snap."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -20,14 +18,10 @@ from stepwell.figures.common.legends import Label, beside
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
 from stepwell.figures.common.sheet import Point
 from stepwell.figures.common.words import literal
-from stepwell.mechanism import Element
-
-if TYPE_CHECKING:
-    from stepwell.lab import Recording
-    from stepwell.mechanism import Chain
-    from stepwell.sequences import Cycle
-    from stepwell.statics import InertialLanding, Path
-
+from stepwell.lab import Recording
+from stepwell.mechanism import Chain, Element
+from stepwell.sequences import Cycle
+from stepwell.statics import InertialLanding, Path
 
 # One a recording; the pale colours tell loading from unloading.
 _DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))

@@ -17,9 +17,9 @@ from stepwell.base import Floats, InputError, Quantity
 from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.robots.walks import gait_words, leg_colours
+from stepwell.robot import Prediction
 
 if TYPE_CHECKING:
-    from stepwell.robot import Prediction
     from stepwell.simulation import Sweep
 
 
@@ -73,31 +73,24 @@ def prediction(prediction: Prediction) -> Figure:
     shown = [text for ax in figure.axes for text in ax.texts]
     doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
     if not narrow:
-        _align(figure, page)
-    return figure
-
-
-def _align(figure: Figure, page: float) -> None:
-    """Give the names of all panels one width, so that their axes stand in line."""
-    dpi = figure.dpi / 25.4
-    boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
-    names = max(box.width / dpi for box in boxes if box is not None)
-    for ax in figure.axes:
-        at = ax.get_position()
+        # The names of all panels have one width, so that their axes stand in line.
+        boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
+        names = max(box.width for box in boxes if box is not None) / figure.dpi * 25.4
         left = (2.0 + names) / page
-        ax.set_position((left, at.y0, at.x1 - left, at.height))
+        for ax in figure.axes:
+            at = ax.get_position()
+            ax.set_position((left, at.y0, at.x1 - left, at.height))
+    return figure
 
 
 def _margins(ax: Axes, found: Prediction) -> None:
     legs = found.legs
-    ends = [value * style.MN for leg in legs for value in (leg.margin, leg.uncertainty)]
-    most = _limit(ends)
+    most = _limit([value * style.MN for leg in legs for value in (leg.margin, leg.uncertainty)])
+    grey = {"color": style.pale(style.FAINT, 0.6), "height": 0.4 if _is_narrow() else 0.8}
     colours = leg_colours(found.robot)
     for i, leg in enumerate(legs):
-        colour = colours[leg.name]
-        look = {"color": style.pale(style.FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
-        tall = 0.4 if _is_narrow() else 0.8
-        ax.barh(i, leg.uncertainty * style.MN, height=tall, zorder=1, **look)
+        colour, gid = colours[leg.name], f"uncertainty {leg.name}"
+        ax.barh(i, leg.uncertainty * style.MN, **grey, zorder=1, gid=gid)
         reach = leg.margin * style.MN if math.isfinite(leg.margin) else most
         ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
         if math.isfinite(leg.margin):

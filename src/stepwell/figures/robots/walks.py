@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from stepwell.base import Bools, Floats, InputError
 from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.figures.common.words import literal
+from stepwell.robot import Robot
 
 if TYPE_CHECKING:
-    from stepwell.robot import Robot
     from stepwell.simulation import Walk
 
 
