@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import string
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -92,7 +93,7 @@ class _Region(NamedTuple):
 def transition_map(
     dataset: Dataset,
     boundaries: Iterable[Boundary] = (),
-    designs: Mapping[str, tuple[float, float]] | None = None,
+    designs: Mapping[str, sheet.Point] | None = None,
 ) -> Figure:
     """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
 
@@ -118,8 +119,7 @@ def transition_map(
     at = (points * scale for one in curves for points in one.points)
     walls = [np.column_stack([x.share(points[:, 0]), y.share(points[:, 1])]) for points in at]
     places = _places(x), _places(y)
-    shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
-    _draw_shades(ax, places, shown)
+    shown = _draw_regions(ax, places, [*regions, *_blanks(dataset)], (x, y), walls)
     for axis, values in (("x", x), ("y", y)):
         kind = "log" if values.is_log else "linear"
         ax.set(**{f"{axis}scale": kind, f"{axis}lim": values.values[[0, -1]]})
@@ -176,18 +176,18 @@ def _draw_designs(
     ax: Axes, designs: Mapping[str, sheet.Point], scale: sheet.Point, taken: Sequence[Bbox]
 ) -> list[Bbox]:
     """Dots and names of designs, clear of what is taken; the boxes that they take."""
-    marks: list[legends.Label] = []
-    dots: list[Bbox] = []
-    for name, (a, b) in designs.items():
-        marks.append(mark := legends.Label(a * scale[0], b * scale[1], literal(name)))
+    point, dots = sheet.root(ax).dpi / 72, []
+    marks = [
+        legends.Label(a * scale[0], b * scale[1], literal(name)) for name, (a, b) in designs.items()
+    ]
+    for mark in marks:
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
-        dots.append(Bbox([spot, spot]).padded(3.0 * sheet.root(ax).dpi / 72))
+        dots.append(Bbox([spot, spot]).padded(3.0 * point))
     names = legends.beside(ax, marks, keep_clear=[*taken, *dots])
     for text in names:
         text.set_bbox(style.on_white(0.12, 0.8))
-    clear = _CLEAR * sheet.root(ax).dpi / 72
-    return dots + [text.get_window_extent().padded(clear) for text in names]
+    return dots + [text.get_window_extent().padded(_CLEAR * point) for text in names]
 
 
 class _Curves(NamedTuple):
@@ -221,10 +221,9 @@ def _is_geometric(values: Floats) -> bool:
 
 def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
     """Height over width: true to scale where both are lengths, else square."""
-    if not all(dataset[name].attrs["units"] == "m" for name in "xy"):
+    if {dataset[name].attrs["units"] for name in "xy"} != {"m"}:
         return 1.0
-    ratio = np.ptp(y.values) / max(np.ptp(x.values), 1e-12)
-    return float(np.clip(ratio, 0.6, 1.5))
+    return float(np.clip(np.ptp(y.values) / max(np.ptp(x.values), 1e-12), 0.6, 1.5))
 
 
 def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
@@ -236,33 +235,28 @@ def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
 
 
 def _regions(dataset: Dataset) -> list[_Region]:
-    """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name,
-    for letters run out after Z.
-    """
+    """Every sequence that occurs, by its pathway or a letter, as long as there are letters."""
     present = [pair for pair in _nodes(dataset) if pair[0] not in _EMPTY]
     present.sort(key=lambda item: -int(np.sum(item[1])))
-    shades = _shades([name for name, _ in present], [inside for _, inside in present])
-    letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
-    names = [
-        _PATHWAYS[sequence].label if sequence in _PATHWAYS else next(letters, "")
-        for sequence, _ in present
-    ]
+    letters = iter(string.ascii_uppercase)
     return [
-        _Region(name, sequence, inside, shade)
-        for name, (sequence, inside), shade in zip(names, present, shades, strict=True)
+        _Region(
+            _PATHWAYS[name].label if name in _PATHWAYS else next(letters, ""), name, inside, shade
+        )
+        for (name, inside), shade in zip(present, _shades(present), strict=True)
     ]
 
 
-def _shades(names: Sequence[str], parts: Sequence[Bools]) -> list[ColorType]:
+def _shades(present: Sequence[tuple[str, Bools]]) -> list[ColorType]:
     """A pale colour for each region, no two neighbours with the same one if that can be."""
     from scipy import ndimage
 
-    if all(name in style.PATHWAY for name in names):
-        return [style.pale(style.PATHWAY[name]) for name in names]
+    if all(name in style.PATHWAY for name, _ in present):
+        return [style.pale(style.PATHWAY[name]) for name, _ in present]
     chosen: list[int] = []
-    for i, part in enumerate(parts):
+    for i, (_, part) in enumerate(present):
         wide = np.asarray(ndimage.binary_dilation(part), bool)
-        near = [chosen[j] for j in range(i) if np.any(wide & parts[j])]
+        near = [chosen[j] for j in range(i) if np.any(wide & present[j][1])]
         counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
         chosen.append(min(counts)[2])
     return [style.pale(_SHADES[k]) for k in chosen]
@@ -286,23 +280,18 @@ def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
 def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
     """The key: sequences, what changes between them, what is missing."""
     rows = [
-        Row(region.name if len(region.name) == 1 else "", _words(region.sequence), region.shade)
-        for region in regions
-        if region.name
+        Row(one.name, sequence_words(one.sequence, _ROOM), one.shade)
+        if one.sequence not in _PATHWAYS
+        else Row("", f"{one.name}: {one.sequence}", one.shade)
+        for one in regions
+        if one.name
     ]
-    small = len(regions) - len(rows)
-    if small:
+    if small := len(regions) - len(rows):
         rows.append(Row("", f"{small} smaller regions"))
     rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
     if np.any(dataset["monostable"]):
         rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
     return rows + [Row("", _EMPTY[name][1]) for name, _ in _nodes(dataset) if name in _EMPTY]
-
-
-def _words(sequence: str) -> str:
-    if sequence in _PATHWAYS:
-        return f"{_PATHWAYS[sequence].label}: {sequence}"
-    return sequence_words(sequence, _ROOM)
 
 
 def _blanks(dataset: Dataset) -> list[_Region]:
@@ -327,27 +316,24 @@ def _places(axis: _Axis) -> Floats:
     return (np.geomspace if axis.is_log else np.linspace)(low, high, PLACES)
 
 
-def _spread(
-    regions: Sequence[_Region], x: _Axis, y: _Axis, walls: Sequence[Floats]
+def _draw_regions(
+    ax: Axes,
+    places: tuple[Floats, Floats],
+    regions: Sequence[_Region],
+    axes: tuple[_Axis, _Axis],
+    walls: Sequence[Floats],
 ) -> list[_Region]:
-    """The regions with all places inside, not only nodes."""
-    number = np.zeros((len(y.values), len(x.values)), int)
+    """The regions with all places inside, not only nodes; what has no sequence stays white."""
+    number = np.zeros(regions[0].inside.shape, int)
     for k, region in enumerate(regions):
         number[region.inside] = k
-    found = _between(number, x, y, walls)
-    return [region._replace(inside=found == k) for k, region in enumerate(regions)]
-
-
-def _draw_shades(ax: Axes, places: tuple[Floats, Floats], regions: Sequence[_Region]) -> None:
-    """The regions; what has no sequence stays white."""
-    number = np.ma.masked_all(regions[0].inside.shape, int)
-    for k, region in enumerate(regions):
-        if region.sequence:
-            number[region.inside] = k
+    found = _between(number, *axes, walls)
+    blank = np.isin(found, [k for k, region in enumerate(regions) if not region.sequence])
     ax.set_facecolor("white")
     shades = ListedColormap([region.shade for region in regions])
     look = {"vmin": -0.5, "vmax": len(regions) - 0.5, "shading": "nearest"}
-    ax.pcolormesh(*places, number, cmap=shades, rasterized=True, **look)
+    ax.pcolormesh(*places, np.ma.array(found, mask=blank), cmap=shades, rasterized=True, **look)
+    return [region._replace(inside=found == k) for k, region in enumerate(regions)]
 
 
 def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: sheet.Point) -> list[Bbox]:

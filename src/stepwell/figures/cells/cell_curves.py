@@ -146,9 +146,9 @@ class _Curve:
 
     def name_fields(self) -> None:
         """Their forces, beside their marks; on axes that have their final place."""
+        sign = self.force.sign
         names = (
-            legends.Label(x, force, minus(f"{force:.3g} {self.force.sign}"), colour)
-            for x, force, colour in self.fields
+            legends.Label(x, f, minus(f"{f:.3g} {sign}"), colour) for x, f, colour in self.fields
         )
         legends.beside(self.ax, names)
 
@@ -314,10 +314,8 @@ def _curves(
     widest = math.degrees(max(cell.limit for cell in levers))
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
-    handles = [
-        legends.line(name, colour, linestyle=dashes)
-        for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
-    ]
+    named = zip(_names(levers), looks, strict=True)
+    handles = [legends.line(name, colour, linestyle=dash) for name, (colour, dash) in named]
     legends.above(ax, handles, columns, lift=_explain_marks(ax, ends=ends), handlelength=2.6)
     if own:
         sheet.keep_inside(ax)

@@ -208,12 +208,8 @@ def on_top(
 ) -> None:
     """A legend at the top of the figure, `left` and `gap` mm from its edges; in one row if 0."""
     width, height = sheet.size_of(figure)
-    figure.legend(
-        handles=handles,
-        loc="upper left",
-        bbox_to_anchor=(left / width, 1 - gap / height),
-        ncols=columns or len(handles),
-    )
+    place = {"loc": "upper left", "bbox_to_anchor": (left / width, 1 - gap / height)}
+    figure.legend(handles=handles, ncols=columns or len(handles), **place)
 
 
 def below(
@@ -221,10 +217,6 @@ def below(
 ) -> Legend:
     """A legend 1.5 mm above the figure's lower edge, in its middle or `left` mm from its edge."""
     width, height = sheet.size_of(figure)
-    return figure.legend(
-        handles=handles,
-        loc="lower center" if left is None else "lower left",
-        bbox_to_anchor=(0.5 if left is None else left / width, 1.5 / height),
-        ncols=columns,
-        **look,
-    )
+    place, x = ("lower center", 0.5) if left is None else ("lower left", left / width)
+    look |= {"loc": place, "bbox_to_anchor": (x, 1.5 / height)}
+    return figure.legend(handles=handles, ncols=columns, **look)

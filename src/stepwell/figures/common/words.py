@@ -38,14 +38,12 @@ def sequence_words(text: str, most: int) -> str:
     """
     if len(text) <= most or not re.fullmatch(r"\d+(>\d+)+", text):
         return text
-    moves: list[tuple[str, str]] = []
+    words, before = "", ""
     for a, b in pairwise(text.split(">")):
-        cells = [k for k, (x, y) in enumerate(zip(a, b, strict=True), 1) if x != y]
+        cells = "+".join(str(k) for k, (x, y) in enumerate(zip(a, b, strict=True), 1) if x != y)
         way = "loads" if sum(map(int, b)) > sum(map(int, a)) else "unloads"
-        moves.append((way, "+".join(map(str, cells))))
-    words = ""
-    for (before, _), (way, cells) in pairwise([("", ""), *moves]):
         words += f" {cells}" if way == before else f", {way} {cells}"
+        before = way
     return words.removeprefix(", ")
 
 
@@ -58,20 +56,9 @@ _FONT = "DejaVu Sans"  # comes with matplotlib
 # Fonts with the letters of East Asia: of Linux, Windows, macOS.
 _MORE = (
     *(f"Noto Sans CJK {region}" for region in ("JP", "SC", "TC", "KR")),
-    "Source Han Sans",
-    "WenQuanYi Micro Hei",
-    "WenQuanYi Zen Hei",
-    "IPAexGothic",
-    "IPAGothic",
-    "Droid Sans Fallback",
-    "Microsoft YaHei",
-    "Yu Gothic",
-    "Meiryo",
-    "Malgun Gothic",
-    "PingFang SC",
-    "Hiragino Sans",
-    "Hiragino Sans GB",
-    "Apple SD Gothic Neo",
+    *("Source Han Sans", "WenQuanYi Micro Hei", "WenQuanYi Zen Hei", "IPAexGothic", "IPAGothic"),
+    *("Droid Sans Fallback", "Microsoft YaHei", "Yu Gothic", "Meiryo", "Malgun Gothic"),
+    *("PingFang SC", "Hiragino Sans", "Hiragino Sans GB", "Apple SD Gothic Neo"),
     "Arial Unicode MS",
 )
 _MISSING = "\N{WHITE SQUARE}"
@@ -113,10 +100,8 @@ def _say_so(letter: str) -> None:
     # A log record, and no warning: it must not become an error, and one line is enough.
     if not _said:
         logging.getLogger("stepwell").warning(
-            "Figures show %s for letters such as %s, which no font found here has: install one "
-            "that has them, such as Noto Sans CJK.",
-            _MISSING,
-            letter,
+            f"Figures show {_MISSING} for letters such as {letter}, which no font found here has: "
+            f"install one that has them, such as Noto Sans CJK."
         )
     _said.add(letter)
 

@@ -43,11 +43,11 @@ def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -
         )
     found: list[Artist] = []
     for one, dashes in zip(recordings, _DASHES, strict=False):
+        look = {"linewidth": _WIDTH, "linestyle": dashes, "zorder": 2, "gid": "measured"}
         for half in one.halves:
             loads = one.direction_of(half) == "loading"
             colour = style.pale(style.LOADING if loads else style.UNLOADING, _PALE)
-            look = {"color": colour, "linewidth": _WIDTH, "linestyle": dashes, "zorder": 2}
-            ax.plot(one.stroke[half] * style.MM, one.force[half], **look, gid="measured")
+            ax.plot(one.stroke[half] * style.MM, one.force[half], color=colour, **look)
         name = f"measured: {literal(one.name)}"
         found.append(legends.line(name, style.pale(style.FAINT, 0.1), _WIDTH, linestyle=dashes))
     return found
