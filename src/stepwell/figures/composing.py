@@ -104,14 +104,8 @@ LETTERS: dict[str, Callable[[str], str]] = {
 }
 
 
-class _Cell(NamedTuple):
-    """A panel and its size [mm]."""
-
-    draw: sheet.Draw
-    size: sheet.Size
-
-    def with_height(self, height: float) -> "_Cell":
-        return self._replace(size=self.size._replace(height=height))
+# Panels beside each other, each with its size [mm].
+_Row = list[tuple[sheet.Draw, sheet.Size]]
 
 
 @style.styled
@@ -143,16 +137,18 @@ def compose(
         ValueError: no panel or too many, a width or height that they cannot have, other letters.
     """
     titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
-    count = _count(given)
+    count = sum(1 if callable(one) else len(one) for one in given)
+    if not 0 < count <= MOST_PANELS:
+        raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
     if letters not in LETTERS:
         raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
     panel = sheet.CurrentPanel(lettered=count > 1 and letters != "none")
     rows = [_laid(row, width, panel) for row in _rows(given, width, columns, panel)]
-    share = sum(cell.size.keyed for row in rows for cell in row) > 1
+    share = sum(size.keyed for row in rows for _, size in row) > 1
     legend: list[Artist] | None = [] if share else None
     room = _LEGEND * share + _BETWEEN * (len(rows) - 1) + _NAME * len(titles)
     rows = _stretched(rows, None if height is None else height - room)
-    tall = [max(cell.size.height for cell in row) for row in rows]
+    tall = [max(size.height for _, size in row) for row in rows]
     top = sum(tall) + room
     figure = sheet.blank(width, top)
     names = map(LETTERS[letters], string.ascii_lowercase)
@@ -168,28 +164,17 @@ def compose(
     return figure
 
 
-def _count(panels: Sequence[sheet.Draw | Sequence[sheet.Draw]]) -> int:
-    count = sum(1 if callable(one) else len(one) for one in panels)
-    if not 0 < count <= MOST_PANELS:
-        raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
-    return count
-
-
 def _draw_row(
-    figure: Figure,
-    row: Sequence[_Cell],
-    top: float,
-    panel: sheet.CurrentPanel,
-    names: Iterator[str],
+    figure: Figure, row: _Row, top: float, panel: sheet.CurrentPanel, names: Iterator[str]
 ) -> None:
     """Panels beside each other, each with its letter, under a height of the page [mm]."""
     left = 0.0
     for draw, size in row:
         onto = _part(figure, left, top - size.height, size)
-        height, shared = None if size.rigid else size.height, panel.shared if size.keyed else None
-        with sheet.drawing(
-            replace(panel, width=size.width, height=height, onto=onto, shared=shared)
-        ):
+        own = replace(
+            panel, width=size.width, height=None if size.rigid else size.height, onto=onto
+        )
+        with sheet.drawing(own if size.keyed else replace(own, shared=None)):
             draw()
         if panel.lettered:
             look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
@@ -230,7 +215,7 @@ def _may_share(draw: sheet.Draw, width: float, panel: sheet.CurrentPanel) -> boo
         return False
 
 
-def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> list[_Cell]:
+def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> _Row:
     """The panels of a row, each as wide as the others, all that can be as high as the highest."""
     each = (width - _BETWEEN * (len(row) - 1)) / len(row)
     if not each >= NARROWEST:
@@ -238,32 +223,30 @@ def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> lis
         raise InputError(
             f"width = {width:g} mm: {len(row)} panels beside each other need {least:g} mm or more."
         )
-    cells = [_Cell(draw, sheet.measured(draw, replace(panel, width=each))) for draw in row]
-    for cell in cells:
-        if cell.size.width > each + 1e-6:
+    sizes = [sheet.measured(draw, replace(panel, width=each)) for draw in row]
+    for size in sizes:
+        if size.width > each + 1e-6:
             raise InputError(
-                f"width: one panel is {cell.size.width:g} mm wide whatever the page, and has "
+                f"width: one panel is {size.width:g} mm wide whatever the page, and has "
                 f"{each:.4g} mm: give it a row of its own, or a wider page."
             )
-    fixed = [cell.size.height for cell in cells if cell.size.rigid]
-    high = max(fixed or [cell.size.height for cell in cells])
-    return [_tall(cell, max(high, _LOWEST)) for cell in cells]
+    fixed = [size.height for size in sizes if size.rigid]
+    high = max(_LOWEST, *(fixed or [size.height for size in sizes]))
+    # Far higher than wide, one that may have any height would be drawn out to a row of lines.
+    most = [max(1.1 * size.width, size.height) for size in sizes]
+    laid = [
+        size if size.rigid else size._replace(height=min(high, own))
+        for size, own in zip(sizes, most, strict=True)
+    ]
+    return list(zip(row, laid, strict=True))
 
 
-def _tall(cell: _Cell, height: float) -> _Cell:
-    """The panel with another height, if it may have it."""
-    if cell.size.rigid:
-        return cell
-    # Far higher than wide, it would be drawn out to a row of lines.
-    return cell.with_height(min(height, max(1.1 * cell.size.width, cell.size.height)))
-
-
-def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell]]:
+def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
     """Rows that together have a height [mm], which those without a rigid panel make up."""
     if height is None:
         return rows
-    tall = [max(cell.size.height for cell in row) for row in rows]
-    loose = [not any(cell.size.rigid for cell in row) for row in rows]
+    tall = [max(size.height for _, size in row) for row in rows]
+    loose = [not any(size.rigid for _, size in row) for row in rows]
     fixed = sum(high for high, may in zip(tall, loose, strict=True) if not may)
     rest = sum(tall) - fixed
     least = fixed + _LOWEST * sum(loose)
@@ -273,7 +256,7 @@ def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell
         raise InputError(f"height: these panels {what} mm; the page leaves them {height:.4g} mm.")
     by = (height - fixed) / rest
     return [
-        [cell.with_height(high * by) if may else cell for cell in row]
+        [(draw, size._replace(height=high * by)) for draw, size in row] if may else row
         for row, high, may in zip(rows, tall, loose, strict=True)
     ]
 

@@ -147,7 +147,13 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         else:
             _over(ax, varied[deciding.get(name, next(iter(study.varied)))], one, own)
         sheet.keep_inside(ax)
-    _keys(figure, colours)
+    # What the colours of words mean, column by column.
+    handles: list[Any] = []
+    for name, words in colours.items():
+        handles.append(legends.mark(literal(name), "", 0.0))
+        handles += [legends.mark(literal(shortened(w, 90)), "s", color=c) for w, c in words.items()]
+    if handles:
+        legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
     return figure
 
 
@@ -195,13 +201,13 @@ def _few_counts(values: Floats) -> bool:
 
 def _differs(one: _Column) -> bool:
     if one.words:
-        return len({value for value in one.values if value}) > 1
+        return len({*one.values} - {""}) > 1
     values = one.values[np.isfinite(one.values)]
     return len(values) > 1 and np.ptp(values) > 1e-12 * np.max(np.abs(values))
 
 
 def _colours(words: np.ndarray[Any, Any]) -> dict[str, Colour]:
-    often = Counter(word for word in words if word).most_common()
+    often = Counter(filter(None, words)).most_common()
     return style.word_colours([word for word, _ in often], style.PATHWAY)
 
 
@@ -292,13 +298,3 @@ def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str,
         bar.set_label(literal(shortened(one.name, 24)))
         bar.outline.set_visible(False)
     ax.margins(x=0.6 / columns, y=0.6 / rows)
-
-
-def _keys(figure: Figure, colours: Mapping[str, Mapping[str, Colour]]) -> None:
-    """What the colours of words mean, column by column."""
-    handles: list[Any] = []
-    for name, words in colours.items():
-        handles.append(legends.mark(literal(name), "", 0.0))
-        handles += [legends.mark(literal(shortened(w, 90)), "s", color=c) for w, c in words.items()]
-    if handles:
-        legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)

@@ -56,7 +56,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
         drawn.name_fields()
         return figure
     below = sheet.place(figure, 14.0, foot, style.COLUMN - 16.0, 25.0)
-    _Curve(below, element).draw_energy()
+    _Curve(below, element).draw_law(element.energy_at, style.MJ)
     below.set(xlabel=drawn.travel.label, ylabel="Energy [mJ]")
     ax.tick_params(labelbottom=False)
     sheet.keep_both_inside(ax, below)
@@ -124,17 +124,13 @@ class _Curve:
                 y = (force + sign * rubs) * self.force.factor
                 self.ax.plot(x, y, color=colour, linewidth=_THIN, zorder=2.5, gid="friction")
             self._draw_jumps(number)
-        self._draw_law(self.element.force_at, self.force.factor)
+        self.draw_law(self.element.force_at, self.force.factor)
         for travel, force, colour in self.fields:
             self.ax.plot(travel, force, "o", **_circle(colour), zorder=7, gid="fields")
         low, high = self.ax.get_ylim()
         # Room for the digits.
         self.ax.set_ylim(low, high + 0.06 * (high - low))
         self._number_phases()
-
-    def draw_energy(self) -> None:
-        """The energy, from where the curve begins."""
-        self._draw_law(self.element.energy_at, style.MJ)
 
     @property
     def fields(self) -> list[tuple[float, float, str]]:
@@ -152,7 +148,7 @@ class _Curve:
         )
         legends.beside(self.ax, names)
 
-    def _draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
+    def draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
         """A law of travel, bold in its phases, dotted past its ends; the phases shaded."""
         element = self.element
         low, high = element.low, element.high

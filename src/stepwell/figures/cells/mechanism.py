@@ -85,7 +85,13 @@ def arrange(
 ) -> DrawingPlan:
     """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)
-    _refuse_many(chain, wanted)
+    if len(chain) > MOST_CELLS:
+        raise InputError(
+            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
+            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
+        )
+    if not 0 < len(wanted) <= MOST_STATES:
+        raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     places = [_place(chain, state) for state in wanted]
     travels = [[travel for travel, _ in place] for place in places]
     linkage = LinkageDrawing(chain, travels)
@@ -131,16 +137,6 @@ def refuse_long(chain: Chain) -> None:
     """Refuse a chain of more cells than can be seen."""
     if len(chain) > MOST_CELLS:
         raise InputError(f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen.")
-
-
-def _refuse_many(chain: Chain, states: Sequence[State]) -> None:
-    if len(chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
-            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
-        )
-    if not 0 < len(states) <= MOST_STATES:
-        raise InputError(f"states has {len(states)} entries: must be 1 to {MOST_STATES}.")
 
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:

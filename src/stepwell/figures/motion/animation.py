@@ -9,7 +9,6 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -158,7 +157,11 @@ class _Scene:
         self.plan: list[Line2D] = []
         if below:
             windows = stroke_program.windows_of(result) if isinstance(result, Program) else []
-            ax = self._draw_plan(path, windows, plot[0] + plot[2])
+            ax = place(self.figure, 16.0, 10.0, plot[0] + plot[2] - 16.0, _PLAN - 12.0)
+            plan = stroke_program.plan_of(path)
+            ax.set_xlim(stroke_program.limits(plan.way, 0.03))
+            stroke_program.draw_plan(ax, plan, windows, 0.1)
+            ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
             self.plan = ax.plot([], [], "o", gid="now", **now)
         texts = (self.stroke, self.force, self.state, self.word)
         self.moving = (*self.drawing.artists, *texts, self.halo, self.dot, *self.plan)
@@ -170,14 +173,6 @@ class _Scene:
         canvas.draw()
         # Everything that stands still, drawn once.
         self.still = canvas.copy_from_bbox(self.figure.bbox)
-
-    def _draw_plan(self, path: Path, windows: list[stroke_program.Window], right: float) -> Axes:
-        ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
-        plan = stroke_program.plan_of(path)
-        ax.set_xlim(stroke_program.limits(plan.way, 0.03))
-        stroke_program.draw_plan(ax, plan, windows, 0.1)
-        ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
-        return ax
 
     def swatches(self) -> Picture:
         """The colours of thin lines, which keep them so in the palette."""

@@ -64,7 +64,9 @@ def maze(maze: Maze) -> Figure:
 
     parts.draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
     _path(ax, walk)
-    _presses(ax, maze)
+    ends = [np.searchsorted(walk.time, [one.begin, one.end]).tolist() for one in maze.contacts]
+    look: dict[str, Any] = {"color": _HALO, "linewidth": 5.5, "zorder": 5}
+    _along(ax, walk, ends, gid="pressed", solid_capstyle="butt", **look)
     for sample in moments:
         _robot(ax, maze, sample)
     xy = np.column_stack([walk.x, walk.y]) * style.MM
@@ -116,14 +118,6 @@ def _path(ax: Axes, walk: Walk) -> None:
     x, y = walk.x[few] * style.MM, walk.y[few] * style.MM
     for share in (0.2, 0.4, 0.6, 0.8):
         marks.heading(ax, x, y, style.INK, at=share, size=13.0)
-
-
-def _presses(ax: Axes, maze: Maze) -> None:
-    """Along the path, where an antenna was pressed."""
-    time = maze.walk.time
-    ends = [np.searchsorted(time, [one.begin, one.end]).tolist() for one in maze.contacts]
-    look = {"color": _HALO, "linewidth": 5.5, "zorder": 5, "solid_capstyle": "butt"}
-    _along(ax, maze.walk, ends, gid="pressed", **look)
 
 
 def _along(ax: Axes, walk: Walk, spans: Iterable[Sequence[int]], **look: Any) -> None:
