@@ -9,6 +9,7 @@ from itertools import accumulate, combinations, pairwise, product
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.bezier import BezierSegment
 
 from stepwell.base import Bools, Floats, InputError
 from stepwell.figures.common import style
@@ -38,24 +39,18 @@ def heights(
         order.setdefault(columns[name], []).append(name)
     sheet = _Crossings(columns, fixed, lines)
     if stay:
-        return sheet.all(_slots({column: sorted(names) for column, names in order.items()}))
-    best, cost = _slots(order), np.inf
-    for sweep in range(_SWEEPS):
-        now = sheet.cost(_slots(order))
-        if now < cost:
-            best, cost = _slots(order), now
-        for column in sorted(order, reverse=bool(sweep % 2)):
-            order[column].sort(key=sheet.means(_slots(order)).__getitem__)
-    for names in order.values():
-        names.sort(key=best.__getitem__)
-    _swap(sheet, order, cost)
-    return sheet.all(_slots(order))
-
-
-def _slots(order: Mapping[float, Sequence[str]]) -> dict[str, float]:
-    return {
-        name: (k + 0.5) / len(names) for names in order.values() for k, name in enumerate(names)
-    }
+        best = {column: sorted(names) for column, names in order.items()}
+    else:
+        best, cost = order, np.inf
+        for sweep in range(_SWEEPS):
+            now = sheet.cost(order)
+            if now < cost:
+                best, cost = {column: [*names] for column, names in order.items()}, now
+            for column in sorted(order, reverse=bool(sweep % 2)):
+                means = sheet.named(sheet.share @ sheet.heights(order))
+                order[column].sort(key=means.__getitem__)
+        _swap(sheet, best, cost)
+    return sheet.named(sheet.heights(best))
 
 
 def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None:
@@ -66,7 +61,7 @@ def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None
         for names in order.values():
             for i, j in combinations(range(len(names)), 2):
                 names[i], names[j] = names[j], names[i]
-                now = sheet.cost(_slots(order))
+                now = sheet.cost(order)
                 if now < cost - 1e-9:
                     cost, better = now, True
                 else:
@@ -107,23 +102,22 @@ class _Crossings:
         near = apart & (np.minimum(high_a, high_b) > np.maximum(low_a, low_b))
         self.pairs = a[near], b[near]
 
-    def _y(self, slots: Mapping[str, float]) -> Floats:
+    def heights(self, order: Mapping[float, Sequence[str]]) -> Floats:
+        """Of all nodes, where the fixed ones stand in this order in their columns."""
+        slots = {n: (k + 0.5) / len(names) for names in order.values() for k, n in enumerate(names)}
         own = np.array([slots[name] for name in self.fixed])
         return np.concatenate([own, self.follow @ own])
 
-    def cost(self, slots: Mapping[str, float]) -> float:
+    def cost(self, order: Mapping[float, Sequence[str]]) -> float:
         """Crossings of straight lines, and a little for their length."""
-        xy = np.column_stack([self.x, self._y(slots)])
+        xy = np.column_stack([self.x, self.heights(order)])
         (p, q), (r, s) = ((xy[ends[:, 0]], xy[ends[:, 1]]) for ends in self.pairs)
         crossing = (_side(p, q, r) != _side(p, q, s)) & (_side(r, s, p) != _side(r, s, q))
         rise = np.abs(np.diff(xy[self.ends, 1], axis=1)[:, 0])
         return float(np.count_nonzero(crossing) + _LENGTH * (self.weights @ rise))
 
-    def means(self, slots: Mapping[str, float]) -> dict[str, float]:
-        return dict(zip(self.names, (self.share @ self._y(slots)).tolist(), strict=True))
-
-    def all(self, slots: Mapping[str, float]) -> dict[str, float]:
-        return dict(zip(self.names, self._y(slots).tolist(), strict=True))
+    def named(self, values: Floats) -> dict[str, float]:
+        return dict(zip(self.names, values.tolist(), strict=True))
 
 
 def _side(p: Floats, q: Floats, r: Floats) -> Bools:
@@ -325,9 +319,9 @@ class Layout:
         side = 1 if ahead > 0 else -1
         b = np.array([x1 - side * way.direction * self.half(way.target)[0], y1 + shift])
         far = max(0.45 * abs(b[0] - a[0]), 2.0 if ahead > 0 else _ROUND)
-        reach = np.array([far * way.direction, 0.0])
+        reach, share = np.array([far * way.direction, 0.0]), np.linspace(0.0, 1.0, _SAMPLES)
         curves = [
-            _bezier(a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b)
+            BezierSegment([a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b])(share)
             for bow in (_BOWS if ahead > 1 else _BOWS[:1])
         ]
         others = [label for label in self.at if label not in (way.source, way.target)]
@@ -347,8 +341,3 @@ def head(curve: Floats, size: float) -> Floats:
     across = 0.38 * size * np.array([-along[1], along[0]])
     back = tip - size * along
     return np.array([tip, back + across, back - across])
-
-
-def _bezier(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
-    t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
-    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d

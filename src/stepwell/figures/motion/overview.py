@@ -33,12 +33,7 @@ _ROOM = 4.4
 _WIDEST = 90.0
 # Longer than this, a side is drawn shorter than it is.
 _SLIMMEST = 3.0
-_FRAME: dict[str, Any] = {
-    "color": style.BLACK,
-    "linewidth": 0.6,
-    "linestyle": (0, (4, 2)),
-    "zorder": 2.5,
-}
+_FRAME: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2))}
 # Grey, because every hue has a meaning of its own; light, because the path lies on it.
 _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F7F4"])
 
@@ -100,7 +95,6 @@ def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     energy = (inner + outer[:, None]) * style.MJ
     filled = ax.contourf(x, y, energy, _LEVELS, cmap=_ENERGY)
     ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
-
     (left, right), (low, high) = (x[0], x[-1]), (y[0], y[-1])
     width, height = right - left, high - low
     dots = {"color": style.FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
@@ -109,7 +103,6 @@ def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
         ax.plot(ends, u - ends, **dots)
     frame = [left, right, right, left, left], [low, low, high, high, low]
     ax.plot(*frame, color=style.FAINT, linewidth=0.6)
-
     # Room for the names of the states, which small axes have not.
     page, dpi = ax.get_window_extent(), sheet.root(ax).dpi / 25.4
     room = max(0.085, _ROOM * dpi / min(page.width, page.height))
@@ -163,7 +156,7 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
     ]
     for (left, right), (low, high) in product(*both):
         corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
-        ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
+        ax.plot(*zip(*corners, strict=True), **_FRAME, zorder=2.5, gid="states")
     (_, right), (_, top) = ends
     look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
     look |= {"fontweight": "bold", "gid": "digit"}

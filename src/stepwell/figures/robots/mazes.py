@@ -110,7 +110,7 @@ def _path(ax: Axes, walk: Walk) -> None:
     named = ["", *kinds, ""] if kinds else [""]
     spans = list(zip(named, pairwise(cuts), strict=True))
     for kind in dict.fromkeys(named):
-        ends = [(begin, end) for one, (begin, end) in spans if one == kind and end > begin]
+        ends = [span for one, span in spans if one == kind and span[1] > span[0]]
         look = {"color": walks.MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
         _along(ax, walk, ends, gid=f"path {kind or 'of no whole cycle'}", **look)
     # Few enough places that an arrow head shows the way and not a single step.
@@ -169,13 +169,11 @@ def _key(maze: Maze) -> list[Artist]:
     """What colours and marks mean, of those that occur."""
     kinds, touched = walks.motions(maze.walk), maze.touched.values()
     edge = {"edgecolor": style.INK, "linewidth": 0.5}
-    untouched = legends.shade("obstacle not touched", parts.OBSTACLE, **edge)
-    felt = any(time is not None for time in touched)
     return legends.those(
         *((kind in kinds, legends.line(kind, one, 1.7)) for kind, one in walks.MOTION.items()),
         (maze.contacts, legends.line("antenna pressed", _HALO, 5.5)),
-        (felt, legends.shade("touched obstacle", parts.TOUCHED)),
-        (None in touched, untouched),
+        ({*touched} - {None}, legends.shade("touched obstacle", parts.TOUCHED)),
+        (None in touched, legends.shade("obstacle not touched", parts.OBSTACLE, **edge)),
         (True, legends.mark("start", **_START)),
         (True, legends.mark("end", size=5.0)),
     )

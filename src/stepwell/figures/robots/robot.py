@@ -79,9 +79,8 @@ def draw_above(ax: Axes, robot: Robot) -> None:
 def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
     """What is measured, and the names of legs and antennas."""
     leg = min(robot.legs, key=lambda one: one.at[1])
-    near, far = (
-        leg_parts(robot, leg, travels).blocks[-1] * style.MM for travels in rest_states(leg)
-    )
+    poses = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
+    near, far = (pose.blocks[-1] * style.MM for pose in poses)
     stroke = f"stroke {mm(leg.chain.full_stroke)} mm"
     along_x(ax, (far[0], near[0]), (near[1], box[2] + 18.0), stroke)
     low, high = (pick(one.at[1] for one in robot.legs) for pick in (min, max))
