@@ -82,10 +82,7 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     """
     if not tests:
         raise InputError("tests is empty: give one pair or more.")
-    looks = {
-        True: ("measured, unloading", style.UNLOADING),
-        False: ("measured, loading", style.LOADING),
-    }
+    looks = ("measured, loading", style.LOADING), ("measured, unloading", style.UNLOADING)
     occur = dict.fromkeys(test.series.unloading for test in tests)
     handles = [
         *(legends.line(*looks[unloading], _MEASURED) for unloading in occur),
@@ -157,8 +154,7 @@ def _cell(ax: Axes, group: list[CellTest], curves: list[tuple[Floats, Floats]]) 
         at = np.linspace(0, len(theta) - 1, _POINTS).astype(int)
         seen = test.plain.inside[at]
         look = {"markersize": 3.2, "markeredgewidth": 0.8, "color": colour, "zorder": 4}
-        for some, gid, face in ((seen, "measured", colour), (~seen, "extrapolated", "white")):
-            k = at[some]
+        for k, gid, face in ((at[seen], "measured", colour), (at[~seen], "extrapolated", "white")):
             ax.plot(theta[k], values[k], mark, **look, markerfacecolor=face, gid=gid)
     # In k r all numbers of bands have one model.
     first = group[0]

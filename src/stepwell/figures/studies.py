@@ -49,11 +49,10 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
         raise InputError("found is empty: a study of 50 designs or more says what decides.")
     known = names or {}
     shares = [{each.name: each for each in one.sure} for one in found]
-    largest = {
-        each.name: max((own[each.name].share for own in shares if each.name in own), default=0.0)
-        for each in found[0].influences
-    }
-    rows = sorted(largest, key=lambda name: -largest[name])
+    rows = sorted(
+        [each.name for each in found[0].influences],
+        key=lambda name: -max((own[name].share for own in shares if name in own), default=0.0),
+    )
     told = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
@@ -279,12 +278,8 @@ def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str,
         columns = rows = max(2, int(np.sqrt(len(x.values)) * 1.5))
     box = ax.get_window_extent()
     size = 72.0 / ax.figure.dpi * min(box.width / (columns + 0.5), box.height / (rows + 0.5))
-    look: dict[str, Any] = {
-        "marker": "s" if grid else "o",
-        "s": float(np.clip(0.9 * size, 1.5, 14.0)) ** 2,
-        "linewidths": 0,
-        "gid": "designs",
-    }
+    look: dict[str, Any] = {"marker": "s" if grid else "o", "linewidths": 0, "gid": "designs"}
+    look["s"] = float(np.clip(0.9 * size, 1.5, 14.0)) ** 2
     if one.words:
         for word, colour in colours.items():
             rest = word == style.REST

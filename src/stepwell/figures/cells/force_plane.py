@@ -91,10 +91,8 @@ def force_plane(
     of = told.force(chain.measure)
     # As drawn, like everything below.
     forces = np.array([(switch.up, switch.down) for switch in switches]) * of.factor
-    orders = (
-        _order("loading", loading, np.argsort(forces[:, 0], kind="stable")),
-        _order("unloading", unloading, np.argsort(-forces[:, 1], kind="stable")),
-    )
+    up, down = np.argsort(forces * (1, -1), axis=0, kind="stable").T
+    orders = _order("loading", loading, up), _order("unloading", unloading, down)
     cloud = None if clouds is None else np.asarray(clouds, float) * of.factor
     strip = _ROW * count + 1.5
     width = sheet.page_width(style.COLUMN if count <= 4 else _WIDE)

@@ -244,12 +244,9 @@ class _Shown:
         for stop in self.stops:
             ax.plot(*np.array([zero, stop]).T, **faint, gid="stop")
         self._turn(ax, 0.0, 0.72)
-        sides = (
-            ("r", zero, self.outer, style.INK),
-            ("d", self.outer, end, style.BLUE),
-            ("l", zero, end, self.colour),
-        )
-        for name, start, stop, colour in sides:
+        ends = (zero, self.outer), (self.outer, end), (zero, end)
+        colours = style.INK, style.BLUE, self.colour
+        for name, (start, stop), colour in zip("rdl", ends, colours, strict=True):
             ax.plot(*np.array([start, stop]).T, color=colour, linewidth=1.8, zorder=4, gid=name)
             if name != "l" and np.any(start != stop):
                 arrow(ax, start, stop, colour, 1.8)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import Bools, Floats, InputError
-from stepwell.mechanism import Cell, Chain, Element
+from stepwell.base import Floats
+from stepwell.mechanism import Cell, Element
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 
@@ -77,7 +77,10 @@ def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
     """(direction, sample indices) of the pieces, cut again where every cell rests at a stop,
     without those in which only the force changes.
     """
-    resting = np.all(_at_stops(path), axis=1)
+    slip = _SLIP * np.array(path.chain.full_travels)
+    stops = [np.where(c.stopped, (c.low, c.high), (-np.inf, np.inf)) for c in path.chain.cells]
+    low, high = np.array(stops).T
+    resting = np.all((path.travel <= low + slip) | (path.travel >= high - slip), axis=1)
     parts = (
         (direction, at[first : last + 1])
         for direction, at in pieces(path)
@@ -131,23 +134,3 @@ def phases(
         here = (travel >= phase.low - slip) & (travel <= phase.high + slip)
         found[here & (sheet == phase.sheet)] = digit
     return found
-
-
-def _at_stops(path: Path) -> Bools:
-    """(n, N) whether a cell is at one of its stops."""
-    found = np.zeros(path.travel.shape, bool)
-    for i, cell in enumerate(path.chain.cells):
-        travel, slip = path.travel[:, i], _SLIP * cell.full_travel
-        below, above = cell.stopped
-        found[:, i] |= below & (travel <= cell.low + slip)
-        found[:, i] |= above & (travel >= cell.high - slip)
-    return found
-
-
-def require_two_cells(chain: Chain, what: str) -> None:
-    """Refuse a chain that a picture in two travels cannot show."""
-    if len(chain) != 2:
-        raise InputError(
-            f"the chain has {len(chain)} cells: {what} shows exactly 2; "
-            f"use force_stroke or travel_stroke."
-        )

@@ -32,7 +32,7 @@ _SPAN = re.compile(r"<tspan(?P<look>[^>]*)>(?P<inside>.*?)</tspan>", re.DOTALL)
 # Said at once, as "font: bold 7px 'A', 'B'", or property by property.
 _AT_ONCE = re.compile(r"font:\s*((?:[a-z]+\s+|\d{3}\s+)*)[\d.]+px\s+([^;\"]+)")
 _PROPERTY = re.compile(r"font-(family|weight|style):\s*([^;\"]+)")
-_HEAVY = ("600", "700", "800", "900")
+_HEAVY = {"bold", "600", "700", "800", "900"}
 
 
 class _Face(NamedTuple):
@@ -67,7 +67,7 @@ def _face(look: str, letter: str) -> _Face:
         kind = f"{said.get('style', '')} {said.get('weight', '')}"
         families = said.get("family", STYLE["font.family"][0])
     words = kind.split()
-    weight = "bold" if "bold" in words or any(word in _HEAVY for word in words) else "normal"
+    weight = "bold" if _HEAVY & {*words} else "normal"
     slant = "italic" if "italic" in words else "oblique" if "oblique" in words else "normal"
     named = [family.strip().strip("'\"") for family in families.split(",")]
     faces = [_Face(family, weight, slant) for family in named]

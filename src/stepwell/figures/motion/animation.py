@@ -154,7 +154,8 @@ class _Scene:
         (self.halo,) = self.plot.plot([], [], "o", markersize=15.0, color=style.YELLOW, zorder=10)
         (self.dot,) = self.plot.plot([], [], "o", **now)
         # Where it is in the plan of strokes, if that is shown.
-        self.plan: list[Line2D] = []
+        self.plan: Line2D | None = None
+        dots = [self.halo, self.dot]
         if below:
             windows = stroke_program.windows_of(result) if isinstance(result, Program) else []
             ax = place(self.figure, 16.0, 10.0, plot[0] + plot[2] - 16.0, _PLAN - 12.0)
@@ -162,9 +163,10 @@ class _Scene:
             ax.set_xlim(stroke_program.limits(plan.way, 0.03))
             stroke_program.draw_plan(ax, plan, windows, 0.1)
             ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
-            self.plan = ax.plot([], [], "o", gid="now", **now)
+            (self.plan,) = ax.plot([], [], "o", gid="now", **now)
+            dots.append(self.plan)
         texts = (self.stroke, self.force, self.state, self.word)
-        self.moving = (*self.drawing.artists, *texts, self.halo, self.dot, *self.plan)
+        self.moving = (*self.drawing.artists, *texts, *dots)
         for artist in self.moving:
             artist.set_animated(True)
         canvas = self.figure.canvas
@@ -195,8 +197,8 @@ class _Scene:
         x, y = frame.travels * self.travel.factor if self.two else (u, f)
         for dot in (self.dot, self.halo):
             dot.set_data([x], [y])
-        for dot in self.plan:
-            dot.set_data([frame.way], [frame.drive])
+        if self.plan is not None:
+            self.plan.set_data([frame.way], [frame.drive])
             places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
             digits = "".join(str(int(reading.phases(*place, _AT))) for place in places)
             self.state.set_text(f"state {digits.replace('-1', '-')}")

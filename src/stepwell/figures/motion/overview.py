@@ -12,7 +12,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from stepwell.base import Floats
+from stepwell.base import Floats, InputError
 from stepwell.figures.cells.cell_curves import element_curves
 from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, arrange, draw, mechanism
 from stepwell.figures.common import marks, reading, sheet, style, words
@@ -57,7 +57,11 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     Source: Kamp et al. 2024, Fig. 2B.
     """
     path = reading.path_of(result)
-    reading.require_two_cells(path.chain, "an energy landscape")
+    if len(path.chain) != 2:
+        raise InputError(
+            f"the chain has {len(path.chain)} cells: an energy landscape shows exactly 2; "
+            f"use force_stroke or travel_stroke."
+        )
     own = ax is None
     width = sheet.page_width(style.COLUMN)
     side = min(width - 31.0, _WIDEST)

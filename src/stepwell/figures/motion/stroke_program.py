@@ -135,10 +135,8 @@ def instants(path: Path, seconds: float, count: int) -> list[Instant]:
         part = (at - time[i]) / (time[j] - time[i]) if time[j] > time[i] else 0.0
         if i in jumps:
             part = part * part * (3.0 - 2.0 * part)
-        travels, force, u, w = (
-            column[i] + part * (column[j] - column[i])
-            for column in (path.travel, path.force, plan.drive, plan.way)
-        )
+        columns = path.travel, path.force, plan.drive, plan.way
+        travels, force, u, w = (one[i] + part * (one[j] - one[i]) for one in columns)
         sheets = tuple(path.sheet[j if part > 0.5 else i].tolist())
         frames.append(Instant(travels, sheets, float(force), i in jumps, float(u), float(w)))
     return frames

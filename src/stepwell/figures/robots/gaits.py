@@ -245,8 +245,8 @@ def _over_one(shown: _Shown, foot: float) -> Figure:
     tall, page = 42.0, sheet.page_width(style.PAGE)
     ((key, values),) = shown.values.items()
     figure = sheet.blank(page, foot + _BOTTOM + 2 * tall + 5.0 + _SWEEP_TOP)
-    corner, wide = (_LEFT, foot + _BOTTOM), page - _LEFT - _RIGHT
-    upper, lower = sheet.stack(figure, corner, wide, [tall, tall], 5.0)
+    foot, wide = foot + _BOTTOM, page - _LEFT - _RIGHT
+    lower, upper = (sheet.place(figure, _LEFT, foot + y, wide, tall) for y in (0.0, tall + 5.0))
     _points(upper, values, shown.advance, shown, 0.5)
     _points(lower, values, shown.turn, shown, 2.0)
     upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
