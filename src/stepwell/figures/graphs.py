@@ -214,7 +214,7 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
 
     Cells are numbered as they load, and states stand at one place in all graphs; below, all
     machines by their share of the designs with its 95 % interval, and how many built after their
-    most robust design do the same.
+    most robust design do the same. Two columns wide.
 
     Args:
         found: of at most 4 cells.

@@ -32,7 +32,7 @@ def measured_forces(tests: Sequence[CellTest]) -> Figure:
     """F/(k r) of measured unit cells against lever angle, the model as a line.
 
     Points are where the force was measured, hollow where it is extrapolated to a stop; k is that
-    of all bands of a cell.
+    of all bands of a cell. Two columns wide.
 
     Args:
         tests: one or more; those of one configuration share a panel.
@@ -71,6 +71,7 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
 
     The measured mean has its baseline subtracted (blue loading, vermillion unloading) and is faint
     where it is not judged. Triangles are where runs snap, above, and where the model does, below.
+    Two columns wide.
 
     Args:
         tests: one or more, a panel each.
@@ -198,7 +199,7 @@ def bands_words(count: int) -> str:
 @style.styled
 def recording(result: Recording) -> Figure:
     """Force [N] against the stroke of the machine [mm] of one recording, loading and unloading
-    halves in their colours.
+    halves in their colours, one column wide.
     """
     figure, ax = sheet.canvas(None, (style.COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
     ways: dict[str, Line2D] = {}
@@ -232,7 +233,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     """Force against stroke of tension tests, and what each force law leaves inside the window.
 
     On the left is every cycle, those used in green; on the right the residual [mN] of each law from
-    the mean of the samples, the chosen one drawn wider.
+    the mean of the samples, the chosen one drawn wider. Two columns wide.
     """
     page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
@@ -295,7 +296,7 @@ def calibration(result: Calibration) -> Figure:
     """Error of every geometry, fitted and left out, and the correlations of the parameters.
 
     On the left is RMSE in k r, hollow marks for the fit and full ones for the prediction from the
-    other geometries; on the right a map of the correlations, with their values written in.
+    other geometries; on the right a map of the correlations with their values. Two columns wide.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
     page = sheet.page_width(style.PAGE)

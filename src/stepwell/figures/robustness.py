@@ -26,20 +26,13 @@ _BAR, _LINE, _GAP = 2.6, 3.1, 2.0
 _FOOT, _BETWEEN, _LEFT, _RIGHT = 9.0, 5.0, 4.0, 5.0
 # Characters that a line above a bar has room for, and how many such lines there may be.
 _ROOM, _MOST_LINES = 48, 2
+# What each parameter is called, and the tolerance that says how far it is off.
 _CHANGED = {
-    "anchor": "anchor q",
-    "stiffness": "stiffness",
-    "force_scale": "all its {force}s",
-    "travel_scale": "all its {travel}s",
-    "friction": "friction",
-}
-# The tolerance that says how far each is off.
-_OFF_BY = {
-    "anchor": "anchor",
-    "stiffness": "stiffness",
-    "force_scale": "stiffness",
-    "travel_scale": "travel",
-    "friction": "friction",
+    "anchor": ("anchor q", "anchor"),
+    "stiffness": ("stiffness", "stiffness"),
+    "force_scale": ("all its {force}s", "stiffness"),
+    "travel_scale": ("all its {travel}s", "travel"),
+    "friction": ("friction", "friction"),
 }
 _OFF = style.pale(style.SKY, 0.55)
 
@@ -70,7 +63,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     """How far each thing may be changed before the chain does something else, nearest on top.
 
     There is a bar for every anchor [mm], and one for every other number [%], with what the chain
-    does past its end; of long chains those of the nearest.
+    does past its end; of long chains those of the nearest. One column wide.
 
     Args:
         margin: what `design.margin` returns.
@@ -111,8 +104,9 @@ def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
     reach = f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
     found: list[_Row] = []
     for change in shown:
-        what = f"{chain.names[change.cell]}: {_CHANGED[change.parameter].format(**words)}"
-        off = getattr(tolerances, _OFF_BY[change.parameter]) * panel.factor
+        changed, deviation = _CHANGED[change.parameter]
+        what = f"{chain.names[change.cell]}: {changed.format(**words)}"
+        off = getattr(tolerances, deviation) * panel.factor
         if math.isinf(change.distance):
             found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
             continue
@@ -182,7 +176,7 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
     """For each result a bar from its value at the low to that at the high value of a parameter.
 
     Bars start at the nominal result, the parameter with the widest span is on top, the target is
-    shaded.
+    shaded. Two columns wide.
 
     Args:
         results: one, or several to be shown two a row.
@@ -273,7 +267,7 @@ class _Outcome(NamedTuple):
 def yield_bars(result: Yield) -> Figure:
     """The share of mechanisms that work, with its confidence interval, and what the others do.
 
-    With sensitivities it is two columns wide, and a second panel shows the share of the smallest
+    One column wide; with sensitivities two, and a second panel shows the share of the smallest
     gap's variance that each part's tolerance causes: dark by itself, pale together with others.
 
     Args:

@@ -36,7 +36,7 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
 
     Shares of the variance are shades and numbers, with a sign where more of the number gives mostly
     more or mostly less; there is nothing where chance alone could have made them. Rows are in the
-    order of their largest share.
+    order of their largest share. Two columns wide.
 
     Args:
         found: what `studies.decided` returns.
@@ -116,7 +116,7 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     """What was found, each over the number that decides it most; over the plane of two numbers.
 
     Where two numbers vary, every panel is their plane and colours are what was found; else numbers
-    are points with their means, words shares.
+    are points with their means, words shares. Two columns wide.
 
     Args:
         study: of which anything is done.

@@ -68,7 +68,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
 
 @style.styled
 def element_curves(elements: Mapping[str, Element]) -> Figure:
-    """The force curves of several elements, up to three in a row, each as for `element_curve`.
+    """The force curves of several elements over two columns, each as for `element_curve`.
 
     Args:
         elements: what to show, by the name to write above it.

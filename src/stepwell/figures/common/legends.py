@@ -77,21 +77,16 @@ def beside(
         written.append(text)
         own = float(_distances(taken[-1], here[None])[0])
         if leaders and (gap >= _FAR or (_distances(taken[-1], others) < own + 2 * point).any()):
-            _lead(ax, text, taken[-1])
+            edge = ax.transData.inverted().transform(np.clip(here, taken[-1].min, taken[-1].max))
+            props = {"arrowstyle": "-", "color": label.colour, "linewidth": 0.5}
+            props |= {"shrinkA": 0, "shrinkB": 3}
+            ax.annotate("", at, tuple(edge), arrowprops=props, zorder=7, gid="leader")
     return written
 
 
 def inside(frame: Bbox, box: Bbox) -> bool:
     """Whether a box lies within a frame."""
     return bool(np.all(frame.min <= box.min) and np.all(box.max <= frame.max))
-
-
-def _lead(ax: Axes, text: Annotation, box: Bbox) -> None:
-    here = ax.transData.transform(text.xy)
-    edge = ax.transData.inverted().transform(np.clip(here, box.min, box.max))
-    props = {"arrowstyle": "-", "color": text.get_color(), "linewidth": 0.5}
-    look = {"arrowprops": props | {"shrinkA": 0, "shrinkB": 3}, "zorder": 7, "gid": "leader"}
-    ax.annotate("", text.xy, tuple(edge), **look)
 
 
 def _distances(box: Bbox, points: Floats) -> Floats:

@@ -130,10 +130,8 @@ class _Scene:
         ax = place(self.figure, stage[0], stage[1] + below, *stage[2:])
         marks.plain(ax, (0.0, stage[2], 0.0, stage[3]))
         scale = min(stage[2] / wide, stage[3] / high)
-        origin = (
-            (stage[2] - wide * scale) / 2 - left * style.MM * scale,
-            (stage[3] - high * scale) / 2 - bottom * style.MM * scale,
-        )
+        x, y = (stage[2] - wide * scale) / 2, (stage[3] - high * scale) / 2
+        origin = x - left * style.MM * scale, y - bottom * style.MM * scale
         weight = float(np.clip(0.5 + 0.6 * scale, 0.6, 1.3))
         self.drawing = Drawing(ax, self.linkage, origin, scale * style.MM, weight)
         ground(ax, self.linkage, origin, scale * style.MM)

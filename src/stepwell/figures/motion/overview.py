@@ -185,7 +185,7 @@ def overview(cycle: Cycle) -> Figure:
     """The mechanism in every state of its full cycle, its energy landscape and its force loop.
 
     A chain of other than two cells shows the travel of each cell in place of the landscape, and
-    one too long to draw leaves the mechanism out.
+    one too long to draw leaves the mechanism out. Two columns wide.
     """
     chain = cycle.chain
     drawable = len(chain) <= MOST_CELLS

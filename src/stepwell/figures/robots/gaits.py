@@ -36,7 +36,8 @@ def prediction(prediction: Prediction) -> Figure:
 
     For each leg the margin [mN] stands beside what the prediction does not know, and the depths of
     the feet [mm] at which its gait stays; for each push the largest drag [N] beside the floor's;
-    for each antenna that flips a leg the displacement of its anchor [mm], with its range.
+    for each antenna that flips a leg the displacement of its anchor [mm], with the range it may lie
+    in. Two columns wide.
     """
     pushes = sum(len(leg.pushes) for leg in prediction.legs)
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
@@ -212,7 +213,7 @@ def sweep(found: Sweep) -> Figure:
     """Advance and turn of every robot of a sweep, coloured by the gaits of its legs.
 
     One key: advance and turn over it. Two: every robot at its values, advance and turn as numbers
-    beside it where there is room. More: advance over each.
+    beside it where there is room. More: advance over each. Two columns wide.
 
     Args:
         found: a sweep over one key or more; past eight keys the first eight are shown.

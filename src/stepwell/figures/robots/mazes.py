@@ -38,7 +38,7 @@ def maze(maze: Maze) -> Figure:
 
     To the scale of its bar: walls and cylinders, darker where touched; the path; the robot at its
     start, its end and in the middle of presses of its antennas; where antennas were pressed; start,
-    goal and outcome.
+    goal and outcome. Two columns wide.
 
     Raises:
         ValueError: a walk without samples.
@@ -193,7 +193,7 @@ def maze_timeline(maze: Maze) -> Figure:
 
     There is the swing of each antenna [°], shaded while it is pressed; a strip for each leg in the
     colour of its gait; a strip for each obstacle that was touched, up to 24, in the order of the
-    first touch.
+    first touch. Two columns wide.
 
     Raises:
         ValueError: a walk without samples.

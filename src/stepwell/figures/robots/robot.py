@@ -274,7 +274,7 @@ def robot_drawing(robot: Robot) -> Figure:
     """The robot from above and, at the same scale below, from the right.
 
     Drawn from its values with every cell at 0 and, pale, with every cell at 1, with dimensions in
-    mm; as a narrower panel of a page without them.
+    mm; two columns wide, or as a narrower panel of a page without them.
     """
     page = sheet.page_width(style.PAGE)
     above, side = above_limits(robot), side_limits(robot)

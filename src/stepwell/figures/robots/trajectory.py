@@ -42,7 +42,7 @@ def trajectory(walk: Walk) -> Figure:
     """The path of the body from above, and displacement and rotation cycle by cycle.
 
     The path [mm] has an arrow to the heading at the start of every cycle; beside it are d/u_max
-    along and across that heading and the turn to the left [°].
+    along and across that heading and the turn to the left [°]. Two columns wide.
 
     Raises:
         ValueError: a walk without samples.

@@ -185,7 +185,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     """Travel of every cell of every leg against time [s], with the states that each leg rests in.
 
     The actuator's stroke [mm] is on top, then travels [mm] leg by leg, shaded while the foot
-    stands, with the states below each.
+    stands, with the states below each. Two columns wide.
 
     Args:
         walk: any walk.
@@ -285,7 +285,7 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     """When each foot and the T-foot stand, what they carry, and the actuator's force and work.
 
     Contacts and forces [N] are drawn against time [s], the actuator's force [N] against stroke
-    [mm], and the work of each cycle [mJ].
+    [mm], and the work of each cycle [mJ]. Two columns wide.
 
     Args:
         walk: any walk.
