@@ -141,13 +141,12 @@ def refuse_long(chain: Chain) -> None:
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
     """Row and column of every state, which go on by these ways; each turn begins a row."""
-    back = bool(ways) and ways[0] < 0
-    found = [(0, columns - 1 if back else 0)]
-    for k, way in enumerate(ways):
+    found = [(0, columns - 1 if ways[:1] == [-1] else 0)]
+    for before, way in zip([*ways[:1], *ways], ways, strict=False):
         row, column = found[-1][0], found[-1][1] + way
         if not 0 <= column < columns:
             row, column = row + 1, 0 if way > 0 else columns - 1
-        elif way != ways[max(k - 1, 0)]:
+        elif way != before:
             row += 1
         found.append((row, column))
     return found
@@ -249,10 +248,9 @@ def _place(chain: Chain, state: State) -> list[tuple[float, int | None]]:
 def _allowed(chain: Chain) -> str:
     """What a state of this chain may be."""
     counts = [len(phases) for phases in chain.phases]
-    if set(counts) == {2}:
-        return f"{len(chain)} characters, each 0 or 1"
     ranges = ", ".join("0" if n == 1 else f"0 to {n - 1}" for n in counts)
-    return f"{len(chain)} characters, one a cell ({ranges})"
+    each = "each 0 or 1" if set(counts) == {2} else f"one a cell ({ranges})"
+    return f"{len(chain)} characters, {each}"
 
 
 def _title(chain: Chain, state: State) -> str:

@@ -86,7 +86,7 @@ def beside(
 
 def inside(frame: Bbox, box: Bbox) -> bool:
     """Whether a box lies within a frame."""
-    return bool(np.all(frame.min <= box.min) and np.all(box.max <= frame.max))
+    return frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
 
 
 def _distances(box: Bbox, points: Floats) -> Floats:

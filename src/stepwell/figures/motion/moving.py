@@ -72,8 +72,7 @@ def short(value: float, digits: int = 1) -> str:
 def _kept(values: Floats) -> list[int]:
     """The frames between which all goes straight, but for what cannot be seen."""
     keep, last = [0], len(values) - 1
-    while keep[-1] < last:
-        first = keep[-1]
+    while (first := keep[-1]) < last:
         bent = (end for end in range(first + 1, last) if _bent(values[first : end + 2]))
         keep.append(next(bent, last))
     return keep

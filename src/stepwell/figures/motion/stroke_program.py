@@ -81,9 +81,8 @@ def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) 
     handles: list[Line2D] = []
     for direction, name in ((1, "rising"), (-1, "falling")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
-            at = curve(path, direction, way, drive)
-            colour = style.direction_colour(direction)
-            handles += ax.plot(*at, color=colour, zorder=4, label=name, gid="drive")
+            look = {"color": style.direction_colour(direction), "label": name, "gid": "drive"}
+            handles += ax.plot(*curve(path, direction, way, drive), **look, zorder=4)
     if at := [snap.before for snap in snaps_of(path)]:
         few = len(at) <= marks.MOST_HEADS
         look = style.hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
