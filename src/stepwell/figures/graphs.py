@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import comb
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -169,8 +169,9 @@ class _Drawing:
             # At the corner of a box, above a dot.
             boxed, many = "-" not in label, len(turns) > 1
             x, y = (x + half + 0.6, y + high + 1.2) if boxed else (x, y + high + 1.9)
-            look = style.on_black(wide=many) | {"ha": "left" if many and boxed else "center"}
-            ax.text(x, y, ",".join(turns), va="center_baseline", **look, zorder=10, gid="turn")
+            look: dict[str, Any] = style.on_black(wide=many) | {"zorder": 10, "gid": "turn"}
+            look["ha"] = "left" if many and boxed else "center"
+            ax.text(x, y, ",".join(turns), va="center_baseline", **look)
 
     def key(self) -> list[Artist]:
         """What the marks mean, as far as they occur."""

@@ -177,12 +177,10 @@ def _draw_designs(
 ) -> list[Bbox]:
     """Dots and names of designs, clear of what is taken; the boxes that they take."""
     point, dots = sheet.root(ax).dpi / 72, []
-    marks = [
-        legends.Label(a * scale[0], b * scale[1], literal(name)) for name, (a, b) in designs.items()
-    ]
+    marks = [legends.Label(np.multiply(at, scale), literal(name)) for name, at in designs.items()]
     for mark in marks:
-        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
-        spot = ax.transData.transform((mark.x, mark.y))
+        ax.plot(*mark.at, "o", gid="design", **_DESIGN)
+        spot = ax.transData.transform(mark.at)
         dots.append(Bbox([spot, spot]).padded(3.0 * point))
     names = legends.beside(ax, marks, keep_clear=[*taken, *dots])
     for text in names:

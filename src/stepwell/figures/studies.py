@@ -142,7 +142,8 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, _TALL)
         own = colours.get(one.name, {})
         if len(varied) == 2:
-            _plane(ax, *varied.values(), one, own)
+            x, y = varied.values()
+            _plane(ax, x, y, one, own)
         else:
             _over(ax, varied[deciding.get(name, next(iter(study.varied)))], one, own)
         sheet.keep_inside(ax)

@@ -144,7 +144,7 @@ class _Curve:
         """Their forces, beside their marks; on axes that have their final place."""
         sign = self.force.sign
         names = (
-            legends.Label(x, f, minus(f"{f:.3g} {sign}"), colour) for x, f, colour in self.fields
+            legends.Label((x, f), minus(f"{f:.3g} {sign}"), colour) for x, f, colour in self.fields
         )
         legends.beside(self.ax, names)
 

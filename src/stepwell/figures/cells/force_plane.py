@@ -229,7 +229,7 @@ def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
 def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
     # In the colour of their dots and clouds, so that every outline has its owner.
     named = zip(forces.tolist(), switches, strict=True)
-    labels = [legends.Label(x, y, literal(one.name), one.colour) for (x, y), one in named]
+    labels = [legends.Label(at, literal(one.name), one.colour) for at, one in named]
     for text in legends.beside(ax, labels, leaders=True):
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
 

@@ -228,9 +228,9 @@ class _Shown:
             corners = ax.transData.transform(self._block(joint))
             clear.append(Bbox([corners.min(axis=0), corners.max(axis=0)]))
         labels = [
-            Label(*self.p, f"$p$ = {mm_pair(self.band.p)} mm", style.BLUE),
-            Label(*self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
-            Label(*(0.85 * self.p + 0.15 * self.q), "band", self.colour),
+            Label(self.p, f"$p$ = {mm_pair(self.band.p)} mm", style.BLUE),
+            Label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
+            Label(0.85 * self.p + 0.15 * self.q, "band", self.colour),
         ]
         legends.beside(ax, labels, keep_clear=clear)
 
@@ -253,11 +253,11 @@ class _Shown:
         clear = [text.get_window_extent() for text in ax.texts]
         low, high = self.stops
         labels = [
-            Label(*high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
-            Label(*low, r"state 0: $\theta = -\theta_c$"),
-            Label(*(self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", style.BLUE),
-            Label(*end * 0.75, "band $\\ell$", self.colour),
-            Label(*self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
+            Label(high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
+            Label(low, r"state 0: $\theta = -\theta_c$"),
+            Label((self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", style.BLUE),
+            Label(end * 0.75, "band $\\ell$", self.colour),
+            Label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]
         legends.beside(ax, labels, keep_clear=clear)
 

@@ -25,10 +25,9 @@ _FAR = 13.0
 
 
 class Label(NamedTuple):
-    """A text for the point (x, y) in data units."""
+    """A text for a point in data units."""
 
-    x: float
-    y: float
+    at: Sequence[float] | Floats
     text: str
     colour: str = style.INK
 
@@ -41,7 +40,7 @@ def beside(
     `leaders` are lines from those that had to go away from their points.
     """
     labels = list(labels)
-    spots = ax.transData.transform([(label.x, label.y) for label in labels] or np.empty((0, 2)))
+    spots = ax.transData.transform([label.at for label in labels] or np.empty((0, 2)))
     point = sheet.root(ax).dpi / 72.0
     curves = _curves(ax, 2.0 * point)
     frame = ax.get_window_extent().padded(-1.5 * point)
@@ -55,7 +54,7 @@ def beside(
             continue
         done.append((label.text, *here))
         look = {"ha": "center", "va": "center", "fontsize": 7.0, "color": label.colour}
-        at = (label.x, label.y)
+        at = (label.at[0], label.at[1])
         text = ax.annotate(label.text, at, (0, 0), textcoords="offset points", zorder=9, **look)
         text.set_in_layout(False)
         box = text.get_window_extent().padded(0.8 * point)

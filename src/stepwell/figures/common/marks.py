@@ -118,7 +118,7 @@ def snaps(
         ax.plot(x[ends[:, 0]], y[ends[:, 0]], "o", **circles, gid="snap starts")
         if len(some) <= MOST_HEADS:
             for i, j in ends:
-                head(ax, (x[i], y[i]), (x[j], y[j]), colour)
+                head(ax, (float(x[i]), float(y[i])), (float(x[j]), float(y[j])), colour)
 
 
 def trace(

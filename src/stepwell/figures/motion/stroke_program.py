@@ -81,8 +81,9 @@ def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) 
     handles: list[Line2D] = []
     for direction, name in ((1, "rising"), (-1, "falling")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
+            x, y = curve(path, direction, way, drive)
             look = {"color": style.direction_colour(direction), "label": name, "gid": "drive"}
-            handles += ax.plot(*curve(path, direction, way, drive), **look, zorder=4)
+            handles += ax.plot(x, y, **look, zorder=4)
     if at := [snap.before for snap in snaps_of(path)]:
         few = len(at) <= marks.MOST_HEADS
         look = style.hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
@@ -236,8 +237,8 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
     kept, frame = list(taken), ax.get_window_extent()
     point = sheet.root(ax).dpi / 72.0
     for k in first + others:
-        label = Label(float(way[at[k]]), float(drive[at[k]]), rests[k].state)
-        here = ax.transData.transform((label.x, label.y))
+        label = Label((way[at[k]], drive[at[k]]), rests[k].state)
+        here = ax.transData.transform(label.at)
         for text in beside(ax, [label], keep_clear=kept):
             box = text.get_window_extent()
             near = box.padded(_NEAR * point).contains(*here)

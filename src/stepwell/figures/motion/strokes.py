@@ -101,7 +101,7 @@ def force_stroke(
     size = 1.5 if crowded else 3.4
     ax.plot(stroke[at], force[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
     if needed < 1.2 * ax.get_window_extent().width:
-        named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
+        named = [Label((stroke[v.sample], force[v.sample]), v.state) for v in rests]
         beside(ax, named, leaders=True)
     return figure
 

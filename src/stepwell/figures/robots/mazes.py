@@ -75,10 +75,10 @@ def maze(maze: Maze) -> Figure:
     ax.plot(*end, "o", markersize=5.0, color=style.INK, zorder=8, gid="end")
     bar = marks.round_length((box[1] - box[0]) / 4)
     marks.scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
-    labels = [legends.Label(*start, "start"), legends.Label(*end, "end")]
+    labels = [legends.Label(start, "start"), legends.Label(end, "end")]
     if arena.goal is not None:
         x, y = (value * style.MM for value in arena.goal.at)
-        labels.append(legends.Label(x, y, "goal", style.GREEN))
+        labels.append(legends.Label((x, y), "goal", style.GREEN))
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
     for text in legends.beside(ax, labels, keep_clear=bars):
         text.set_bbox(style.on_white(alpha=0.75))

@@ -87,11 +87,12 @@ def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
     if high > low:
         apart = f"{mm(high - low)} mm"
         along_y(ax, (low * style.MM, high * style.MM), (far[0], box[0] + 9.0), apart)
-    at = [(np.array(leg.at) * style.MM, literal(leg.name), FOOT) for leg in robot.legs]
+    named = [(np.array(leg.at) * style.MM, literal(leg.name), FOOT) for leg in robot.legs]
+    labels = [legends.Label(*one) for one in named]
     for antenna in robot.antennas:
         end = antenna_line(antenna)[1] * style.MM
-        at.append((end, _antenna_text(robot, antenna), style.INK))
-    legends.beside(ax, [legends.Label(*point, text, colour) for point, text, colour in at])
+        labels.append(legends.Label(end, _antenna_text(robot, antenna)))
+    legends.beside(ax, labels)
 
 
 def _scale(ax: Axes, box: Box) -> None:
