@@ -221,7 +221,8 @@ class _Shown:
         corner = np.array([self.box[0] + 1.0, self.box[2] + 1.0])
         for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
             arrow(ax, corner, corner + way, style.FAINT, 0.8)
-            ax.text(*corner + 1.25 * np.array(way), name, ha="center", va="center")
+            x, y = corner + 1.25 * np.array(way)
+            ax.text(x, y, name, ha="center", va="center")
         sheet.root(ax).draw_without_rendering()
         clear = [text.get_window_extent() for text in ax.texts]
         for joint in (np.zeros(2), self.outer):

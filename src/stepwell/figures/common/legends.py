@@ -40,7 +40,7 @@ def beside(
     `leaders` are lines from those that had to go away from their points.
     """
     labels = list(labels)
-    spots = ax.transData.transform([label.at for label in labels] or np.empty((0, 2)))
+    spots = ax.transData.transform(np.array([label.at for label in labels]).reshape(-1, 2))
     point = sheet.root(ax).dpi / 72.0
     curves = _curves(ax, 2.0 * point)
     frame = ax.get_window_extent().padded(-1.5 * point)

@@ -82,8 +82,8 @@ def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) 
     for direction, name in ((1, "rising"), (-1, "falling")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
             x, y = curve(path, direction, way, drive)
-            look = {"color": style.direction_colour(direction), "label": name, "gid": "drive"}
-            handles += ax.plot(x, y, **look, zorder=4)
+            colour = style.direction_colour(direction)
+            handles += ax.plot(x, y, color=colour, zorder=4, label=name, gid="drive")
     if at := [snap.before for snap in snaps_of(path)]:
         few = len(at) <= marks.MOST_HEADS
         look = style.hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
