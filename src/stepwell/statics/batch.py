@@ -78,8 +78,8 @@ _LEAST_LIMIT, _MOST_LIMIT = math.sin(math.radians(0.02)), math.sin(math.radians(
 class Designs(NamedTuple):
     """m designs of one shape of chain: N cells, B bands, M rows, T sheets, P phases.
 
-    What all of them share is that of the nominal chain. Rows and sheets have a leading axis of 1
-    where no design has its own. Travels of sheets and phases of lever cells follow from `cells`.
+    What all share is the nominal chain's; rows and sheets have a leading axis of 1 where no design
+    has its own; travels of sheets and phases of lever cells follow from `cells`.
     """
 
     laws: Laws
@@ -118,16 +118,14 @@ class _Work(NamedTuple):
 
 @record
 class Followed(NamedTuple):
-    """What m designs do in a full cycle.
+    """What m designs do in a full cycle; one whose first number is -1 has to be followed by itself.
 
     Attributes:
-        visited: (m, V) the states visited in order, each a decimal number with a digit a cell, the
-            inner one first; -1 after the last one.
+        visited: (m, V) the states in order, each a decimal number with a digit a cell, inner first;
+            -1 after the last one.
         found: (m, 8) SNAPS and TIES, how many; PEAK, the extreme force [N]; LOST, energy [J];
-            STROKE_UP and STROKE_DOWN of the first snap, loading and unloading [m], NaN where there
-            is none; STEPS_UP and STEPS_DOWN from state to state that snap.
-
-    A design whose first number is -1 has to be followed by itself.
+            STROKE_UP, STROKE_DOWN of the first snap, loading and unloading [m], NaN without one;
+            STEPS_UP, STEPS_DOWN from state to state that snap.
     """
 
     visited: Ints
@@ -135,10 +133,7 @@ class Followed(NamedTuple):
 
 
 def nominal(chain: Chain, count: int) -> Designs | None:
-    """A number of designs that are all the chain; whoever asks writes over what differs.
-
-    None for chains that are long enough for sorting.
-    """
+    """A number of designs that are all the chain, to be written over; None for a long one."""
     if len(chain) >= WORTH_SORTING:
         return None
     return _stacked([chain], [packed(chain.cells)], count)
@@ -147,8 +142,7 @@ def nominal(chain: Chain, count: int) -> Designs | None:
 def stacked(chains: Sequence[Chain]) -> Designs | None:
     """Chains as designs of one shape; None where they have none in common, or are long.
 
-    Of one shape are those with as many cells, bands, sheets and phases, whose bands follow the same
-    laws and whose cells carry the same loads.
+    One shape: as many cells, bands, sheets and phases, the same laws of bands and loads of cells.
     """
     if not chains or any(len(one) >= WORTH_SORTING for one in chains):
         return None
@@ -218,8 +212,7 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
 
     Args:
         designs: of one shape of chain.
-        progress: called now and then with (done, total); those that could not be followed here,
-            which are left to another way, are not done.
+        progress: called now and then with (done, total); what is left to another way is not done.
     """
     m = len(designs.cells)
     out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))

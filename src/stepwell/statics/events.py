@@ -47,8 +47,7 @@ class Event(ByValue):
         drive: actuator position [m], or its force [N] under force control.
         stroke: u = Σ s_i just before [m].
         direction: +1 while loading, -1 while unloading.
-        cells: the cells that moved, for a snap also the one that set it off and came back; for a
-            switch the one that arrived.
+        cells: those that moved, for a snap also the one that set it off and came back.
         before, after: their travels [m].
         sheets_before, sheets_after: on which sheets of their curves.
         force_before, force_after: actuator force λ [N].
@@ -185,13 +184,7 @@ _DECIDED = {
 def segments_of(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
-    """Every segment of a log in order.
-
-    Args:
-        log: of the path.
-        start: (N,) travels at its beginning [m].
-        problem: makes what was followed, where a segment has cells without a row.
-    """
+    """Every segment of a log in order; `problem` is asked for where cells follow without a row."""
     rows, now = log.segments[: log.used[0]].tolist(), np.array(start)
     for k, row in enumerate(rows):
         movers = log.movers[log.first[k] : log.first[k + 1]]
@@ -232,18 +225,7 @@ def phase_changes(
     sheets: tuple[int, ...],
     stretches: tuple[tuple[Stretch, ...], ...],
 ) -> tuple[list[int], list[list[tuple[int, int]]]]:
-    """The phases at the start, and for every segment in which any changes, those that do.
-
-    Curves of many pieces have many segments of which nothing else is to be told.
-
-    Args:
-        log: of the path.
-        start, sheets: (N,) where the cells begin.
-        stretches: (N,) where the phases of every cell lie.
-
-    Returns:
-        (N,) phases, TRANSIT between two; and lists of (cell, phase), in order of the segments.
-    """
+    """(N,) phases at the start, TRANSIT between two, and (cell, phase) of changes by segment."""
     begin = [
         _phase(own, *at) for own, at in zip(stretches, zip(sheets, start, strict=True), strict=True)
     ]
@@ -276,13 +258,7 @@ def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
 
 
 def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:
-    """Every switch and snap of a path.
-
-    Args:
-        segments: of the path, in order.
-        start: (N,) travels at its beginning [m].
-        chain: whose path it is.
-    """
+    """Every switch and snap of a path that starts at (N,) travels [m]."""
     stretches, measure = chain.stretches, chain.measure
     travels = start.copy()
     for segment in segments:

@@ -15,21 +15,12 @@ _CLOSE = 1e-15
 
 @kernel
 def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats) -> None:
-    """Forces across cells, each within its bounds, that pull the blocks as little as can be.
+    """Forces across cells, (N,) within their bounds, that pull the blocks as little as can be.
 
-    The force x_i across cell i accelerates the block inside it by +x_i/M and the one outside it by
-    -x_i/M. Of all forces within their bounds those are taken that minimise Σ M ü²: where x_i is
-    inside its bounds cell i then does not accelerate, at its upper bound it does upwards, at its
-    lower one downwards. This is Gauss's principle of least constraint, and over the blocks' masses
-    laid end to end it is a taut string through the bounds. Impulses and jumps of speed obey the
-    same, with `extra` for what the speeds were.
-
-    Args:
-        low, high: (N,) bounds of the forces [N], or of impulses [N s].
-        extra: (N,) added to the acceleration of each cell [m/s²], or to its speed [m/s].
-        loose: (N,) 1/M of the block outside each cell [1/kg]; 0 for one that cannot move.
-        end: the force on the outermost block [N].
-        out: (N,) the forces, from a first guess on.
+    The force x_i accelerates the block inside cell i by +x_i/M and that outside by -x_i/M; Σ M ü²
+    is least (Gauss's principle), so a cell accelerates only at its bounds: a taut string through
+    them over the masses laid end to end. Impulses and jumps of speed obey the same. `extra` is
+    added to each acceleration [m/s²] or speed [m/s], `loose` is 1/M or 0, `out` begins as a guess.
 
     Source: Gauss 1829; as contact problems, Moreau 1966.
     """
@@ -79,13 +70,7 @@ def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
 
 @kernel
 def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
-    """What is left of the speeds where cells hit their stops, in place.
-
-    Args:
-        low, high: (N,) 0, or infinite where a stop can strike.
-        bounce: (N,) restitution of each blow.
-        loose: (N,) as for `taut`.
-        speed: (N,) before, and then after [m/s].
+    """Speeds (N,) after cells hit stops where bounds are infinite, in place, by their `bounce`.
 
     Source: Newton's law of restitution; for several blows at once Moreau 1988.
     """
@@ -139,12 +124,7 @@ def tensions(problem: DrivenChain, leg: FreeCells, way: Floats, pace: Floats, ou
 
 @kernel
 def solve(leg: FreeCells, h: float, mass: float, pull: Floats) -> bool:
-    """x of (mass M + h C + h² K) x = pull over the groups, in place; False if not positive.
-
-    The matrix is tridiagonal: each cell couples two neighbours. Positive pivots are its being
-    positive definite, so the step is short enough to resolve what grows; with h = 1 and no damping
-    and no mass they are the stability of the equilibrium.
-    """
+    """x of (mass M + h C + h² K) x = pull, in place; False where that is not positive definite."""
     k, free = len(leg.cells), leg.free
     damped = h if mass > 0.0 else 0.0
     pivot = np.empty(k)
@@ -204,13 +184,7 @@ def stride(
 ) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long.
 
-    Args:
-        problem, leg: what moves.
-        pace: (k,) speeds of the groups where it begins [m/s].
-        h: its length [s].
-        out: (2k + 1,) how far the groups go [m], their speeds [m/s], what the dampers take [J].
-        error: (2k + 1,) what the last column of the extrapolation added.
-
+    `out` (2k + 1,) are ways, speeds and damped energy, `error` what the last column added.
     Source: Deuflhard 1985; as an L-stable method it takes blocks without mass to speak of as well.
     """
     size = len(out)

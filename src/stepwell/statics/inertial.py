@@ -60,11 +60,10 @@ class InertialLanding(ByValue):
 
     Attributes:
         event: the snap; where it passes through saddles, the first of those that follow at once.
-        masses: (N,) of the blocks, that outside each cell [kg].
+        masses: (N,) of the block outside each cell [kg].
         damping: (N,) on the travels [N s/m].
         restitution: of a blow at a stop.
-        travel: (N,) where it comes to rest [m].
-        sheet: (N,) on which sheets of the cells' curves.
+        travel, sheet: (N,) where it comes to rest [m], on sheets of the cells' curves.
         state: the phases there, - in transit.
         time: until less than 1e-10 of the energy is left to lose [s]. Near a fold it hangs on
             how gently the snap is set off, as the square root or less.
@@ -144,19 +143,7 @@ class Inertia(NamedTuple):
 def inertial_landing(
     chain: Chain, problem: DrivenChain, snap: Snap, event: Event, inertia: Inertia, *, history: bool
 ) -> InertialLanding:
-    """Where a snap of a chain lands with masses.
-
-    Args:
-        chain: what snaps.
-        problem: that it sets.
-        snap: from where, and where it lands without masses.
-        event: what is told of it.
-        inertia: of its blocks.
-        history: whether travels and speeds over time are kept.
-
-    Raises:
-        ValueError, StaticsError: as for `Path.inertial_landing`.
-    """
+    """Where a snap of a chain lands with masses, as for `Path.inertial_landing`."""
     body = _body(chain, problem, snap, inertia)
 
     def go(tolerance: float, push: float) -> _Ride:

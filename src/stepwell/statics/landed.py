@@ -46,13 +46,12 @@ class Elsewhere(ByValue):
     """Another place where a snap lands, with mobilities that lead there; N cells.
 
     Attributes:
-        mobility: (N,) factors beside the given mobilities, the least 1; on the way from equal ones
-            to those that were found to lead there, the first of eight steps that do.
-        travel: (N,) where it comes to rest [m].
-        sheet: (N,) on which sheets of the cells' curves.
+        mobility: (N,) factors beside the given mobilities, the least 1; of eight steps from equal
+            ones to those found to lead there, the first that does.
+        travel, sheet: (N,) where it comes to rest [m], on sheets of the cells' curves.
         state: the phases there, - in transit.
-        share: of the random samples that came to rest, those that land there; 0 where mobilities
-            at the ends of the range lead there and no random ones did.
+        share: of the random samples that came to rest, those that land there; 0 where only
+            mobilities at the ends of the range lead there.
     """
 
     mobility: tuple[float, ...]
@@ -73,9 +72,8 @@ class Landing(ByValue):
         event: the snap; where it passes through saddles, the first of those that follow at once.
         ratio: of the fastest to the slowest factor beside the given mobilities, >= 1.
         proof: why it holds; None where it was only sampled.
-        corners: with how many mobilities at the ends of the range the cells came to rest.
-        samples: with how many random mobilities they did, log-uniform within the ratio; both are 0
-            where it is proved.
+        corners, samples: with how many mobilities at the ends of the range, and random ones that
+            are log-uniform within it, the cells came to rest; 0 where it is proved.
         elsewhere: every other place that was found, the most frequent first.
     """
 
@@ -95,8 +93,8 @@ class Landing(ByValue):
     def bound(self) -> float:
         """The share of mobilities that may lead elsewhere, at most: 0 where the landing is proved.
 
-        Of mobilities that are log-uniform within the ratio, with 95 % confidence; only the random
-        samples count (Clopper and Pearson 1934, one-sided). 1 where none came to rest.
+        Log-uniform within the ratio, with 95 % confidence; only the random samples count (Clopper
+        and Pearson 1934, one-sided). 1 where none came to rest.
         """
         if self.proof is not None:
             return 0.0
@@ -140,11 +138,7 @@ class Landing(ByValue):
 
 
 def samples_for(bound: float) -> int:
-    """How many samples must agree for a bound on the share that does not, with 95 % confidence.
-
-    Raises:
-        ValueError: a bound below 0.001 or above 0.5.
-    """
+    """How many samples must agree for a bound on the share that does not, with 95 % confidence."""
     share = check.finite("bound", bound, "1")
     if not 1e-3 <= share <= 0.5:
         raise InputError(
@@ -185,15 +179,7 @@ def landings(
     events: list[Event],
     tried: Mobilities,
 ) -> Iterator[Landing]:
-    """Whether each snap of a path lands where it does for all mobilities within a ratio.
-
-    Args:
-        chain: what moved.
-        problem: that it sets.
-        snaps: of the path, in order.
-        events: the same as they are reported: those that follow at once each by itself.
-        tried: the mobilities.
-    """
+    """Whether each snap lands where it does; `events` has those that follow at once one by one."""
     ratio, samples, seed = tried
     at = 0
     for found in snaps:
@@ -228,9 +214,7 @@ def _sampled(
 ) -> tuple[int, int, tuple[Elsewhere, ...]]:
     """With how many corners and samples it comes to rest, and every other place where.
 
-    Both are taken with a coarse flow. Other places are looked for again with a fine one, and those
-    that are not found again do not count. Shares are those of the samples alone, which are drawn
-    as the bound assumes.
+    Other places are looked for again with a fine flow, and count if found; shares are of samples.
     """
     tried = np.concatenate([corners, factors])
     landed = land_all(problem, snap.start, tried, COARSE)
@@ -272,8 +256,7 @@ def _least_apart(
 ) -> tuple[Floats, Place] | None:
     """Factors as alike as will do that lead to a place, the least 1, and the place found again.
 
-    Cells that keep still have the least, unless they have a say after all, having moved and come
-    back; and of the steps from equal factors to the given ones the first is taken that leads there.
+    Cells that keep still have the least unless they have a say after all, having come back.
     """
     given = factors / np.min(factors)
     moves = (place[0] != snap.start.travel) | (place[1] != snap.start.sheet)
@@ -291,11 +274,7 @@ def _least_apart(
 
 
 def same_place(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Place) -> bool:
-    """Whether two landings are one.
-
-    Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
-    and stops decide.
-    """
+    """Whether two landings are one; on a continuum of places of rest phases and stops decide."""
     if not np.array_equal(here[1], there[1]):
         return False
     slip = _ALIKE * problem.laws.full

@@ -114,15 +114,7 @@ def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: fl
 def advice_on_tie(
     chain: Chain, cells: tuple[int, ...], drive: float, force: float, drifts: bool
 ) -> str:
-    """What happens at a tie and what the user can do about it.
-
-    Args:
-        chain: the chain.
-        cells: the cells that tie, or the one whose landing does.
-        drive: where [m], or [N] under force control.
-        force: the actuator's there [N].
-        drifts: whether the cells drift together, at the same constant force.
-    """
+    """What happens at a tie of one cell's landings or of two cells, and what to do about it."""
     names, where = [chain.names[c] for c in cells], _drive(chain, drive)
     if len(cells) == 1:
         return (
@@ -173,10 +165,7 @@ def _friction(chain: Chain, index: int) -> str:
 
 
 def _anchor_step(cell: Cell, force: float) -> float:
-    """Anchor move along x [m] that sets a cell's force one percent of its peak apart.
-
-    Of the forces at its two stops, the one nearer to `force` is meant.
-    """
+    """Anchor move along x [m] that sets the force at a stop one percent of a cell's peak apart."""
     step, ends = 1e-5, np.array([cell.force_0, cell.force_1])
     dx, dy = cell.bands[0].q
     moved = cell.with_anchors(q=(dx + step, dy)) if len(cell.bands) == 1 else cell

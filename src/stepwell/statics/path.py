@@ -47,13 +47,11 @@ class Path(base.ByValue, base.Drawn):
     Attributes:
         chain: what moved.
         turning_points: positions of the actuator [m], or forces [N] under force control.
-        start: (N,) travels [m] at the beginning.
+        start, start_sheet: (N,) travels [m] and sheets of the cells' curves at the beginning.
         points: samples on each smooth branch.
-        start_sheet: (N,) sheets of the cells' curves at the beginning; all 0 but for curves that
-            fold back.
 
-    Assumes: quasi-static motion, rigid levers and blocks, and after a snap overdamped flow at
-    fixed drive, each cell with its mobility, equal unless given (theory page, "Landing").
+    Assumes: quasi-static motion, rigid levers and blocks, and after a snap overdamped flow at fixed
+    drive, each cell with its mobility, equal unless given (theory page, "Landing").
     """
 
     chain: mechanism.Chain
@@ -180,10 +178,7 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def phase_changes(self) -> tuple[list[int], list[list[tuple[int, int]]]]:
-        """(N,) phases at the start, and (cell, phase) of all that change, as they do.
-
-        What changes together stands together; a cell in transit has the phase -1.
-        """
+        """(N,) phases at the start, and (cell, phase) of what changes together; -1 in transit."""
         return phase_changes(self._log, self.start, self.start_sheet, self.chain.stretches)
 
     @cached_property
@@ -204,9 +199,8 @@ class Path(base.ByValue, base.Drawn):
     ) -> tuple[Landing, ...]:
         """Whether each snap, in order, lands where it does for all mobilities within a ratio.
 
-        Where nothing proves it, the snap is computed again with other mobilities: first with those
-        at the ends of the range, cell by cell fast or slow, then with mobilities at random. If none
-        lead elsewhere, `Landing.bound` is the share of mobilities that still may, with 95 %
+        Where nothing proves it, the snap is computed with mobilities at the ends of the range, then
+        with random ones; `Landing.bound` is the share that still may lead elsewhere, with 95 %
         confidence. Snaps that follow one another at once, through saddles, count as one.
 
         Args:
@@ -229,9 +223,8 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def checked_landings(self) -> tuple[Landing, ...] | None:
-        """What `landings` finds for mobility ratios up to 10.
-
-        None of more than 8 cells if they snap: there it takes long, and has to be asked for.
+        """`landings` up to a ratio of 10; None of more than 8 cells if they snap, for it takes
+        long.
         """
         snaps = any(event.kind is EventKind.SNAP for event in self.events)
         return self.landings() if len(self.chain) <= _MOST_CHECKED else None if snaps else ()
@@ -249,9 +242,7 @@ class Path(base.ByValue, base.Drawn):
 
         The drive stays where the snap begins. A block outside cell j moves by s_1 + … + s_j, so the
         kinetic energy is ½ Σ M_j u̇_j². A rigid actuator holds the outermost block, whose mass then
-        has no say; behind a spring and under a force it moves with its mass. The same holds for
-        volumes, with the inertance of what flows past each cell [kg/m⁴], and for angles, with
-        moments of inertia [kg m²].
+        has no say. Volumes take inertances [kg/m⁴], angles moments of inertia [kg m²].
 
         Args:
             snap: its number among the path's snaps, from 0, or the event itself.
@@ -262,8 +253,8 @@ class Path(base.ByValue, base.Drawn):
             history: whether travels and speeds over time are kept.
 
         Raises:
-            ValueError: no such snap, as many masses or dampers as there are no cells, a number out
-                of range, or nothing at all that takes energy.
+            ValueError: no such snap, not one mass and damper a cell, a number out of range, or
+                nothing at all that takes energy.
             StaticsError: it does not come to rest.
 
         Source: ours; blows by Newton's law of restitution (Moreau 1988 for several at once), forces
@@ -369,10 +360,7 @@ class Path(base.ByValue, base.Drawn):
         return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> "xarray.Dataset":
-        """All samples as an xarray.Dataset over (sample, cell), units in the attributes.
-
-        Its variables have the names that they have here, whatever travel and force are.
-        """
+        """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""
         base.need("tables")
         import xarray
 

@@ -63,7 +63,6 @@ def problem_of(
     """The problem that a chain sets.
 
     Args:
-        chain: the chain.
         cells: its packed cells, where they are at hand.
         prefer: cells by falling priority where two of them tie.
 
@@ -138,11 +137,7 @@ def read_state(chain: Chain, name: str, state: str) -> tuple[int, ...]:
 
 
 def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Configuration:
-    """Where the chain stands in a state with the actuator at `drive` [m], or [N].
-
-    Raises:
-        ValueError: a state that the chain cannot have, or in which it does not stand at that drive.
-    """
+    """Where the chain stands in a state at `drive` [m], or [N]; ValueError where it cannot."""
     phases = read_state(chain, "start", state)
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
     if all(low == high for _, low, high in stretches):
@@ -202,12 +197,7 @@ def _closed(look: Callable[[float], _Look], low: _Look, high: _Look, slip: float
 def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float, float]:
     """Drives [m], or [N] under force control, that pull every cell to its first and last phase.
 
-    Args:
-        chain: what is driven.
-        problem: the problem that it sets, where it is at hand.
-
-    Raises:
-        StaticsError: a force that turns too often to follow.
+    Raises StaticsError for a force that turns too often to follow.
     """
     _, (low, high) = full_range(chain, problem or problem_of(chain))
     return low, high
@@ -216,8 +206,7 @@ def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float
 def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple[float, float]]:
     """Where a full cycle begins, and the drives between which it goes.
 
-    Stops end what a rigid actuator can do. Any other, and one that pulls curves with open ends,
-    goes a little beyond all forces at which a cell leaves a phase.
+    Stops end a rigid actuator's; any other goes a little beyond all forces at which a cell leaves.
     """
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
@@ -251,12 +240,9 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
 
 
 def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configuration, float] | None:
-    """Where the chain stands in a state under the force nearest to none, and the drive there.
+    """Where the chain stands in a state under the force nearest to none, and the drive, or None.
 
-    None where no force holds all cells in these phases.
-
-    Raises:
-        ValueError: a state that the chain cannot have.
+    Raises ValueError for a state that the chain cannot have.
     """
     phases = read_state(chain, "state", state)
     low, high = _forces(chain, problem, phases)
@@ -324,13 +310,9 @@ def starting_configuration(
     start: str | Configuration | Sequence[float] | None,
     drive: float,
 ) -> Configuration:
-    """Where a start is, given as a state such as "010", as a place, as travels, or not at all.
+    """Where a start is: a state such as "010", a place, travels on first sheets, or none.
 
-    Travels alone are on the first sheets of the curves.
-
-    Raises:
-        ValueError: a state that the chain does not have or in which it does not stand at `drive`,
-            a travel past a stop, or past the end of its sheet.
+    Raises ValueError where the chain does not have it, or does not stand there at `drive`.
     """
     if start is None or isinstance(start, str):
         return place_at(chain, problem, chain.first_state if start is None else start, drive)
@@ -363,12 +345,7 @@ def starting_configuration(
 
 
 def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, drive: float) -> State:
-    """The state in which the chain stands at a place while the actuator is at `drive`.
-
-    Raises:
-        ValueError: the drive does not fit the travels, or the cells do not balance, or they
-            balance in an unstable way, or the actuator is too stiff for a double to tell.
-    """
+    """The state in which the chain stands at a place; ValueError where it does not, stably."""
     alpha, beta, scale = problem.alpha, problem.beta, problem.scale
     travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
     if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
@@ -424,11 +401,8 @@ def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
 def _rest(
     problem: DrivenChain, state: State, sheets: Ints
 ) -> tuple[float, float, int, float, float]:
-    """Let every cell rest where it is, on its sheet, free where nothing holds it.
-
-    Returns:
-        The forces at which every held cell stays; how many of the free ones have a falling force;
-        their compliance dU/dλ, and the sum of the sizes of its terms.
+    """Rest all cells, free where they can be; the λ that keep them, how many fall, Σ and size
+    dU/dλ.
     """
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)

@@ -273,9 +273,8 @@ def _broken(
 ) -> float:
     """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
 
-    A cell past its end, as a share of its travel; one past a kink of its law, by what it is off
-    there; one that turns against its friction, of the
-    fastest speed; one held that no longer can be, of the largest force.
+    A cell past its end, in travels; past a kink of its law; turning against friction, of the
+    fastest speed; held and no longer able to be, of the largest force.
     """
     k = len(leg.cells)
     worst, before, fast = -1.0, 0.0, 0.0
@@ -512,10 +511,7 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 
 @kernel
 def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
-    """Bring to rest what has nothing left to lose; whether it is so.
-
-    Then the last trifle of energy is the dampers', and the place of rest is known to rounding.
-    """
+    """Bring to rest what has nothing left to lose, to the last trifle; whether it is so."""
     book, k = motion.book, len(leg.cells)
     lost = _lost(book)
     left = kinetic(body.mass, body.loose, motion.speed)
@@ -560,16 +556,10 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
 
 @entry()
 def ride(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
-    """Let the chain move on for as many steps as `history` has rows; how it ended.
+    """Let the chain move on; GOES_ON, RESTS or STUCK.
 
-    Args:
-        problem: the chain, its cells on the sheets on which they are.
-        body: its masses and dampers.
-        motion: where it is, in place.
-        history: (rows, 1 + 2N) time, travels and speeds after each step; NaN where none was done.
-
-    Returns:
-        GOES_ON, RESTS or STUCK.
+    `history` (rows, 1 + 2N) takes time, travels and speeds after each step, NaN where none was
+    done.
     """
     n = len(motion.travel)
     slots = 1

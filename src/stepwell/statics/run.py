@@ -48,10 +48,7 @@ def path(
     prefer: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Follow the chain's local energy minimum exactly while the actuator turns at these points.
-
-    All else as for `Chain.path`.
-    """
+    """Follow the chain's local energy minimum exactly at these turning points; see `Chain.path`."""
     points = _finite_turns(turning_points)
     problem = places.problem_of(chain, prefer=prefer)
     points = _reached_turns(chain, problem, points)
@@ -63,10 +60,7 @@ def path(
 def full_cycle(
     chain: Chain, *, prefer: Sequence[int] | None = None, progress: Progress | None = None
 ) -> Path:
-    """The path of a full cycle: from all cells at 0 until all are at 1, and back.
-
-    All else as for `Chain.cycle`.
-    """
+    """The path of a full cycle, until all cells are at 1 and back; see `Chain.cycle`."""
     cells = packed(chain.cells)
     laws, _ = cells
     rigid = math.isinf(chain.actuator_stiffness)
@@ -161,10 +155,7 @@ def _watched(
     queues: tuple[rising.Rising, series.FollowedSegment],
     progress: Progress | None,
 ) -> int:
-    """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
-
-    An interpreted run that takes long is given up for a compiled one once there is machine code.
-    """
+    """Run beside this thread, which hears Ctrl-C and goes over to machine code once it is there."""
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
     interpreted, begun = follow.interpreted, process_time()

@@ -33,9 +33,8 @@ WORTH_SORTING = 16
 def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
     """Whether the leader, giving travel back up to `reach`, always pulls harder: proved.
 
-    On [a, b] either both pulls G(x) = F(S - x) rise and the leader's at a is above the other's
-    at b, or their difference, whose second derivative is bounded, cannot sag to zero between
-    its end values.
+    On [a, b] its pull at a is above the other's at b, or their difference, whose second derivative
+    is bounded, cannot sag to zero.
     """
     bend = most_bend(leader) + most_bend(other)
     a, width = 0.0, 0.25 * reach
@@ -87,10 +86,7 @@ def _mover(log: logged.Log, cell: int, before: float, after: float) -> None:
 def load_sorted(
     table: Floats, order: Ints, full: float, start_force: float, scale: float, log: logged.Log
 ) -> bool:
-    """Log the loading of all cells in ascending F0; False where a step is not proved.
-
-    `table` holds one Simple a row, all with travel `full`; `order` sorts them by F0.
-    """
+    """Log the loading of cells, one Simple a row, in ascending F0; False where it is not proved."""
     n = len(order)
     tie = TIED * scale
     force, drive = start_force, 0.0

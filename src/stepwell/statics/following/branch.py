@@ -23,11 +23,10 @@ def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: flo
 
 @leaf
 def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: float) -> float:
-    """Least stiffness of the moving cells at fixed drive [N/m]; inf where nothing can move.
+    """Least stiffness [N/m] of cells with slopes κ and weights 1 at fixed drive, or inf.
 
-    With (m,) `slopes` κ_i and weights of 1. With mobilities m_i as weights and m_i κ_i as slopes it
-    is the least rate of decay of the flow. The eigenvalues solve β/α² + Σ w_i/(κ_i - μ) = 0, a
-    function that rises between two κ, so the least one is bracketed.
+    With slopes m κ and weights m it is the least rate of decay. The eigenvalues solve β/α² + Σ
+    w_i/(κ_i - μ) = 0, a function that rises between two κ, so the least one is bracketed.
     """
     moving = len(slopes)
     if moving == 0:
@@ -84,10 +83,10 @@ def compliance(problem: DrivenChain, movers: Movers, force: float) -> float:
 
 @leaf
 def first_fold(problem: DrivenChain, movers: Movers, begin: float, end: float) -> float:
-    """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
+    """First force on the way at which dU/dλ = α Σ 1/κ_i + β reaches 0; NaN where there is none.
 
-    NaN where there is none. κ is monotone on every piece, so the bound over an interval is made
-    of end values: an interval is dismissed by proof, never by having stepped over it.
+    κ is monotone on a piece, so end values bound it: intervals are dismissed by proof, not by a
+    step.
     """
     tolerance = 1e-15 * problem.scale
     one, two = problem.spare.stack[0], problem.spare.stack[1]
@@ -122,10 +121,9 @@ def point_at(
     out: Floats,
     joints: bool,
 ) -> float:
-    """Force λ at which a branch between `begin` and `end` has U = `drive`; travels into `out`.
+    """The λ between `begin` and `end` at which a branch has U = `drive`; travels into `out`.
 
-    U is monotone on a stable branch. With `joints` the movers pass on to the pieces that their
-    branches go on with, which are written into them.
+    With `joints` the movers pass on to the pieces that their branches go on with.
     """
     low, high = begin, end
     # The same answer whatever was there.

@@ -97,11 +97,10 @@ class Watch(NamedTuple):
 def certify(
     problem: DrivenChain, travel: Floats, force: float, movers: Movers
 ) -> tuple[float, float]:
-    """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
+    """Worst violation of equilibrium by any cell [N], and least stiffness of what can move [N/m].
 
-    Independent of how the point was found: every cell is looked at, moving or not. A cell at a
-    kink has two stiffnesses; the smaller counts, unless a cell slides against friction: that one
-    cannot give way to what the other side of the kink would set off.
+    At a kink the smaller of two counts, unless a cell slides: that one cannot give way to the
+    other.
     """
     # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -162,14 +161,13 @@ def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float
 @entry()
 @leaf
 def audit(problem: DrivenChain, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
-    """The first segment of a log that breaks a promise, which one, and by how much.
+    """The first segment of a log that breaks a promise, or -1; which one; by how much.
 
-    KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
-    what each moving cell stores in addition lies between the bounds that its forces at the ends
-    and in the middle set, its force being convex or concave there; a snap sets energy free, and
-    the last of several at one drive ends in a place that is stable. [N], [N/m] or [J]. Where cells
-    follow the force without rows of their own, all of them are looked at, and their travels added
-    up, at the last such segment and at about 8 before it; at the others the cells with rows are.
+    At the end of a segment all cells are in equilibrium; on a smooth one a moving cell stores what
+    the forces at its ends and middle allow, being convex or concave there; a snap sets energy free,
+    and the last of several at one drive ends in a stable place. Where cells follow the force
+    without rows, all are looked at and added up at the last such segment and at about 8 before it,
+    else those with rows.
     """
     # One function: every segment updates the same watch, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
@@ -304,10 +302,7 @@ def _stands(problem: DrivenChain, watch: Watch, cell: int, piece: int) -> float:
 
 @leaf
 def _unbalanced(gained: float, way: float, mean: float, halfway: float) -> float:
-    """By how much a cell stores more or less on its way than its force can make it [J].
-
-    `mean` is that of its forces at both ends.
-    """
+    """How far what a cell stores is outside of what its mean and halfway forces can make it [J]."""
     one, two = way * mean, way * halfway
     return float(max(gained - max(one, two), min(one, two) - gained))
 

@@ -63,10 +63,7 @@ class Falling(NamedTuple):
 def floor_of(
     problem: DrivenChain, rising: Rising, falling: Falling, heaviest: float
 ) -> tuple[bool, float]:
-    """Whether the fall is decided, and the force below which no other cell comes, times direction.
-
-    `heaviest` is the largest m κ of any cell on a rising branch.
-    """
+    """Whether the fall is decided, and the force times direction below which no other one comes."""
     # One function: valley, mean and way change together from piece to piece.
     laws, pieces = problem.laws, problem.pieces
     j, p, travel, force, d = falling
@@ -122,10 +119,7 @@ def floor_of(
 def with_curved(
     problem: DrivenChain, state: State, rising: Rising, cell: int, piece: int, apart: float
 ) -> Movers:
-    """The cells of curved force that rise, and before them `cell` unless it is -1.
-
-    The cells of straight force count as `soft`. `apart` is the travel of any other cell [m].
-    """
+    """`cell` unless it is -1, and the rising cells of curved force; straight ones are `soft`."""
     count, one = rising.counts[0], 0 if cell < 0 else 1
     spare = problem.spare
     cells, on, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
@@ -167,10 +161,9 @@ def _softest(problem: DrivenChain, movers: Movers, one: Floats, two: Floats) -> 
 def _first_return(
     problem: DrivenChain, movers: Movers, ends: tuple[float, float], goal: float, direction: int
 ) -> tuple[float, float, float]:
-    """First λ on the way between `ends` at which U is back at `goal` from beyond it, or NaN.
+    """First λ between `ends` at which U is back at `goal` from beyond it, or NaN.
 
-    Then the travel of the first of the movers, which is the falling cell, and how far from the goal
-    U stays where it turns on the way [drive]. All movers stay on their pieces.
+    Then the travel of the cell that falls, and how far from the goal U turns on the way [drive].
     """
     count = len(movers.cell)
     spare = problem.spare
@@ -227,10 +220,8 @@ def land_after(
     bounds: tuple[float, float],
     drive: float,
 ) -> FallEnd:
-    """The first equilibrium on the way of the cell that falls, at a fixed drive.
-
-    `bounds` are the force below which no other cell comes, times direction, and the largest m κ.
-    The rising cells follow: where one is found they are on the pieces that they have there.
+    """The first equilibrium on the way of a falling cell; `bounds` are its floor and the largest m
+    κ.
     """
     # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
@@ -323,10 +314,7 @@ def _lead_back(
 def _goes_on_away(
     problem: DrivenChain, rising: Rising, j: int, p: int, travel: float, d: int, heaviest: float
 ) -> bool:
-    """Whether no equilibrium can be passed while cell j falls from a travel to the end of piece p.
-
-    There the rising cells give way more than it takes: their Σ 1/κ is Σ m / max (m κ) or more.
-    """
+    """Whether cell j passes no equilibrium up to the end of piece p: the others give way more."""
     laws, pieces, picked = problem.laws, problem.pieces, problem.pieces.picked[p]
     end = pieces.right[p] if d > 0 else pieces.left[p]
     gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])

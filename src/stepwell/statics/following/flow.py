@@ -234,9 +234,7 @@ def unstable_direction(
 ) -> None:
     """The direction out of an equilibrium that has lost its stability, largest entry 1, into `out`.
 
-    The (m,) slopes become rates, κ times mobility. Where several cells have the least rate, to
-    rounding, they move against each other and no other cell moves; `leader`, if it is one of them,
-    moves one way and the others the other way.
+    Of several with the least rate κ m, to rounding, `leader` moves one way and the rest the other.
     """
     rates, count = slopes, len(slopes)
     for i in range(count):
@@ -264,9 +262,8 @@ def _smooth_rates(
 ) -> float:
     """Rates at the travels of `_TRIAL` into `row`, which holds the forces there; λ.
 
-    Those of the cells that move now, in their sense, as if there were no stops: within a step the
-    field has to be smooth; stops and releases are looked at between steps. `actuator` is α, β, the
-    drive, and Σ s of the cells that are not in the flow.
+    As if there were no stops, for a step needs a smooth field; `actuator` is α, β, drive, Σ s of
+    others.
     """
     alpha, beta, drive, still = actuator
     for j in range(m):
@@ -298,11 +295,7 @@ def _set_pivots(cell: Floats, where: Ints, m: int, h: float) -> None:
 def _solve(
     alpha: float, beta: float, cell: Floats, where: Ints, m: int, h: float, row: int, out: int
 ) -> None:
-    """x of (I - h J) x = `row`, where J is -diag(m κ) on the moving cells, coupled by the drive.
-
-    One multiplier couples all of them, so the solution costs no more than `row` itself. The pivots
-    are those of h.
-    """
+    """x of (I - h J) x = `row`, J being -diag(m κ) coupled by the drive through one multiplier."""
     total, weight = 0.0, 0.0
     for j in range(m):
         total += cell[row, j] * cell[_PIVOT, j]
@@ -453,11 +446,7 @@ def _change_of_force(problem: DrivenChain, at: Flow, rate: int, slope: int) -> f
 
 @leaf
 def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> float:
-    """Where in 0..1 the cubic with these ends and slopes first falls below zero; 2 if nowhere.
-
-    Slopes far steeper than the ends are apart are those of a fast decay, of which a cubic knows
-    nothing in between: then it is a straight line.
-    """
+    """Where in 0..1 the cubic with these ends and slopes first falls below zero; 2 if nowhere."""
     steep = 6.0 * max(abs(begins), abs(ends))
     if abs(slope_0) > steep or abs(slope_1) > steep:
         slope_0 = slope_1 = ends - begins
@@ -492,10 +481,9 @@ def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> f
 
 @leaf
 def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float, float]:
-    """The cell that is first at an end of its sheet about the end of the last step, or -1.
+    """The first cell at an end of its sheet about the end of the last step, or -1; how long before.
 
-    How long before the end of the step it was there, negative where it would be soon after; and by
-    how much going back for so long along the last rates would be off, as a share of the travel.
+    Negative where it is soon after; and by what share of travel going back along the rates is off.
     """
     first, ago, bend = -1, -0.01 * h, 0.0
     for j in range(m):
@@ -518,12 +506,11 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
 def _passed(
     problem: DrivenChain, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
 ) -> tuple[float, int]:
-    """How long the last step should have been to end with its first event; h if it need not.
+    """How long the last step should have been to end with its first event, or h; the cell, or -1.
 
-    And the cell whose event it is, -1 where a cell that keeps still is called. An event is an end
-    of a sheet, a cell that keeps still and starts, or one that slides and comes to a halt; a step
-    may end a little after one, where that moves no cell by more than `late` of its full travel and
-    is no force of more than `most`. `levels` are λ where it began and where it ended.
+    Events are ends of sheets, cells that start and cells that halt. A step may end after one where
+    that is at most `late` of a travel and no force above `most`; `levels` are λ at its begin and
+    end.
     """
     # One function: every event narrows the same bracket, a handful of locals.
     cell, where, m = at.cell, at.where, at.used[0]
@@ -592,10 +579,9 @@ def _passed(
 
 @leaf
 def _carry_error(problem: DrivenChain, at: Flow, h: float, stopped: int) -> float:
-    """Take the error of the travels through a step, and add that of the step; the largest [m].
+    """Take the error of the travels through a linearised step, adding its own; the largest [m].
 
-    A linearised step does it. What only means earlier or later on the same way is no error: it is
-    taken out along the rates; where a cell has `stopped`, so that its own is none.
+    What only means earlier or later on the same way is none: it is taken out along the rates.
     """
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     total, moving, frozen, follows = 0.0, 0.0, 0.0, 0.0
@@ -644,11 +630,7 @@ def _has_left(state: State, at: Flow) -> bool:
 
 @leaf
 def _barrier(problem: DrivenChain, at: Flow) -> float:
-    """The least force that would take the chain on from its rest, the way it came [N]; or inf.
-
-    That is what resists it at most on the straight line of its last step, before the line falls
-    off; inf where the line ends at a stop.
-    """
+    """The most that resists the last step going straight on [N]; inf where that ends at a stop."""
     pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
     size, total, weight, room = 0.0, 0.0, 0.0, np.inf
     for j in range(m):
@@ -788,15 +770,11 @@ def _set_senses(at: Flow, shared: float) -> None:
 def flow(
     problem: DrivenChain, state: State, drive: float, shared: float, accuracy: float, rubbed: Floats
 ) -> tuple[bool, float, bool]:
-    """Follow the flow to rest, the travels of the state in place.
+    """Follow the flow to rest, travels in place: whether it settled, λ, and whether by a tie.
 
-    Whether it settled, λ, and whether its error could have led it elsewhere.
-
-    A linearly implicit pair of orders 4 and 3 (Hairer and Wanner 1996): a snap through a narrow
-    place has one slow direction and many fast ones. Between events the field is smooth, and each
-    event ends a step. The last stretch is Newton's, so the landing is an equilibrium to rounding
-    and the integration only decides which. `rubbed` (N,) gathers the way every cell went, for
-    friction; `state.near` how near the flow came to rest on the way, and its error.
+    A linearly implicit pair of orders 4 and 3, for one slow direction among many fast ones; each
+    event ends a step. The last stretch is Newton's, so the integration only decides which
+    equilibrium it is. `rubbed` (N,) gathers the way of every cell.
     """
     # One function: a step changes some fifteen locals of the integrator.
     laws, scale, effort = problem.laws, problem.scale, problem.effort

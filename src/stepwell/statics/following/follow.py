@@ -56,8 +56,7 @@ def follow(
 ) -> int:
     """Drive the chain through `turning`, writing every segment to the log; how it ended.
 
-    Where the log is full, it goes on from there when it is called again with a longer one. Long
-    chains write over `rising` and `segment`.
+    Where the log is full it goes on from there when called with a longer one.
     """
     # One function: the loop of a stroke keeps its counts as locals; steps are functions.
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[GOES]
@@ -127,10 +126,7 @@ def follow(
 
 @leaf
 def _come_to_rest(problem: DrivenChain, state: State, direction: int) -> None:
-    """The actuator turns: what slid rests, and nothing is known of what comes next.
-
-    What stands where its force turns may have been about to go on down the other side.
-    """
+    """The actuator turns: what slid rests, and nothing is known of what comes next."""
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     state.tie[:] = -1

@@ -21,10 +21,7 @@ _SHIFT, _PULL, _PULL_SLOPE, _RESIST, _RESIST_SLOPE = range(3, 8)
 
 
 class SnapLine(NamedTuple):
-    """The line along which a snap runs: `forth` moves by +x and `back` by -x.
-
-    One of the two may be -1: then the actuator takes its part.
-    """
+    """The line on which `forth` moves by +x and `back` by -x; for a -1 the actuator moves."""
 
     forth: int
     back: int
@@ -91,8 +88,7 @@ def _balance(
 ) -> tuple[float, float, float]:
     """Where a pull that only falls is balanced between two shifts, and pull and resistance there.
 
-    The secant of both ends, with half the value of an end that stays (Dowell and Jarratt 1971), and
-    every fourth time the middle. `ends` are the shifts and what is left of the pull there.
+    The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     """
     a, b, at_a, at_b = ends
     size = laws.full[line.forth] if line.forth >= 0 else laws.full[line.back]
@@ -134,11 +130,9 @@ def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, flo
 def land(
     problem: DrivenChain, line: SnapLine, start: float, bias: float
 ) -> tuple[int, float, float]:
-    """Outcome, shift x and force λ there of a snap along a line.
+    """Outcome, shift x and λ of a snap along a line; `bias` is a force that helps the motion.
 
-    The outcome is JOINED where the flow leaves the range of λ in which all other cells keep still.
-    No landing is looked for within `start`, a share of the travel; `bias` is a force that helps
-    the motion.
+    JOINED where the flow leaves the range of λ in which all other cells keep still.
     """
     # One function: it goes from piece to piece with arrays that are taken out once.
     # Taken out once, here: compiled, every later look into a record would count references.
@@ -241,11 +235,7 @@ def land(
 def least_pull(
     problem: DrivenChain, line: SnapLine, begin: float, end: float
 ) -> tuple[float, float]:
-    """The least pull between two shifts on the way of a snap, and the stiffness there [N], [N/m].
-
-    A least one has more on both sides: so much less pull, and the snap would land there. Without
-    one it is inf.
-    """
+    """The least pull between two shifts with more on both sides, or inf; the stiffness there."""
     # One function: pieces, and whether the pull falls, go on as locals.
     picked, pieces = problem.pieces.picked, problem.pieces
     forth, back = line.forth, line.back
@@ -300,11 +290,7 @@ def least_pull(
 
 @leaf
 def note_next_snap(problem: DrivenChain, state: State) -> None:
-    """Note by how much λ misses what would set off one more snap where a snap has landed.
-
-    That is the force at which a held cell would run away, or at which one that follows λ comes to
-    the end of its rising branch.
-    """
+    """Note by how much λ misses the force at which a cell would set off one more snap."""
     # One function: one pass over the cells finds the nearest event of any kind.
     laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, state.travel
     shared, falling = state.force[0], 0

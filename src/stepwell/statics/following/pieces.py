@@ -172,10 +172,7 @@ def _look(laws: Laws, cell: int, a: float, b: float, room: CuttingSpace) -> None
 
 @leaf
 def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
-    """0: no root of a function with these values; 1: it is monotone; 2: unknown.
-
-    Where it is nowhere larger than `noise` it is zero, which has no sign to change.
-    """
+    """0: no root of a function with these values, or only noise; 1: it is monotone; 2: unknown."""
     series, slopes = room.series[0], room.series[1]
     for k in range(_NODES):
         series[k] = 0.0
@@ -212,8 +209,7 @@ def _root(
 ) -> float:
     """The sign change of F, κ or dκ/ds between two travels; `ends` are these and the values there.
 
-    The secant of both ends, with half the value of an end that stays (Dowell and Jarratt 1971), and
-    every fourth time the middle.
+    The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     """
     a, b, fa, fb = ends
     falls, stays, last = fa < 0.0, 0, a
@@ -241,10 +237,7 @@ def _root(
 
 @leaf
 def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: CuttingSpace) -> int:
-    """Write to the cuts every root of κ and of dκ/ds in (a, b); how many.
-
-    With them any place where a root cannot be ruled out. The law has been looked at on [a, b].
-    """
+    """Write to the cuts all places in (a, b) where κ or dκ/ds has or may have a root; how many."""
     # One function: halves wait on one stack, whose height is a local like the count.
     at, out, picked = room.at, room.cuts, room.rows
     lefts, rights, depth, open_on = room.ends[0], room.ends[1], room.depth[0], room.depth[1]
@@ -541,11 +534,7 @@ def travel_between(
 def invert_near(
     laws: Laws, pieces: Pieces, cell: int, piece: int, force: float, near: float
 ) -> float:
-    """The same, looked for from travel `near` on, where that is on the piece.
-
-    Every step is to the root of the parabola that has the force, κ and dκ/ds here, which is near
-    even next to an extremum.
-    """
+    """The same from travel `near` on, by roots of parabolas: near even next to an extremum."""
     a, b = pieces.left[piece], pieces.right[piece]
     fa, fb = pieces.force_left[piece], pieces.force_right[piece]
     rising, picked = pieces.sign[piece] > 0, pieces.picked[piece]

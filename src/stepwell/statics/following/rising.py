@@ -29,10 +29,7 @@ _COMPLIANCE, _OFFSET, _MOBILITY, _STORED = 0, 2, 4, 6
 
 @record
 class Queues(NamedTuple):
-    """Q priority queues of up to N cells, each a binary heap with the least key first.
-
-    The place of every cell in it is known, so that one changes its key in O(log N).
-    """
+    """Q binary heaps of up to N cells, least key first; places let a key change in O(log N)."""
 
     heap: Ints  # (Q, N) cells; those of queue q are the first size[q]
     key: Floats  # (Q, N) of these
@@ -309,10 +306,7 @@ def rest_no_more(state: State, rising: Rising, i: int) -> None:
 
 @leaf
 def past_end(problem: DrivenChain, state: State, rising: Rising, i: int, toward: int) -> int:
-    """What comes for a cell that is at the end of its branch or released, λ going `toward`.
-
-    The sign of its κ there, or 2 for a stop.
-    """
+    """The sign of κ that comes for a cell at the end of its branch or released, or 2 for a stop."""
     pieces = problem.pieces
     if rising.kind[i] == _APART:
         return int(pieces.sign[find_piece(pieces, i, state.travel[i], toward)])
@@ -336,9 +330,8 @@ def travel_at_force(problem: DrivenChain, state: State, i: int, force: float) ->
 
 @leaf
 def stroke_at(problem: DrivenChain, state: State, rising: Rising, force: float) -> float:
-    """Σ s of all cells but the one that leads, at λ = `force` between two joints [m].
-
-    Leaves the cells of curved force where they are there.
+    """Σ s of all cells but the leader at λ between two joints [m]; puts those of curved force
+    there.
     """
     total = compliance_of(rising) * force + offset_of(rising)
     laws, pieces, travel = problem.laws, problem.pieces, state.travel

@@ -86,10 +86,7 @@ _WORTH = 64
 
 @record
 class FollowedSegment(NamedTuple):
-    """The segment that is being followed, and the cells that its row has to name.
-
-    All others between their stops follow λ on their branches, which needs no row.
-    """
+    """The segment being followed, and the cells that its row has to name; others follow λ."""
 
     begin: Floats  # (2,) drive and λ where it began
     cell: Ints  # (N,) the first counts[0]
@@ -229,10 +226,7 @@ def _stop_here(
     drive: float,
     closes: bool,
 ) -> None:
-    """Bring every cell to where it is now, and name all that the row written last did not.
-
-    Where it `closes`, the softest cell takes up what rounding left of the stroke.
-    """
+    """Bring every cell to where it is now, and name in the row written last all that it did not."""
     pieces, laws, force = problem.pieces, problem.laws, state.force[0]
     kind = MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else HOLD
     _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
@@ -280,10 +274,7 @@ def _ties(queues: Queues, q: int, within: float) -> bool:
 
 @leaf
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
-    """The cell to which something happens first; a tie is noted where it decides which one falls.
-
-    Of several within the tolerance those that rest or begin to rise come first, then the innermost.
-    """
+    """The cell to which something happens first; a tie is noted where it decides which falls."""
     queues = rising.queues
     within = TIE * problem.scale
     if not _ties(queues, q, within):
@@ -318,10 +309,7 @@ def advance(
     target: float,
     slack: float,
 ) -> int:
-    """Follow a chain towards a target; GOES_ON where something comes up that is not for queues.
-
-    The state is then one from which `follow` can go on. `rising` and `segment` are written over.
-    """
+    """Follow a chain towards a target; GOES_ON where something comes up that `follow` has to do."""
     # One function: an event changes force, drive and queues, all locals, at once.
     laws, pieces, d = problem.laws, problem.pieces, direction
     n, places = len(state.mode), problem.spare.number[PLACE]

@@ -60,10 +60,7 @@ class BranchEnd(NamedTuple):
 
 @leaf
 def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tuple[int, int]:
-    """How the chain can go on, and the falling cell that leads it or -1.
-
-    `goes` (N,) becomes 1 for the cells that move.
-    """
+    """How the chain can go on, marking in `goes` which cells move; the falling cell or -1."""
     # One function: one pass over the cells with arrays that are taken out once.
     laws, pieces = problem.laws, problem.pieces
     # Taken out once, here: compiled, every later look into a record would count references.
@@ -146,10 +143,7 @@ def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
 
 @leaf
 def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
-    """Bring in the cells that offer the same constant force; whether there are any.
-
-    They are held ones that let go at it, and moving ones that have just reached it.
-    """
+    """Bring in held and moving cells that come to the same constant force; whether any do."""
     laws, pieces = problem.laws, problem.pieces
     friction, ends, tie_force = laws.friction, problem.sheets.ends, TIE * problem.scale
     mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
@@ -306,10 +300,8 @@ def _first_to_arrive(
 ) -> tuple[float, int, bool]:
     """Distance of λ to the first end of a piece, which mover comes there, and whether in company.
 
-    Cells whose forces reach their tops together tie, for only one of them can go on. A leader
-    and one that gives way can reach the bottoms of theirs together, as alike cells do: from
-    there both forces rise with the drive, with the leader on its next piece and the other one
-    turned back on its own.
+    Cells that come to their tops together tie, for only one can go on. A leader and one that gives
+    way can reach their bottoms together, as alike cells do: there both forces rise with the drive.
     """
     # One function: both senses compare movers with the first that arrives.
     pieces, rank, force = problem.pieces, problem.rank, state.force[0]

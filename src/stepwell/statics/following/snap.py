@@ -114,9 +114,8 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
 def _moved_by(
     problem: DrivenChain, state: State, begun: Begin, trigger: int
 ) -> tuple[int, float, float]:
-    """List the cells that a snap moved: how many, what they released, and what friction took [J].
-
-    -1 where nothing has changed.
+    """List the cells that a snap moved: how many, or -1; what they released; what friction took
+    [J].
     """
     laws, pieces, sheets, spare = problem.laws, problem.pieces, problem.sheets, problem.spare
     moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
@@ -152,10 +151,7 @@ def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
 def along_line(
     problem: DrivenChain, state: State, direction: int, rubbed: Floats
 ) -> tuple[int, bool]:
-    """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
-
-    JOINED where there is more than one degree of freedom, or from where on there is.
-    """
+    """Move one cell or pair to where it lands; JOINED where more can move; whether by a tie."""
     # One function: the line is changed as cells join, with all that is known of it.
     laws, scale = problem.laws, problem.scale
     trigger, sense, partner, active = state.next_snap[TRIGGER], state.next_snap[SENSE], -1, 0
@@ -241,10 +237,7 @@ def along_line(
 
 @leaf
 def _is_neutral(problem: DrivenChain, line: SnapLine) -> bool:
-    """Whether slopes that are each other's opposite leave a whole line in balance.
-
-    Then rounding would choose the landing; the drive, ever so little further, is what does.
-    """
+    """Whether a whole line is in balance: then the drive, and not rounding, has to choose."""
     laws, pieces = problem.laws, problem.pieces
     total, size = line.softness, abs(line.softness)
     for cell, travel, heading in (
@@ -274,10 +267,7 @@ def _driven_on(line: SnapLine, direction: int, by: float) -> SnapLine:
 def _by_flow(
     problem: DrivenChain, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
-    """Let the flow bring all cells to rest; whether it did, and whether by a tie.
-
-    Where a cell has `jumped` to another sheet they are on their way already.
-    """
+    """Let the flow bring all cells to rest, from after a jump or not; whether so, and by a tie."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     travel, mode, spare = state.travel, state.mode, problem.spare
     start, worn = spare.number[START], spare.number[WORN]

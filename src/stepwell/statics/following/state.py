@@ -214,10 +214,7 @@ def write_row(
     force: tuple[float, float],
     heat: tuple[float, float],
 ) -> None:
-    """Append the row of a segment without movers, and forget the tie that it tells of.
-
-    `heat` is what the snap released and what friction took [J].
-    """
+    """Append a segment without movers, and forget its tie; `heat` is released and rubbed energy."""
     log = state.log
     k = log.used[0]
     row = log.segments[k]
@@ -264,11 +261,7 @@ def write(
 
 @kernel
 def moved(problem: DrivenChain, log: Log, k: int, travel: Floats) -> Floats:
-    """(m, MOVER_COLUMNS) rows of all cells that move in segment k, by cell.
-
-    `travel` (N,) says where the cells are before it; (N,) for cells that follow, any place on their
-    present branch will do.
-    """
+    """Rows of all cells that move in segment k, by cell; (N,) `travel` is where they are before."""
     named = log.movers[log.first[k] : log.first[k + 1]]
     row, pieces = log.segments[k], problem.pieces
     if row[FOLLOW] == 0.0:

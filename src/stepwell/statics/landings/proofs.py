@@ -18,14 +18,7 @@ _ALIKE = 1e-9
 
 
 def goes_one_way(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
-    """Whether a snap runs along one line to its landing for all mobilities within a ratio.
-
-    Args:
-        problem: the chain.
-        start: where the snap begins.
-        landing: (N,) travels where it lands [m].
-        ratio: of the fastest to the slowest beside the given ones, >= 1.
-    """
+    """Whether a snap runs along one line to its landing for all mobilities within a ratio."""
     own = problem._replace(mobility=problem.mobility.copy(), effort=np.array([0, UNLIMITED]))
     return _goes_one_way(own, start, room_for(len(landing)), landing, ratio)
 
@@ -36,11 +29,10 @@ def _goes_one_way(
 ) -> bool:
     """The same, with room for a state and with mobilities to be written to.
 
-    Under a force no cell feels another one, so nothing hangs on mobilities. A cell behind a spring
-    and a pair at a fixed stroke go one way, and λ decides whether another cell joins: behind a
-    spring it is what the spring says; at a fixed stroke it lies between what one of the pair pulls
-    and what the other resists, the nearer to the one the more mobile that one is. So it is enough
-    to look at the leader `ratio` times faster and `ratio` times slower: in between λ is in between.
+    Under a force no cell feels another one. Else only λ decides whether another cell joins: a
+    spring's, or between what one of the pair pulls and the other resists, nearer to the more mobile
+    one's. So it is enough to look at the leader `ratio` times faster and slower: in between λ is in
+    between.
     """
     if problem.alpha == 0.0:
         return True
@@ -73,10 +65,7 @@ _COARSE, _FINE = 1500, 6000
 def lands_only_at(
     problem: DrivenChain, start: Start, room: Room, landing: Floats, ratio: float
 ) -> bool:
-    """Whether of all places of rest in a room the landing alone is reached.
-
-    For all mobilities within `ratio`; inf asks for energy alone.
-    """
+    """Whether a landing alone is reached for mobilities within `ratio`; inf: by energy alone."""
     laws, n = problem.laws, len(landing)
     places = np.empty((_MOST_PLACES, 2, n))
     found = places_of_rest(problem, room, start, places)
@@ -113,17 +102,9 @@ def lands_only_at(
 
 @entry(0.3, "problem.mobility")
 def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
-    """Whether the energy at the start suffices for no other place of rest than `landing`.
+    """Whether it is proved that energy suffices for no other place of rest than the (N,) landing.
 
     Then the snap lands there for all mobilities, and with any masses and dampers.
-
-    Args:
-        problem: the chain and its actuator.
-        start: where the snap begins, at rest.
-        landing: (N,) travels where it landed [m], on the sheets of the start.
-
-    Returns:
-        True where it is proved; False where it is not, which says nothing.
     """
     if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
         return False
@@ -139,17 +120,7 @@ def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
 
 @entry(0.3, "problem.mobility")
 def enclosed(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
-    """Whether the snap lands at `landing` for all mobilities m_i x_i with max x / min x <= ratio.
-
-    Args:
-        problem: the chain and its actuator, with the given mobilities m.
-        start: where the snap begins.
-        landing: (N,) travels where it landed [m], on the sheets of the start.
-        ratio: of the fastest to the slowest factor, >= 1.
-
-    Returns:
-        True where it is proved; False where it is not, which says nothing.
-    """
+    """Whether it is proved that factors max x / min x <= ratio of mobilities lead to a landing."""
     laws = problem.laws
     if problem.alpha == 0.0:
         # Under a force no cell feels another one: nothing is to be enclosed.

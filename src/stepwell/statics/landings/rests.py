@@ -236,10 +236,7 @@ def _excess(
 def _one_place(
     problem: DrivenChain, start: Start, search: RestSearch, a: float, b: float, way: int
 ) -> bool:
-    """Note the place between two λ where the drive only grows, `way` = 1, or falls with λ.
-
-    False where there are too many places.
-    """
+    """Note the place between two λ where `way` U only grows; False where there are too many."""
     counts, slip = search.counts, _slip(problem)
     below, above = _excess(problem, start, search, a), _excess(problem, start, search, b)
     if way < 0:
@@ -318,10 +315,7 @@ def _places(
 
 @kernel
 def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Floats) -> int:
-    """Fill (C, 2, N) places of rest, but for the start; how many, or -1 where it cannot be told.
-
-    Every stable place of rest in the room lies in one of them; some may hold none.
-    """
+    """Fill boxes (C, 2, N) that hold all stable places of rest but the start; how many, or -1."""
     branches, n = _branches(problem, room), len(room.low)
     search = RestSearch(
         branches, np.full(n, -1, np.int64), np.empty((2, n)), places, np.zeros(2, np.int64)

@@ -106,9 +106,8 @@ def leads_on(problem: DrivenChain, room: Room) -> bool:
 def room_of(problem: DrivenChain, start: Start, within: Room) -> Room:
     """The room of overdamped flow, for all mobilities, within one that it is known not to leave.
 
-    λ stays between the least and the largest force of the cells that move, friction added; a cell
-    stays short of where its force holds the largest λ. The smallest room that is closed under both
-    is never left.
+    λ stays between the forces of the moving cells, friction added, and a cell short of where it
+    holds the largest λ: the smallest room that is closed under both is never left.
     """
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
     n, slip = len(start.travel), CLOSE_FORCE * problem.scale
@@ -190,10 +189,7 @@ def energy_slack(problem: DrivenChain) -> float:
 def least_energy(
     energy: tuple[float, float], width: float, force: tuple[float, float], tilt: float
 ) -> float:
-    """A bound from below of energy between two travels, less `tilt` times the way from the first.
-
-    From the energies at both and the least and the largest F between them, less λ of the start.
-    """
+    """A bound from below of energy between two travels, less `tilt` times the way to there."""
     one, two = energy[0], energy[1] - tilt * width
     falls, rises = force[0] - tilt, force[1] - tilt
     if falls >= 0.0:
@@ -218,8 +214,7 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
     """Take off a room what the chain cannot come to without more energy than at the start.
 
-    Each cell is given the cheapest that all others can do at the same drive. Travels are counted
-    from the start in steps, so that those of all cells add up; each bound holds for a whole step.
+    Each cell is given the cheapest that all others can do at that drive, in steps that add up.
     """
     # One function: each cell needs the energies of all others, made once.
     moving = np.flatnonzero(room.high > room.low)

@@ -31,11 +31,7 @@ class Landings(NamedTuple):
 def land_all(
     problem: DrivenChain, start: Start, factors: Floats, accuracy: float = FINE
 ) -> Landings:
-    """Where a snap lands with the given mobilities times each row of (n, N) factors.
-
-    The accuracy of the flow is a share of the travel: FINE is that of paths, and COARSE, several
-    times as quick, mostly leads to the same place of rest, which is exact in either case.
-    """
+    """Where a snap lands with its mobilities times each row of (n, N) factors."""
     count, n = factors.shape
     found = Landings(
         np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
@@ -91,15 +87,8 @@ def _land(problem: DrivenChain, state: State, direction: int, accuracy: float) -
 def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
     """(n, N) factors of the mobilities at the ends of their range: 1 or `ratio` for each cell.
 
-    All 2^N - 2 of them for up to five cells (all slow and all fast are the same as no factor). For
-    more cells, first each of some cells fast alone and then slow alone, which is what mostly
-    decides, and as many at random as make 32.
-
-    Args:
-        cells: those that are fast or slow alone.
-        count: N.
-        ratio: of the fastest to the slowest, >= 1.
-        seed: of the random ones.
+    All 2^N - 2 for up to five cells. Else each of `cells` fast alone and slow alone, which is what
+    mostly decides, and as many at random as make 32.
     """
     if 2**count <= _MOST_CORNERS:
         numbers = range(1, 2**count - 1)

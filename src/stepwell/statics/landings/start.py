@@ -39,10 +39,7 @@ class Start(NamedTuple):
 
 
 class Snap(NamedTuple):
-    """A snap of a path: from where, and where it landed.
-
-    Where it lands in a saddle and leaves it at once, the snaps that follow belong to it.
-    """
+    """A snap of a path: from where, and where it landed, with those that leave a saddle at once."""
 
     start: Start
     travel: Floats  # (N,) after it [m]
@@ -51,13 +48,7 @@ class Snap(NamedTuple):
 
 
 def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints) -> Iterator[Snap]:
-    """Every snap of a path in order.
-
-    Args:
-        problem: what was followed.
-        log: what was written down.
-        travel, sheet: (N,) where the path begins [m].
-    """
+    """Every snap of a path in order, which begins at (N,) travels and sheets."""
     now, on, (count, _) = travel.copy(), sheet.copy(), log.used.tolist()
     pending: Snap | None = None
     for k in range(count):

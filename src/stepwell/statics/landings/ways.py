@@ -29,11 +29,7 @@ _NEAREST = 1e-5
 
 
 class Grid(NamedTuple):
-    """A grid over the travels of D cells; under a stroke one more has what the others leave.
-
-    The axes lie one after the other in arrays of M nodes; what lies between a node and the next one
-    has the number of the first.
-    """
+    """A grid over the travels of D cells, M nodes; under a stroke one more has what they leave."""
 
     cell: Ints  # (D,)
     cuts: Ints  # (D,) intervals
@@ -143,8 +139,8 @@ def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float
 def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
     """Whether some point of a box takes no more energy than the start.
 
-    What all cells store is bounded with a constant force taken off each of them and given to the
-    drive, which changes nothing in the sum: one near to the λ there bounds it tightly.
+    A constant force taken off each cell and given to the drive changes no sum; near λ it bounds
+    well.
     """
     node, level = grid.node, start.force
     low, high = 0.0, 0.0
@@ -184,8 +180,7 @@ def _can_leave(
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis.
 
-    Under a stroke cell i rises where Σ m_j (F_i - F_j) < 0, over all that are not pressed against
-    a stop: the least of it takes the largest F_j and gives those that pull it the most mobility.
+    Cell i rises where Σ m_j (F_i - F_j) < 0: the largest F_j, and most mobility to those that pull.
     """
     node, slip = grid.node, CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
@@ -281,9 +276,8 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 def keeps_off(
     problem: DrivenChain, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
-    """Whether no way leads to the (C, 2, N) other places, for all mobilities within a ratio.
-
-    A ratio of inf asks for energy alone.
+    """Whether no way leads to (C, 2, N) places, for mobilities within a ratio; inf: by energy
+    alone.
     """
     # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
