@@ -10,18 +10,16 @@ from stepwell.base import Floats, InputError, Ints, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics import outcome, places, sorted_cycle
-from stepwell.statics.following import certificate, log as logged, pieces, rising, series
-from stepwell.statics.following.follow import follow
-from stepwell.statics.following.state import (
-    DONE,
-    GAVE_UP,
-    LOG_FULL,
-    STALLED,
-    TRIGGER,
-    DrivenChain,
-    State,
-    drive_of,
+from stepwell.statics.following import (
+    certificate,
+    log as logged,
+    pieces,
+    rising,
+    series,
+    state as st,
 )
+from stepwell.statics.following.follow import follow
+from stepwell.statics.following.state import DrivenChain, State, drive_of
 from stepwell.statics.path import Path
 
 # A path that needs more is not a path but a loop.
@@ -114,14 +112,14 @@ def _follow_from(
             follow.compiled()
             state = again()
             continue
-        if status == GAVE_UP and not aside and few < most:
+        if status == st.GAVE_UP and not aside and few < most:
             aside, state = True, again()
-        elif status == LOG_FULL and len(state.log.segments) <= _MOST_SEGMENTS:
+        elif status == st.LOG_FULL and len(state.log.segments) <= _MOST_SEGMENTS:
             state = state._replace(log=logged.longer(state.log))
         else:
             break
-    if status != DONE:
-        status = STALLED if status == LOG_FULL else status
+    if status != st.DONE:
+        status = st.STALLED if status == st.LOG_FULL else status
         outcome.refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
     _audited(chain, problem, state.log, start.travel, sheets)
     return _as_path(chain, problem, turning, place, float(start.force[0]), state.log)
@@ -142,7 +140,7 @@ def _audited(
 
 def _involved(state: State) -> list[int]:
     """The cells that moved in the last two segments, and the one that sets off the next snap."""
-    log, trigger = state.log, int(state.next_snap[TRIGGER])
+    log, trigger = state.log, int(state.next_snap[st.TRIGGER])
     begin, end = log.first[[max(int(log.used[0]) - 2, 0), int(log.used[0])]].tolist()
     moved = log.movers[begin:end, logged.CELL].astype(int).tolist()
     return sorted({*moved, trigger} - {-1}) or list(range(len(state.travel)))

@@ -18,28 +18,8 @@ from stepwell.mechanism import (
     stored,
     summed,
 )
+from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import inverse_slope, point_at, smallest_eigenvalue
-from stepwell.statics.following.log import (
-    CELL,
-    DIRECTION,
-    DRIFT,
-    DRIVE_0,
-    DRIVE_1,
-    FOLLOW,
-    FORCE_0,
-    FORCE_1,
-    HOLD,
-    KIND,
-    MOVE,
-    OFFSET,
-    PIECE,
-    RELEASED,
-    SHEET_1,
-    SNAP,
-    TRAVEL_0,
-    TRAVEL_1,
-    Log,
-)
 from stepwell.statics.following.pieces import (
     Pieces,
     find_piece,
@@ -51,24 +31,7 @@ from stepwell.statics.following.pieces import (
     stand_all_on,
     stand_on,
 )
-from stepwell.statics.following.state import (
-    FAR_PLACE,
-    MINE,
-    MODES,
-    PLACE,
-    SHEETS,
-    SLOPES,
-    START,
-    WAS,
-    WAS_ON,
-    WEIGHTS,
-    WORN,
-    DrivenChain,
-    Movers,
-    drive_of,
-    moved,
-    some_movers,
-)
+from stepwell.statics.following.state import DrivenChain, Movers, drive_of, moved, some_movers
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 # Shares of the largest force, and of what that force does or resists over a full travel. The
@@ -77,8 +40,8 @@ FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
 # How often all cells of a long chain are looked at.
 _WHOLE_LOOKS = 8
 # Rows of the spare room that are free once a path is followed.
-_NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = WAS, PLACE, FAR_PLACE, START, WORN
-_SEEN, _ON, _NAMED = MODES, SHEETS, WAS_ON
+_NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = st.WAS, st.PLACE, st.FAR_PLACE, st.START, st.WORN
+_SEEN, _ON, _NAMED = st.MODES, st.SHEETS, st.WAS_ON
 
 
 class Watch(NamedTuple):
@@ -110,8 +73,8 @@ def certify(
     slides = False
     for cell in movers.cell:
         slides = slides or laws.friction[cell] > 0.0
-    slopes, ones = problem.spare.number[SLOPES], problem.spare.number[WEIGHTS]
-    free, place = 0, problem.spare.whole[MINE]
+    slopes, ones = problem.spare.number[st.SLOPES], problem.spare.number[st.WEIGHTS]
+    free, place = 0, problem.spare.whole[st.MINE]
     place[:] = -1
     for j in range(len(movers.cell)):
         place[movers.cell[j]] = j
@@ -160,7 +123,9 @@ def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float
 
 @entry()
 @leaf
-def audit(problem: DrivenChain, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
+def audit(
+    problem: DrivenChain, log: logged.Log, start: Floats, sheets: Ints
+) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, or -1; which one; by how much.
 
     At the end of a segment all cells are in equilibrium; on a smooth one a moving cell stores what
@@ -196,18 +161,24 @@ def audit(problem: DrivenChain, log: Log, start: Floats, sheets: Ints) -> tuple[
         if overspent(problem.effort, 1):
             break
         row = log.segments[k]
-        force, jumps, follow = row[FORCE_1], int(row[KIND]) == SNAP, row[FOLLOW] != 0.0
-        ends_here = k + 1 == count or log.segments[k + 1, FOLLOW] == 0.0
+        force, jumps, follow = (
+            row[logged.FORCE_1],
+            int(row[logged.KIND]) == logged.SNAP,
+            row[logged.FOLLOW] != 0.0,
+        )
+        ends_here = k + 1 == count or log.segments[k + 1, logged.FOLLOW] == 0.0
         all_of_them = not follow or ends_here or k % every == 0
         gap, miss = 0.0, 0.0
         for j in range(log.first[k], log.first[k + 1]):
             mover = log.movers[j]
-            i = int(mover[CELL])
+            i = int(mover[logged.CELL])
             named[i] = k
-            if sheet_of(problem.sheets, i) != int(mover[SHEET_1]):
-                stand_on(laws, problem.sheets, pieces, i, int(mover[SHEET_1]))
-            way = mover[TRAVEL_0], mover[TRAVEL_1]
-            off, lost = _goes(problem, watch, i, int(mover[PIECE]), way, force - mover[OFFSET])
+            if sheet_of(problem.sheets, i) != int(mover[logged.SHEET_1]):
+                stand_on(laws, problem.sheets, pieces, i, int(mover[logged.SHEET_1]))
+            way = mover[logged.TRAVEL_0], mover[logged.TRAVEL_1]
+            off, lost = _goes(
+                problem, watch, i, int(mover[logged.PIECE]), way, force - mover[logged.OFFSET]
+            )
             gap, miss = max(gap, off), max(miss, lost)
         if follow and all_of_them:
             for i in range(n):
@@ -223,14 +194,14 @@ def audit(problem: DrivenChain, log: Log, start: Floats, sheets: Ints) -> tuple[
         if all_of_them:
             gap = max(gap, largest(watch.lowest) - force, force - smallest(watch.highest))
         if follow and all_of_them:
-            lost = abs(problem.alpha * summed(now) + problem.beta * force - row[DRIVE_1])
+            lost = abs(problem.alpha * summed(now) + problem.beta * force - row[logged.DRIVE_1])
             if not lost <= 1e-9 * (problem.alpha * summed(laws.full) + problem.beta * scale):
                 return k, STROKE, lost
         if not gap <= FORCE_SLACK * scale:
             return k, EQUILIBRIUM, gap
         if jumps:
-            if not row[RELEASED] >= -limit:
-                return k, ENERGY, -row[RELEASED]
+            if not row[logged.RELEASED] >= -limit:
+                return k, ENERGY, -row[logged.RELEASED]
             # Alike cells can creep into a saddle together, or stand on their tops under the same
             # force; they leave by another snap at the same drive.
             if not all_of_them or _snaps_again(log, k):
@@ -277,13 +248,13 @@ def _goes(
 
 
 @leaf
-def _snaps_again(log: Log, k: int) -> bool:
+def _snaps_again(log: logged.Log, k: int) -> bool:
     """Whether another snap follows segment k before the drive goes on."""
-    drive = log.segments[k, DRIVE_1]
+    drive = log.segments[k, logged.DRIVE_1]
     for after in range(k + 1, log.used[0]):
-        if int(log.segments[after, KIND]) == SNAP:
+        if int(log.segments[after, logged.KIND]) == logged.SNAP:
             return True
-        if abs(log.segments[after, DRIVE_1] - drive) > 1e-12 * abs(drive):
+        if abs(log.segments[after, logged.DRIVE_1] - drive) > 1e-12 * abs(drive):
             return False
     return False
 
@@ -323,19 +294,19 @@ class Samples(NamedTuple):
 
 
 @entry()
-def count_samples(log: Log, points: int) -> int:
+def count_samples(log: logged.Log, points: int) -> int:
     """How many samples `sample` will write."""
     total = 1
     for k in range(log.used[0]):
-        kind = int(log.segments[k, KIND])
-        total += 1 if kind == SNAP else (points if kind != HOLD else 2)
+        kind = int(log.segments[k, logged.KIND])
+        total += 1 if kind == logged.SNAP else (points if kind != logged.HOLD else 2)
     return total
 
 
 @entry(1e-4, "samples.travel")
 def sample(
     problem: DrivenChain,
-    log: Log,
+    log: logged.Log,
     start: Floats,
     sheets: Ints,
     start_force: float,
@@ -352,37 +323,43 @@ def sample(
     now, number = start.copy(), 0
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
-    direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
+    direction[0] = int(log.segments[0, logged.DIRECTION]) if log.used[0] > 0 else 1
     none = _no_movers()
     residual[0], stability[0] = certify(problem, now, start_force, none)
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]
-        kind, toward, follow = int(row[KIND]), int(row[DIRECTION]), row[FOLLOW] != 0.0
+        kind, toward, follow = (
+            int(row[logged.KIND]),
+            int(row[logged.DIRECTION]),
+            row[logged.FOLLOW] != 0.0,
+        )
         rows = moved(problem, log, k, now)
         m = len(rows)
         movers = _movers(rows, summed(now))
-        moving = none if kind == SNAP else movers
-        if kind == SNAP:
+        moving = none if kind == logged.SNAP else movers
+        if kind == logged.SNAP:
             snap_after[at - 1] = 1
             number += 1
         places = np.empty(m)
-        smooth = kind == MOVE or kind == DRIFT
+        smooth = kind == logged.MOVE or kind == logged.DRIFT
         count = points if smooth else 2
         for p in range(0 if smooth else 1, count):
             if overspent(problem.effort, 1):
                 break
             share = p / (count - 1)
             last = p == count - 1
-            level = row[FORCE_0] + share * (row[FORCE_1] - row[FORCE_0])
-            u = row[DRIVE_0] + share * (row[DRIVE_1] - row[DRIVE_0])
-            if last or p == 0 or kind != MOVE:
+            level = row[logged.FORCE_0] + share * (row[logged.FORCE_1] - row[logged.FORCE_0])
+            u = row[logged.DRIVE_0] + share * (row[logged.DRIVE_1] - row[logged.DRIVE_0])
+            if last or p == 0 or kind != logged.MOVE:
                 for j in range(m):
-                    places[j] = rows[j, TRAVEL_0] + share * (rows[j, TRAVEL_1] - rows[j, TRAVEL_0])
+                    places[j] = rows[j, logged.TRAVEL_0] + share * (
+                        rows[j, logged.TRAVEL_1] - rows[j, logged.TRAVEL_0]
+                    )
                     if last:
-                        places[j] = rows[j, TRAVEL_1]
+                        places[j] = rows[j, logged.TRAVEL_1]
                 if last:
-                    level, u = row[FORCE_1], row[DRIVE_1]
+                    level, u = row[logged.FORCE_1], row[logged.DRIVE_1]
             elif m == 1 and beta == 0.0 and not follow:
                 cell, piece = movers.cell[0], movers.piece[0]
                 places[0] = u / alpha - movers.held
@@ -391,14 +368,18 @@ def sample(
                 places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
                 level = law(laws, cell, pieces.picked[piece], places[0])[0] + movers.offset[0]
             else:
-                level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places, follow)
+                level = point_at(
+                    problem, movers, row[logged.FORCE_0], row[logged.FORCE_1], u, places, follow
+                )
             for j in range(m):
                 now[movers.cell[j]] = places[j]
                 if follow and movers.piece[j] >= 0:
                     piece = movers.piece[j]
                     movers.piece[j] = piece_along(pieces, movers.cell[j], piece, level)
-                if sheet_of(problem.sheets, movers.cell[j]) != int(rows[j, SHEET_1]):
-                    stand_on(laws, problem.sheets, pieces, movers.cell[j], int(rows[j, SHEET_1]))
+                if sheet_of(problem.sheets, movers.cell[j]) != int(rows[j, logged.SHEET_1]):
+                    stand_on(
+                        laws, problem.sheets, pieces, movers.cell[j], int(rows[j, logged.SHEET_1])
+                    )
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
@@ -422,7 +403,7 @@ def _movers(rows: Floats, stroke: float) -> Movers:
     m = len(rows)
     cell, piece, offset = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(m)
     for j in range(m):
-        cell[j], piece[j] = int(rows[j, CELL]), int(rows[j, PIECE])
-        offset[j] = rows[j, OFFSET]
-        stroke -= rows[j, TRAVEL_0]
+        cell[j], piece[j] = int(rows[j, logged.CELL]), int(rows[j, logged.PIECE])
+        offset[j] = rows[j, logged.OFFSET]
+        stroke -= rows[j, logged.TRAVEL_0]
     return Movers(cell, piece, offset, stroke, 0.0)

@@ -13,6 +13,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import law
+from stepwell.statics.following import state as st
 from stepwell.statics.following.branch import inverse_slope, point_at
 from stepwell.statics.following.pieces import invert, invert_near
 from stepwell.statics.following.rising import (
@@ -30,17 +31,7 @@ from stepwell.statics.following.rising import (
     pass_joint,
     stroke_at,
 )
-from stepwell.statics.following.state import (
-    EXTRA,
-    FAR_PLACE,
-    MOVER,
-    ON_PIECE,
-    PLACE,
-    TIE,
-    DrivenChain,
-    Movers,
-    State,
-)
+from stepwell.statics.following.state import DrivenChain, Movers, State
 
 # No landing is looked for while the force has fallen by less than this share of the largest one:
 # next to a fold the equation has a double root, and its sign is rounding.
@@ -112,7 +103,7 @@ def floor_of(
         least = mean / (others + own)
     floor = max(valley, least)
     leaves = -first_key(rising.queues, END_DOWN if d > 0 else END_UP)
-    return bool(leaves < floor - TIE * problem.scale), float(floor)
+    return bool(leaves < floor - st.TIE * problem.scale), float(floor)
 
 
 @leaf
@@ -122,7 +113,7 @@ def with_curved(
     """`cell` unless it is -1, and the rising cells of curved force; straight ones are `soft`."""
     count, one = rising.counts[0], 0 if cell < 0 else 1
     spare = problem.spare
-    cells, on, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
+    cells, on, offset = spare.whole[st.MOVER], spare.whole[st.ON_PIECE], spare.number[st.EXTRA]
     if one > 0:
         cells[0], on[0], offset[0] = cell, piece, 0.0
     for k in range(count):
@@ -167,7 +158,7 @@ def _first_return(
     """
     count = len(movers.cell)
     spare = problem.spare
-    a_places, b_places = spare.number[FAR_PLACE, :count], spare.number[PLACE, :count]
+    a_places, b_places = spare.number[st.FAR_PLACE, :count], spare.number[st.PLACE, :count]
     a_places[:] = b_places[:] = np.nan
     one, two = spare.stack[0], spare.stack[1]
     one[0], two[0] = ends
@@ -277,7 +268,7 @@ def land_after(
         if d * (there + problem.beta * d * following - drive) <= 0.0:
             one, apart = (-1, stop) if stopped else (j, 0.0)
             movers = with_curved(problem, state, rising, one, p, apart)
-            places = problem.spare.number[PLACE, : len(movers.cell)]
+            places = problem.spare.number[st.PLACE, : len(movers.cell)]
             root = point_at(problem, movers, d * level, d * following, drive, places, False)
             count_work(rising, d * level, root)
             return FallEnd(True, root, p, stop if stopped else places[0], missed)

@@ -9,6 +9,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
+from stepwell.statics.following import state as st
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.rising import Rising
@@ -25,19 +26,6 @@ from stepwell.statics.following.smooth import (
 )
 from stepwell.statics.following.snap import FINE, note_saddle, snap
 from stepwell.statics.following.state import (
-    DONE,
-    DUE,
-    FREE,
-    GAVE_UP,
-    GOES,
-    GOES_ON,
-    LETS_GO,
-    LOG_FULL,
-    RUNS_AWAY,
-    SENSE,
-    SLIDES,
-    STALLED,
-    TRIGGER,
     DrivenChain,
     State,
     drive_of,
@@ -59,7 +47,7 @@ def follow(
     Where the log is full it goes on from there when called with a longer one.
     """
     # One function: the loop of a stroke keeps its counts as locals; steps are functions.
-    effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[GOES]
+    effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[st.GOES]
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)
     regular = is_regular(problem)
@@ -77,40 +65,40 @@ def follow(
         to_the_end = problem.beta == 0.0 and ends
         if to_the_end:
             target = direction * np.inf
-        furthest, idle, status = np.nan, 0, GOES_ON
+        furthest, idle, status = np.nan, 0, st.GOES_ON
         # Where queues have led to nothing, some events pass before they are tried again.
         in_vain, waits = 0, 0
-        while status == GOES_ON:
+        while status == st.GOES_ON:
             waits -= 1
-            if regular and waits < 0 and state.next_snap[DUE] == 0:
+            if regular and waits < 0 and state.next_snap[st.DUE] == 0:
                 rows = state.log.used[0]
                 status = advance(problem, state, rising, segment, direction, target, slack)
-                if status == LOG_FULL:
-                    return LOG_FULL
-                if status != GOES_ON:
+                if status == st.LOG_FULL:
+                    return st.LOG_FULL
+                if status != st.GOES_ON:
                     break
                 in_vain = min(2 * in_vain + 1, _LONGEST_WAIT) if rows == state.log.used[0] else 0
                 waits = in_vain
             drive = drive_of(problem, state.travel, state.force[0])
             if direction * (target - drive) <= slack:
-                status = DONE
+                status = st.DONE
                 break
             idle = idle + 1 if abs(drive - furthest) <= slack else 0
             furthest = drive
             if idle > 40 * n + 400:
-                status = STALLED
+                status = st.STALLED
                 break
             if overspent(effort, 10 * n):
-                status = GAVE_UP
+                status = st.GAVE_UP
                 break
             if not has_room(state.log, n):
-                return LOG_FULL
+                return st.LOG_FULL
             choice, leader = choose(problem, state, direction, goes)
             if choice == FLAT and join_flat(problem, state, direction):
                 choice, leader = choose(problem, state, direction, goes)
-            if choice == LOST or state.next_snap[DUE]:
-                if state.next_snap[TRIGGER] < 0:
-                    state.next_snap[TRIGGER], state.next_snap[SENSE] = leader, direction
+            if choice == LOST or state.next_snap[st.DUE]:
+                if state.next_snap[st.TRIGGER] < 0:
+                    state.next_snap[st.TRIGGER], state.next_snap[st.SENSE] = leader, direction
                     note_saddle(problem, state, leader)
                 status = snap(problem, state, direction, FINE)
             elif choice == FLAT:
@@ -118,20 +106,20 @@ def follow(
                 status = drift(problem, state, set_off(problem, state, goes), direction, target)
             else:
                 status = move(problem, state, set_off(problem, state, goes), direction, target)
-        if status != DONE and not (to_the_end and status == RUNS_AWAY):
+        if status != st.DONE and not (to_the_end and status == st.RUNS_AWAY):
             # What ran out of looks may say that it did not settle.
-            return GAVE_UP if overspent(effort, 0) else status
-    return DONE
+            return st.GAVE_UP if overspent(effort, 0) else status
+    return st.DONE
 
 
 @leaf
 def _come_to_rest(problem: DrivenChain, state: State, direction: int) -> None:
     """The actuator turns: what slid rests, and nothing is known of what comes next."""
     set_snap(state.next_snap, -1, direction, FOLD)
-    state.next_snap[DUE] = 0
+    state.next_snap[st.DUE] = 0
     state.tie[:] = -1
     for i in range(len(state.mode)):
-        if state.mode[i] == SLIDES or state.mode[i] == LETS_GO:
+        if state.mode[i] == st.SLIDES or state.mode[i] == st.LETS_GO:
             hold(problem, state, i)
-        elif state.mode[i] == FREE and problem.pieces.sign[state.piece[i]] < 0:
+        elif state.mode[i] == st.FREE and problem.pieces.sign[state.piece[i]] < 0:
             state.piece[i] = resting_piece(problem.pieces, i, state.travel[i])

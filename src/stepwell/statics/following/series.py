@@ -13,28 +13,9 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent, record
 from stepwell.mechanism import largest, smallest, stored
+from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
 from stepwell.statics.following.fall import Falling, floor_of, heaviest_of, land_after, with_curved
-from stepwell.statics.following.log import (
-    BY_EQUATION,
-    CELL,
-    DECIDED,
-    FOLD,
-    FOLLOW,
-    FORCE_0,
-    HOLD,
-    KIND,
-    KINK,
-    MOVE,
-    OFFSET,
-    PIECE,
-    RELEASE,
-    SHEET_0,
-    SHEET_1,
-    SNAP,
-    TRAVEL_0,
-    TRAVEL_1,
-)
 from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.rising import (
     END_DOWN,
@@ -61,17 +42,6 @@ from stepwell.statics.following.rising import (
     travel_at_force,
 )
 from stepwell.statics.following.state import (
-    DONE,
-    DUE,
-    FREE,
-    GAVE_UP,
-    GOES_ON,
-    HELD,
-    LOG_FULL,
-    PLACE,
-    TIE,
-    TRIGGER,
-    WHY,
     DrivenChain,
     State,
     set_near,
@@ -124,10 +94,10 @@ def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) 
     """Put every cell where it belongs; whether all do, and the cell of falling force or -1."""
     leader = -1
     for i in range(len(state.mode)):
-        if state.mode[i] == HELD:
+        if state.mode[i] == st.HELD:
             rest(problem, state, rising, i)
             continue
-        if state.mode[i] != FREE and state.sense[i] != direction:
+        if state.mode[i] != st.FREE and state.sense[i] != direction:
             return False, -1
         sign = problem.pieces.sign[state.piece[i]]
         if sign > 0:
@@ -136,7 +106,7 @@ def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) 
             leader = i
         else:
             return False, -1
-    trigger = state.next_snap[TRIGGER]
+    trigger = state.next_snap[st.TRIGGER]
     return trigger < 0 or trigger == leader, leader
 
 
@@ -155,8 +125,13 @@ def _mover(state: State, i: int, piece: int, before: float, after: float) -> Non
     log = state.log
     m = log.used[1]
     row = log.movers[m]
-    row[CELL], row[PIECE], row[OFFSET] = i, piece, 0.0
-    row[TRAVEL_0], row[TRAVEL_1], row[SHEET_0], row[SHEET_1] = before, after, 0, 0
+    row[logged.CELL], row[logged.PIECE], row[logged.OFFSET] = i, piece, 0.0
+    row[logged.TRAVEL_0], row[logged.TRAVEL_1], row[logged.SHEET_0], row[logged.SHEET_1] = (
+        before,
+        after,
+        0,
+        0,
+    )
     log.used[1] = m + 1
     log.first[log.used[0]] = m + 1
 
@@ -174,16 +149,16 @@ def _end_segment(
 ) -> None:
     """Write the segment that ends here, if anything has changed since it began."""
     force, begin = state.force[0], segment.begin
-    if kind != SNAP and force == begin[1] and drive == begin[0]:
+    if kind != logged.SNAP and force == begin[1] and drive == begin[0]:
         return
     write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (released, 0.0))
     row = state.log.used[0] - 1
-    state.log.segments[row, FOLLOW] = 1.0
-    if kind == SNAP:
-        state.log.segments[row, DECIDED] = BY_EQUATION
+    state.log.segments[row, logged.FOLLOW] = 1.0
+    if kind == logged.SNAP:
+        state.log.segments[row, logged.DECIDED] = logged.BY_EQUATION
     for k in range(segment.counts[0]):
         i = segment.cell[k]
-        piece = -1 if kind == SNAP else int(state.piece[i])
+        piece = -1 if kind == logged.SNAP else int(state.piece[i])
         after = float(state.travel[i])
         if not is_held(rising, i):
             after = travel_at_force(problem, state, i, force)
@@ -210,7 +185,7 @@ def _leave_branch(
         _name(segment, i, travel_at_force(problem, state, i, force))
     elif segment.counts[1] >= 0 and segment.named[i] == 0:
         # Nothing has moved since the row before, which did not name it.
-        before = log.segments[segment.counts[1], FORCE_0]
+        before = log.segments[segment.counts[1], logged.FORCE_0]
         _mover(state, i, piece, travel_at_force(problem, state, i, before), end)
     rise_no_more(problem, state, rising, i)
     state.travel[i] = end
@@ -228,7 +203,7 @@ def _stop_here(
 ) -> None:
     """Bring every cell to where it is now, and name in the row written last all that it did not."""
     pieces, laws, force = problem.pieces, problem.laws, state.force[0]
-    kind = MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else HOLD
+    kind = logged.MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else logged.HOLD
     _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
     softest, most, total = -1, 0.0, 0.0
     for i in range(len(state.mode)):
@@ -253,12 +228,12 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising, segment: Follo
     log, row = state.log, segment.counts[1]
     for m in range(log.first[row], log.first[row + 1]):
         mover = log.movers[m]
-        i = int(mover[CELL])
+        i = int(mover[logged.CELL])
         segment.named[i] = 1
         if not is_held(rising, i):
-            mover[TRAVEL_1] = state.travel[i]
-    before = log.segments[row, FORCE_0]
-    snapped = int(log.segments[row, KIND]) == SNAP
+            mover[logged.TRAVEL_1] = state.travel[i]
+    before = log.segments[row, logged.FORCE_0]
+    snapped = int(log.segments[row, logged.KIND]) == logged.SNAP
     for i in range(len(state.mode)):
         if not is_held(rising, i) and segment.named[i] == 0:
             piece = -1 if snapped else state.piece[i]
@@ -276,7 +251,7 @@ def _ties(queues: Queues, q: int, within: float) -> bool:
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
     """The cell to which something happens first; a tie is noted where it decides which falls."""
     queues = rising.queues
-    within = TIE * problem.scale
+    within = st.TIE * problem.scale
     if not _ties(queues, q, within):
         return int(queues.heap[q, 0])
     limit = first_key(queues, q) + within
@@ -312,11 +287,11 @@ def advance(
     """Follow a chain towards a target; GOES_ON where something comes up that `follow` has to do."""
     # One function: an event changes force, drive and queues, all locals, at once.
     laws, pieces, d = problem.laws, problem.pieces, direction
-    n, places = len(state.mode), problem.spare.number[PLACE]
+    n, places = len(state.mode), problem.spare.number[st.PLACE]
     clear(rising)
     regular, leader = _gather(problem, state, rising, d)
     if not regular or (leader >= 0 and rising.counts[0] > 0):
-        return GOES_ON
+        return st.GOES_ON
     queues = rising.queues
     joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
     joint_back, end_back = (JOINT_DOWN, END_DOWN) if d > 0 else (JOINT_UP, END_UP)
@@ -326,19 +301,19 @@ def advance(
     segment.begin[0], segment.begin[1] = drive, force
     segment.named[:] = 0
     segment.counts[0], segment.counts[1] = 0, -1
-    why = FOLD
-    if leader >= 0 and state.next_snap[TRIGGER] >= 0:
-        why = int(state.next_snap[WHY])
-    heaviest, log, status = -1.0, state.log, GOES_ON
+    why = logged.FOLD
+    if leader >= 0 and state.next_snap[st.TRIGGER] >= 0:
+        why = int(state.next_snap[st.WHY])
+    heaviest, log, status = -1.0, state.log, st.GOES_ON
     while True:
         if d * (target - drive) <= slack:
-            status = DONE
+            status = st.DONE
             break
         if log.used[0] + 6 > len(log.segments) or log.used[1] + 4 * n + 16 > len(log.movers):
-            status = LOG_FULL
+            status = st.LOG_FULL
             break
         if overspent(problem.effort, 4 + rising.counts[0]):
-            status = GAVE_UP
+            status = st.GAVE_UP
             break
         if leader < 0:
             joint_key, end_key = first_key(queues, joint), first_key(queues, end)
@@ -350,24 +325,24 @@ def advance(
                 movers = with_curved(problem, state, rising, -1, 0, 0.0)
                 at = places[: len(movers.cell)]
                 state.force[0] = point_at(problem, movers, force, d * key, target, at, False)
-                drive, status = target, DONE
+                drive, status = target, st.DONE
                 break
             if joint_key <= end_key:
                 pass_joint(problem, state, rising, d)
                 state.force[0] = force = d * key
                 drive = there
                 continue
-            if rising.counts[0] > 0 and _ties(queues, end, TIE * problem.scale):
+            if rising.counts[0] > 0 and _ties(queues, end, st.TIE * problem.scale):
                 # Where curved forces turn together the sum of 1/κ is rounding, see `smooth`.
                 break
             i = _next_cell(problem, state, rising, end, d)
             past = past_end(problem, state, rising, i, d)
             if past == 0:
                 break
-            kind = MOVE if rising.counts[1] > 0 else HOLD
+            kind = logged.MOVE if rising.counts[1] > 0 else logged.HOLD
             state.force[0] = force = d * key
             drive = there
-            state.next_snap[TRIGGER] = -1
+            state.next_snap[st.TRIGGER] = -1
             if is_held(rising, i):
                 _end_segment(problem, state, rising, segment, kind, d, drive, 0.0)
                 rest_no_more(state, rising, i)
@@ -376,7 +351,7 @@ def advance(
                     _name(segment, i, state.travel[i])
                     rise(problem, state, rising, i, piece)
                     continue
-                why = RELEASE
+                why = logged.RELEASE
             else:
                 piece = state.piece[i] + d
                 _leave_branch(problem, state, rising, segment, i, d)
@@ -384,9 +359,9 @@ def advance(
                 if past == 2:
                     rest(problem, state, rising, i)
                     continue
-                why = KINK
+                why = logged.KINK
             leader = i
-            state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
+            state.mode[i], state.sense[i], state.piece[i] = st.FREE, 0, piece
             continue
         # One cell falls: with λ going back while that is stable.
         piece, travel = int(state.piece[leader]), float(state.travel[leader])
@@ -396,7 +371,7 @@ def advance(
             last = d * float(pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
             joint_level, end_level = -first_key(queues, joint_back), -first_key(queues, end_back)
             level = max(last, joint_level, end_level)
-            if min(last, end_level) >= level - TIE * problem.scale:
+            if min(last, end_level) >= level - st.TIE * problem.scale:
                 # Both come to the ends of their branches, as alike cells do.
                 break
             movers = with_curved(problem, state, rising, leader, piece, 0.0)
@@ -412,12 +387,12 @@ def advance(
                 at = places[: len(movers.cell)]
                 state.force[0] = point_at(problem, movers, force, following, target, at, False)
                 state.travel[leader] = at[0]
-                drive, status = target, DONE
+                drive, status = target, st.DONE
                 break
             state.force[0] = force = following
             state.travel[leader], drive = place, there
-            why = FOLD
-            state.next_snap[TRIGGER] = -1
+            why = logged.FOLD
+            state.next_snap[st.TRIGGER] = -1
             if not np.isnan(fold):
                 stable = False
             elif level == last:
@@ -429,7 +404,7 @@ def advance(
                     continue
                 if sign == 0:
                     break
-                _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+                _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
                 if sign == 2:
                     rest(problem, state, rising, leader)
                 else:
@@ -443,14 +418,14 @@ def advance(
                 i = int(queues.heap[end_back, 0])
                 if is_held(rising, i) or past_end(problem, state, rising, i, -d) != 2:
                     break
-                if _ties(queues, end_back, TIE * problem.scale):
+                if _ties(queues, end_back, st.TIE * problem.scale):
                     break
                 _leave_branch(problem, state, rising, segment, i, -d)
-                _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+                _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
                 rest(problem, state, rising, i)
                 continue
         # It falls on by itself, at a fixed drive.
-        _end_segment(problem, state, rising, segment, MOVE, d, drive, 0.0)
+        _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
         set_snap(state.next_snap, leader, d, why)
         if heaviest < 0.0:
             heaviest = heaviest_of(problem)
@@ -474,7 +449,7 @@ def advance(
         spring = 0.5 * problem.beta * (force - landing.force) * (force + landing.force)
         soft_there = softness_at(problem, state, rising) + problem.beta
         room = landing.missed / soft_there if landing.missed < np.inf else np.inf
-        if room < TIE * problem.scale:
+        if room < st.TIE * problem.scale:
             set_tie(state.tie, leader, leader)
         state.near[0], state.near[1], state.near[2] = room, landing.missed, 0.0
         for q, level in ((end, d * landing.force), (end_back, -d * landing.force)):
@@ -483,9 +458,11 @@ def advance(
             set_near(state.near, gap, 1.0 / max(soft_there, 1e-300))
         state.force[0] = force = landing.force
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
-        _end_segment(problem, state, rising, segment, SNAP, d, drive, before - after + spring)
-        set_snap(state.next_snap, -1, d, FOLD)
-        why = FOLD
+        _end_segment(
+            problem, state, rising, segment, logged.SNAP, d, drive, before - after + spring
+        )
+        set_snap(state.next_snap, -1, d, logged.FOLD)
+        why = logged.FOLD
         edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
         stop = pieces.right[edge] if d > 0 else pieces.left[edge]
         if landing.piece == edge and landing.travel == stop:
@@ -494,7 +471,12 @@ def advance(
         elif pieces.sign[landing.piece] > 0:
             rise(problem, state, rising, leader, landing.piece)
             leader = -1
-    _stop_here(problem, state, rising, segment, d, drive, status == DONE)
-    if status == GOES_ON and leader >= 0 and state.next_snap[TRIGGER] == leader and why == FOLD:
-        state.next_snap[DUE] = 1
+    _stop_here(problem, state, rising, segment, d, drive, status == st.DONE)
+    if (
+        status == st.GOES_ON
+        and leader >= 0
+        and state.next_snap[st.TRIGGER] == leader
+        and why == logged.FOLD
+    ):
+        state.next_snap[st.DUE] = 1
     return status

@@ -7,22 +7,11 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, summed
+from stepwell.statics.following import state as st
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert_near
 from stepwell.statics.following.state import (
-    DONE,
-    DUE,
-    FREE,
-    GOES_ON,
-    HELD,
-    LETS_GO,
-    PLACE,
-    RUNS_AWAY,
-    SLIDES,
-    TIE,
-    TRIGGER,
-    WHY,
     DrivenChain,
     Movers,
     State,
@@ -68,10 +57,10 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
     goes[:] = 0
     flat, falling, leader, blocked = 0, 0, -1, False
     for i in range(len(goes)):
-        if mode[i] == HELD:
+        if mode[i] == st.HELD:
             continue
         sign = signs[piece[i]]
-        follows = mode[i] == FREE or sense[i] == direction
+        follows = mode[i] == st.FREE or sense[i] == direction
         if sign == 0 and follows:
             flat += 1
             goes[i] = 1
@@ -86,15 +75,15 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
     goes[:] = 0
     if falling == 0 and not blocked:
         for i in range(len(goes)):
-            if mode[i] != HELD and (mode[i] == FREE or sense[i] == direction):
+            if mode[i] != st.HELD and (mode[i] == st.FREE or sense[i] == direction):
                 goes[i] = 1
         return WITH, -1
     if falling != 1 or flat > 0 or blocked:
         return LOST, leader
     total = problem.beta
     for i in range(len(goes)):
-        rising = i != leader and mode[i] != HELD
-        if i == leader or (rising and (mode[i] == FREE or sense[i] == -direction)):
+        rising = i != leader and mode[i] != st.HELD
+        if i == leader or (rising and (mode[i] == st.FREE or sense[i] == -direction)):
             goes[i] = 1
             inverse = inverse_slope(laws, pieces, i, piece[i], state.travel[i])
             total += problem.alpha * inverse
@@ -130,14 +119,14 @@ def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
     """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
     mode = state.mode
     for i in range(len(goes)):
-        if mode[i] != HELD and mode[i] != FREE:
+        if mode[i] != st.HELD and mode[i] != st.FREE:
             if not goes[i]:
                 hold(problem, state, i)
             elif problem.laws.friction[i] == 0.0:
-                mode[i], state.sense[i] = FREE, 0
+                mode[i], state.sense[i] = st.FREE, 0
             else:
-                mode[i] = SLIDES
-    state.next_snap[TRIGGER] = -1
+                mode[i] = st.SLIDES
+    state.next_snap[st.TRIGGER] = -1
     return movers_of(problem, state, goes)
 
 
@@ -145,11 +134,11 @@ def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
 def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
     """Bring in held and moving cells that come to the same constant force; whether any do."""
     laws, pieces = problem.laws, problem.pieces
-    friction, ends, tie_force = laws.friction, problem.sheets.ends, TIE * problem.scale
+    friction, ends, tie_force = laws.friction, problem.sheets.ends, st.TIE * problem.scale
     mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
     any_joined = False
     for i in range(len(mode)):
-        held = mode[i] == HELD
+        held = mode[i] == st.HELD
         if held:
             distance = _until_letting_go(friction, ends, travel, at_rest, i, force, direction)
             if distance > tie_force:
@@ -162,7 +151,7 @@ def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
             continue
         state.piece[i] = piece
         if held:
-            mode[i], state.sense[i] = LETS_GO, direction
+            mode[i], state.sense[i] = st.LETS_GO, direction
         any_joined = True
     return any_joined
 
@@ -225,7 +214,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
         if not reached and state.travel[i] == _end_of(pieces, movers, m, direction):
             set_snap(state.next_snap, i, direction, KINK)
             end_piece(problem, state, i, direction)
-    return DONE if reached else GOES_ON
+    return st.DONE if reached else st.GOES_ON
 
 
 @leaf
@@ -247,20 +236,20 @@ def _until_letting_go(
 def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank = problem.pieces, problem.rank
-    friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, TIE * problem.scale
+    friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, st.TIE * problem.scale
     # One that lets go out of turn would be called back by the one whose turn it is.
     same = 1e-3 * tie_force
     mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
     nearest = np.inf
     for i in range(len(rank)):
-        if mode[i] == HELD:
+        if mode[i] == st.HELD:
             distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
             nearest = min(nearest, distance)
     first, rival, falls, closest = -1, -1, False, np.inf
     if nearest == np.inf:
         return nearest, first
     for i in range(len(rank)):
-        if mode[i] != HELD:
+        if mode[i] != st.HELD:
             continue
         distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
         if distance <= nearest + tie_force:
@@ -320,7 +309,7 @@ def _first_to_arrive(
         for m in range(len(cell)):
             distance = _until_end(pieces, movers, m, force, toward)
             over = _turns_over(ends, pieces, cell[m], on[m], direction) == -1
-            if not over or distance > arrival + TIE * scale:
+            if not over or distance > arrival + st.TIE * scale:
                 continue
             if first < 0 or rank[cell[m]] < rank[cell[first]]:
                 first, rival = m, first
@@ -349,7 +338,7 @@ def _first_event(
 ) -> BranchEnd:
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
     pieces = problem.pieces
-    force, tie_force = state.force[0], TIE * problem.scale
+    force, tie_force = state.force[0], st.TIE * problem.scale
     arrival, who, company = _first_to_arrive(problem, state, movers, toward, direction)
     release, cell = _first_to_let_go(problem, state, toward)
     releases = release < arrival - tie_force
@@ -430,16 +419,16 @@ def move(problem: DrivenChain, state: State, movers: Movers, direction: int, tar
     event = _first_event(problem, state, movers, toward, direction)
     if event.why == _NOTHING:
         if beta == 0.0:
-            return RUNS_AWAY
+            return st.RUNS_AWAY
         # Nothing is left to happen: the drive only changes the force.
         state.force[0] = (target - alpha * summed(begun.travel)) / beta
         write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
-        return DONE
+        return st.DONE
     count = len(movers.cell)
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
         event = _or_fold(problem, state, movers, event, toward)
     level = event.level
-    places = problem.spare.number[PLACE, :count]
+    places = problem.spare.number[st.PLACE, :count]
     _places_at(problem, state, movers, event, toward, places)
     drive = alpha * (movers.held + summed(places)) + beta * level
     reached = direction * (drive - target) > drive_slack(problem)
@@ -463,18 +452,18 @@ def move(problem: DrivenChain, state: State, movers: Movers, direction: int, tar
         kind = MOVE if count > 0 else HOLD
         write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
     if reached:
-        return DONE
+        return st.DONE
     cell, heading = event.cell, event.heading
     if event.why == FOLD:
         set_snap(state.next_snap, cell, heading, FOLD)
-        state.next_snap[DUE] = 1
+        state.next_snap[st.DUE] = 1
     elif event.why == RELEASE:
-        state.mode[cell], state.sense[cell] = LETS_GO, heading
+        state.mode[cell], state.sense[cell] = st.LETS_GO, heading
         state.piece[cell] = find_piece(pieces, cell, state.travel[cell], heading)
         set_snap(state.next_snap, cell, heading, RELEASE)
     else:
         set_snap(state.next_snap, cell, heading, KINK)
         end_piece(problem, state, cell, heading)
-        if state.mode[cell] == HELD:
-            state.next_snap[TRIGGER], state.next_snap[WHY] = -1, FOLD
-    return GOES_ON
+        if state.mode[cell] == st.HELD:
+            state.next_snap[st.TRIGGER], state.next_snap[st.WHY] = -1, FOLD
+    return st.GOES_ON

@@ -5,44 +5,13 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import leaf
 from stepwell.mechanism import HIGH, LOW, largest, law, smallest, stored, summed
+from stepwell.statics.following import landing, state as st
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
-from stepwell.statics.following.landing import (
-    JOINED,
-    JUMPED,
-    LANDED,
-    STOPPED,
-    UNDECIDED,
-    SnapLine,
-    land,
-    least_pull,
-    note_next_snap,
-    pull_at,
-)
+from stepwell.statics.following.landing import SnapLine, land, least_pull, note_next_snap, pull_at
 from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD, SNAP
 from stepwell.statics.following.pieces import find_piece, sheet_of, stand_all_on, stand_on
 from stepwell.statics.following.state import (
-    DUE,
-    EXTRA,
-    FREE,
-    GOES_ON,
-    HELD,
-    MODES,
-    MOVER,
-    NOT_SETTLED,
-    ON_PIECE,
-    RUB,
-    SENSE,
-    SHEETS,
-    SLOPES,
-    STALLED,
-    START,
-    TIE,
-    TRIGGER,
-    WAY,
-    WEIGHTS,
-    WHY,
-    WORN,
     Begin,
     DrivenChain,
     State,
@@ -67,19 +36,21 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     # What is left is one run of steps, each of which may end the snap.
     begun = begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
-    before, trigger = begun.travel, state.next_snap[TRIGGER]
-    spare, rubbed = problem.spare, problem.spare.number[RUB]
+    before, trigger = begun.travel, state.next_snap[st.TRIGGER]
+    spare, rubbed = problem.spare, problem.spare.number[st.RUB]
     rubbed[:] = 0.0
-    outcome, close = JUMPED, False
+    outcome, close = landing.JUMPED, False
     if not (
-        state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
+        state.next_snap[st.DUE]
+        and state.next_snap[st.WHY] == ENDS
+        and jump(problem, state, trigger)
     ):
         outcome, close = along_line(problem, state, direction, rubbed)
-    if outcome == JOINED or outcome == JUMPED:
-        jumped = outcome == JUMPED
+    if outcome == landing.JOINED or outcome == landing.JUMPED:
+        jumped = outcome == landing.JUMPED
         settled, closer = _by_flow(problem, state, begun.drive, rubbed, jumped, accuracy)
         if not settled:
-            return NOT_SETTLED
+            return st.NOT_SETTLED
         close = close or closer
     settle(problem, state)
     note_next_snap(problem, state)
@@ -88,10 +59,10 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     for i in range(len(before)):
         shift += state.travel[i] - before[i]
     if problem.beta == 0.0 and abs(shift) > 1e-9 * summed(problem.laws.full):
-        return NOT_SETTLED
+        return st.NOT_SETTLED
     moved, released, friction_work = _moved_by(problem, state, begun, trigger)
     if moved < 0:
-        return STALLED
+        return st.STALLED
     if problem.beta > 0.0:
         # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
         # way no large numbers are subtracted.
@@ -103,11 +74,11 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     movers = some_movers(spare, moved, 0.0)
     heat = (released - friction_work, friction_work)
     write(problem, state, SNAP, begun, movers, heat, begun.drive)
-    by_flow = outcome == JOINED or outcome == JUMPED
+    by_flow = outcome == landing.JOINED or outcome == landing.JUMPED
     state.log.segments[state.log.used[0] - 1, DECIDED] = BY_FLOW if by_flow else BY_LINE
     set_snap(state.next_snap, -1, direction, FOLD)
-    state.next_snap[DUE] = 0
-    return GOES_ON
+    state.next_snap[st.DUE] = 0
+    return st.GOES_ON
 
 
 @leaf
@@ -124,12 +95,12 @@ def _moved_by(
         changed = state.travel[i] != before or there != begun.sheet[i]
         any_changed = any_changed or changed
         # A cell that yields and comes back has rubbed as well.
-        friction_work += laws.friction[i] * spare.number[RUB, i]
+        friction_work += laws.friction[i] * spare.number[st.RUB, i]
         # The cell that let go belongs to the snap even where the flow brings it back to its stop.
         if not changed and i != trigger:
             continue
-        spare.whole[MOVER, moved], spare.whole[ON_PIECE, moved] = i, -1
-        spare.number[EXTRA, moved] = 0.0
+        spare.whole[st.MOVER, moved], spare.whole[st.ON_PIECE, moved] = i, -1
+        spare.number[st.EXTRA, moved] = 0.0
         moved += 1
         stand_on(laws, sheets, pieces, i, begun.sheet[i])
         on = pieces.picked[find_piece(pieces, i, before, 0)]
@@ -143,7 +114,7 @@ def _moved_by(
 def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
-        if i != leader and state.mode[i] != HELD and problem.pieces.sign[state.piece[i]] < 0:
+        if i != leader and state.mode[i] != st.HELD and problem.pieces.sign[state.piece[i]] < 0:
             set_tie(state.tie, leader, i)
 
 
@@ -154,16 +125,16 @@ def along_line(
     """Move one cell or pair to where it lands; JOINED where more can move; whether by a tie."""
     # One function: the line is changed as cells join, with all that is known of it.
     laws, scale = problem.laws, problem.scale
-    trigger, sense, partner, active = state.next_snap[TRIGGER], state.next_snap[SENSE], -1, 0
+    trigger, sense, partner, active = state.next_snap[st.TRIGGER], state.next_snap[st.SENSE], -1, 0
     mode = state.mode
     for i in range(len(mode)):
-        if mode[i] != HELD:
+        if mode[i] != st.HELD:
             active += 1
-            if i != trigger and (mode[i] == FREE or state.sense[i] == -sense):
+            if i != trigger and (mode[i] == st.FREE or state.sense[i] == -sense):
                 partner = i
     rigid, dead = problem.beta == 0.0, problem.alpha == 0.0
     if not (active == 2 and partner >= 0 if rigid else active == 1 or dead):
-        return JOINED, False
+        return landing.JOINED, False
     other = partner if rigid else -1
     forth, back = (trigger, other) if sense > 0 else (other, trigger)
     low, high = held_range(problem, state)
@@ -180,7 +151,7 @@ def along_line(
         share = problem.mobility[back] / (problem.mobility[back] + problem.mobility[forth])
     line = SnapLine(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
     size = laws.full[forth] if forth >= 0 else laws.full[back]
-    begun, neutral = line, state.next_snap[WHY] != FOLD and _is_neutral(problem, line)
+    begun, neutral = line, state.next_snap[st.WHY] != FOLD and _is_neutral(problem, line)
     if neutral:
         line = _driven_on(line, direction, 1e-10 * size)
     # The start is itself an equilibrium, at a fold a double one, and next to a double root
@@ -189,7 +160,7 @@ def along_line(
     # The same with a little more pull and a little less: where it then lands elsewhere, the
     # choice between two landings hangs on less than any real mechanism can promise.
     start = 1e-7
-    while outcome == LANDED and shift <= 1e-3 * size and start < 1e-3:
+    while outcome == landing.LANDED and shift <= 1e-3 * size and start < 1e-3:
         # So near to where it set out a landing may be rounding: it is one if past it something
         # holds the cells back that a real mechanism has.
         if pull_at(problem, line, 2.0 * shift) < -1e-12 * scale:
@@ -197,15 +168,15 @@ def along_line(
         start = 4.0 * max(start, shift / size)
         outcome, shift, level = land(problem, line, start, 0.0)
     # On a line all in balance, every place up to the landing is one to rest at.
-    tie = bool(neutral and abs(pull_at(problem, begun, 0.5 * shift)) <= TIE * scale)
+    tie = bool(neutral and abs(pull_at(problem, begun, 0.5 * shift)) <= st.TIE * scale)
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
             other_outcome, other_shift, _ = land(problem, line, 1e-3, bias)
-            tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != UNDECIDED
+            tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != landing.UNDECIDED
     if shift > start * size:
         set_near(state.near, *least_pull(problem, line, start * size, shift))
-    if outcome == UNDECIDED:
-        outcome, shift, level = JOINED, 0.0, line.force
+    if outcome == landing.UNDECIDED:
+        outcome, shift, level = landing.JOINED, 0.0, line.force
     if forth >= 0:
         state.travel[forth] = line.from_forth + shift
         if problem.sheets.ends[forth, HIGH] - state.travel[forth] <= 1e-15 * laws.full[forth]:
@@ -217,21 +188,21 @@ def along_line(
             state.travel[back] = problem.sheets.ends[back, LOW]
         rubbed[back] = shift
     state.force[0] = level
-    if outcome == STOPPED:
+    if outcome == landing.STOPPED:
         jumps = forth >= 0 and state.travel[forth] == problem.sheets.ends[forth, HIGH]
         jumps = jumps and jump(problem, state, forth)
         if back >= 0 and state.travel[back] == problem.sheets.ends[back, LOW]:
             jumps = jump(problem, state, back) or jumps
         if jumps:
-            return JUMPED, tie
-    if outcome == STOPPED and rigid:
+            return landing.JUMPED, tie
+    if outcome == landing.STOPPED and rigid:
         # One of the two has stopped and no longer takes its part of the force: the other
         # may now push a third one off its place, and the snap goes on.
         settle(problem, state)
         low, high = held_range(problem, state)
         slip = 1e-12 * scale
         if low > high + slip or not low - slip <= state.force[0] <= high + slip:
-            outcome = JOINED
+            outcome = landing.JOINED
     return outcome, tie
 
 
@@ -270,13 +241,13 @@ def _by_flow(
     """Let the flow bring all cells to rest, from after a jump or not; whether so, and by a tie."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     travel, mode, spare = state.travel, state.mode, problem.spare
-    start, worn = spare.number[START], spare.number[WORN]
-    modes, sheets = spare.whole[MODES], spare.whole[SHEETS]
+    start, worn = spare.number[st.START], spare.number[st.WORN]
+    modes, sheets = spare.whole[st.MODES], spare.whole[st.SHEETS]
     for i in range(len(travel)):
         start[i], worn[i], modes[i] = travel[i], rubbed[i], mode[i]
         sheets[i] = sheet_of(problem.sheets, i)
     settled, level, tie = False, force, False
-    on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
+    on_its_way = jumped or worn[state.next_snap[st.TRIGGER]] != 0.0
     near = state.near
     line = near[0], near[1]
     # The place next to a fold can be too narrow for the flow to get out of; then the way
@@ -314,13 +285,17 @@ def _by_flow(
 def _leave(problem: DrivenChain, state: State, share: float) -> None:
     """Step off an unstable equilibrium along its one unstable direction."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    trigger, sense = state.next_snap[TRIGGER], state.next_snap[SENSE]
+    trigger, sense = state.next_snap[st.TRIGGER], state.next_snap[st.SENSE]
     spare, count = problem.spare, _leavers(problem, state, True)
-    movers, slopes, weights = spare.whole[MOVER], spare.number[SLOPES], spare.number[WEIGHTS]
+    movers, slopes, weights = (
+        spare.whole[st.MOVER],
+        spare.number[st.SLOPES],
+        spare.number[st.WEIGHTS],
+    )
     # At a fixed stroke no cell moves alone: then those that land against friction join in.
     if not (count > 1 or (count == 1 and beta > 0.0)):
         count = _leavers(problem, state, False)
-    mine, way = 0, spare.number[WAY, :count]
+    mine, way = 0, spare.number[st.WAY, :count]
     for m in range(count):
         i = int(movers[m])
         weights[m] = problem.mobility[i]
@@ -350,11 +325,11 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
 @leaf
 def _leavers(problem: DrivenChain, state: State, needed: bool) -> int:
     """List the cells that leave an unstable equilibrium, only those needed or all; how many."""
-    pieces, movers, count = problem.pieces, problem.spare.whole[MOVER], 0
+    pieces, movers, count = problem.pieces, problem.spare.whole[st.MOVER], 0
     for i in range(len(state.mode)):
-        falls = state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
-        slides = state.mode[i] != HELD and not needed
-        if state.mode[i] == FREE or i == state.next_snap[TRIGGER] or falls or slides:
+        falls = state.mode[i] != st.HELD and pieces.sign[state.piece[i]] < 0
+        slides = state.mode[i] != st.HELD and not needed
+        if state.mode[i] == st.FREE or i == state.next_snap[st.TRIGGER] or falls or slides:
             movers[count] = i
             count += 1
     return count
@@ -363,7 +338,7 @@ def _leavers(problem: DrivenChain, state: State, needed: bool) -> int:
 @leaf
 def _short_of_stops(problem: DrivenChain, state: State, step: float, way: Floats) -> float:
     """One length for all cells, short of every stop, or the stroke would not stay what it is."""
-    ends, movers = problem.sheets.ends, problem.spare.whole[MOVER]
+    ends, movers = problem.sheets.ends, problem.spare.whole[st.MOVER]
     for m in range(len(way)):
         i = movers[m]
         up = step * way[m] > 0.0

@@ -7,37 +7,7 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
-from stepwell.statics.following.log import (
-    CAUSE,
-    CELL,
-    DECIDED,
-    DIRECTION,
-    DRIVE_0,
-    DRIVE_1,
-    ENDS,
-    ERROR,
-    FOLLOW,
-    FORCE_0,
-    FORCE_1,
-    HEADING,
-    KIND,
-    LEADER,
-    MOVER_COLUMNS,
-    NEAR_FORCE,
-    NEAR_TRAVEL,
-    OFFSET,
-    PIECE,
-    RELEASED,
-    RUBBED,
-    SHEET_0,
-    SHEET_1,
-    SNAP,
-    TIE_A,
-    TIE_B,
-    TRAVEL_0,
-    TRAVEL_1,
-    Log,
-)
+from stepwell.statics.following import log as logged
 from stepwell.statics.following.pieces import (
     Pieces,
     find_piece,
@@ -119,10 +89,10 @@ class State(NamedTuple):
     tie: Ints  # (2,) cells that tie on the present segment, or -1
     near: Floats  # (3,) of the present snap, see log.NEAR_FORCE and what follows
     stroke: Ints  # (1,) how many strokes have begun
-    log: Log
+    log: logged.Log
 
 
-def blank_state(travel: Floats, log: Log) -> State:
+def blank_state(travel: Floats, log: logged.Log) -> State:
     """A state with (N,) travels of which nothing else is known yet."""
     n = len(travel)
     modes, senses, pieces = np.zeros((3, n), np.int64)
@@ -218,17 +188,17 @@ def write_row(
     log = state.log
     k = log.used[0]
     row = log.segments[k]
-    row[KIND], row[DIRECTION] = kind, direction
-    row[DRIVE_0], row[DRIVE_1] = drive
-    row[FORCE_0], row[FORCE_1] = force
-    row[RELEASED], row[RUBBED] = heat
-    row[CAUSE] = state.next_snap[WHY] if kind == SNAP else 0
-    row[LEADER] = state.next_snap[TRIGGER] if kind == SNAP else -1
-    row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
-    row[TIE_A], row[TIE_B] = state.tie
-    row[DECIDED] = row[FOLLOW] = 0.0
-    if kind == SNAP:
-        row[NEAR_FORCE], row[NEAR_TRAVEL], row[ERROR] = state.near
+    row[logged.KIND], row[logged.DIRECTION] = kind, direction
+    row[logged.DRIVE_0], row[logged.DRIVE_1] = drive
+    row[logged.FORCE_0], row[logged.FORCE_1] = force
+    row[logged.RELEASED], row[logged.RUBBED] = heat
+    row[logged.CAUSE] = state.next_snap[WHY] if kind == logged.SNAP else 0
+    row[logged.LEADER] = state.next_snap[TRIGGER] if kind == logged.SNAP else -1
+    row[logged.HEADING] = state.next_snap[SENSE] if kind == logged.SNAP else 0
+    row[logged.TIE_A], row[logged.TIE_B] = state.tie
+    row[logged.DECIDED] = row[logged.FOLLOW] = 0.0
+    if kind == logged.SNAP:
+        row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR] = state.near
     state.tie[:] = -1
     log.used[0] = k + 1
     log.first[k + 1] = log.used[1]
@@ -252,38 +222,45 @@ def write(
     for j in range(len(movers.cell)):
         i = movers.cell[j]
         mover = log.movers[m + j]
-        mover[CELL], mover[PIECE], mover[OFFSET] = i, movers.piece[j], movers.offset[j]
-        mover[TRAVEL_0], mover[TRAVEL_1] = begun.travel[i], state.travel[i]
-        mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
+        mover[logged.CELL], mover[logged.PIECE], mover[logged.OFFSET] = (
+            i,
+            movers.piece[j],
+            movers.offset[j],
+        )
+        mover[logged.TRAVEL_0], mover[logged.TRAVEL_1] = begun.travel[i], state.travel[i]
+        mover[logged.SHEET_0], mover[logged.SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
     log.used[1] = m + len(movers.cell)
     log.first[log.used[0]] = log.used[1]
 
 
 @kernel
-def moved(problem: DrivenChain, log: Log, k: int, travel: Floats) -> Floats:
+def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floats:
     """Rows of all cells that move in segment k, by cell; (N,) `travel` is where they are before."""
     named = log.movers[log.first[k] : log.first[k + 1]]
     row, pieces = log.segments[k], problem.pieces
-    if row[FOLLOW] == 0.0:
+    if row[logged.FOLLOW] == 0.0:
         return named
-    ends, force = problem.sheets.ends, row[FORCE_1]
+    ends, force = problem.sheets.ends, row[logged.FORCE_1]
     follows = np.zeros(len(travel), np.int64)
     for i in range(len(travel)):
         follows[i] = ends[i, LOW] < travel[i] < ends[i, HIGH]
     for m in range(len(named)):
-        follows[int(named[m, CELL])] = 0
+        follows[int(named[m, logged.CELL])] = 0
     count = len(named)
-    rows = np.zeros((count + np.sum(follows), MOVER_COLUMNS))
+    rows = np.zeros((count + np.sum(follows), logged.MOVER_COLUMNS))
     rows[:count] = named
     for i in range(len(travel)):
         if not follows[i]:
             continue
         piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
-        rows[count, CELL], rows[count, PIECE] = i, -1 if int(row[KIND]) == SNAP else piece
-        rows[count, TRAVEL_0] = travel[i]
-        rows[count, TRAVEL_1] = invert(problem.laws, pieces, i, piece, force)
+        rows[count, logged.CELL], rows[count, logged.PIECE] = (
+            i,
+            -1 if int(row[logged.KIND]) == logged.SNAP else piece,
+        )
+        rows[count, logged.TRAVEL_0] = travel[i]
+        rows[count, logged.TRAVEL_1] = invert(problem.laws, pieces, i, piece, force)
         count += 1
-    return rows[np.argsort(rows[:, CELL])]
+    return rows[np.argsort(rows[:, logged.CELL])]
 
 
 @leaf
@@ -371,7 +348,7 @@ def end_piece(problem: DrivenChain, state: State, cell: int, heading: int) -> No
             hold(problem, state, cell)
         else:
             # Its curve folds back here: it has to jump.
-            state.next_snap[WHY], state.next_snap[DUE] = ENDS, 1
+            state.next_snap[WHY], state.next_snap[DUE] = logged.ENDS, 1
         return
     state.piece[cell] += heading
     if state.mode[cell] == SLIDES:

@@ -8,19 +8,9 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import BEFORE, BEYOND
-from stepwell.statics.following import log as logged
+from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.pieces import find_piece, resting_piece, stand_all_on
-from stepwell.statics.following.state import (
-    DUE,
-    FREE,
-    SLIDES,
-    DrivenChain,
-    State,
-    blank_state,
-    hold,
-    moved,
-    set_snap,
-)
+from stepwell.statics.following.state import DrivenChain, State, blank_state, hold, moved, set_snap
 
 
 class Start(NamedTuple):
@@ -136,9 +126,9 @@ def stand_before(problem: DrivenChain, start: Start, state: State) -> None:
         travel, piece = state.travel[i], start.piece[i]
         inside = ends[i, BEFORE] < travel < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
-            state.mode[i], state.sense[i] = FREE, 0
+            state.mode[i], state.sense[i] = st.FREE, 0
         elif start.sense[i] != 0:
-            state.mode[i], state.sense[i] = SLIDES, start.sense[i]
+            state.mode[i], state.sense[i] = st.SLIDES, start.sense[i]
         else:
             hold(problem, state, i)
             continue
@@ -150,5 +140,5 @@ def stand_before(problem: DrivenChain, start: Start, state: State) -> None:
         else:
             state.piece[i] = resting_piece(pieces, i, travel)
     set_snap(state.next_snap, start.leader, start.heading, start.cause)
-    state.next_snap[DUE] = 1
+    state.next_snap[st.DUE] = 1
     state.tie[:] = -1
