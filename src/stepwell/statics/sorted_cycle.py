@@ -24,6 +24,7 @@ from stepwell.concave import (
 from stepwell.kernels import entry, leaf
 from stepwell.mechanism import Laws
 from stepwell.statics.following import log as logged
+from stepwell.statics.following.log import add_mover, add_row
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.
 WORTH_SORTING = 16
@@ -55,33 +56,6 @@ def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bo
     return False
 
 
-@leaf
-def _row(
-    log: logged.Log, kind: int, drive_0: float, drive_1: float, force_0: float, force_1: float
-) -> None:
-    k = log.used[0]
-    row = log.segments[k]
-    row[logged.KIND], row[logged.DIRECTION] = kind, 1
-    row[logged.DRIVE_0], row[logged.DRIVE_1], row[logged.FORCE_0], row[logged.FORCE_1] = (
-        drive_0,
-        drive_1,
-        force_0,
-        force_1,
-    )
-    row[logged.TIE_A] = row[logged.TIE_B] = row[logged.LEADER] = -1
-    log.used[0] = k + 1
-    log.first[k + 1] = log.used[1]
-
-
-@leaf
-def _mover(log: logged.Log, cell: int, before: float, after: float) -> None:
-    m = log.used[1]
-    mover = log.movers[m]
-    mover[logged.CELL], mover[logged.PIECE], mover[logged.OFFSET] = cell, -1, 0.0
-    mover[logged.TRAVEL_0], mover[logged.TRAVEL_1] = before, after
-    log.used[1] = m + 1
-
-
 @entry(1e-4, "table")
 def load_sorted(
     table: Floats, order: Ints, full: float, start_force: float, scale: float, log: logged.Log
@@ -101,10 +75,10 @@ def load_sorted(
             return False
         last = f0
         if f0 != force:
-            _row(log, logged.HOLD, drive, drive, force, f0)
+            add_row(log, logged.HOLD, 1, (drive, drive), (force, f0))
         if f1 > top_force:
-            _mover(log, j, 0.0, full)
-            _row(log, logged.MOVE, drive, drive + full, f0, f1)
+            add_row(log, logged.MOVE, 1, (drive, drive + full), (f0, f1))
+            add_mover(log, j, -1, 0.0, 0.0, full)
             second, second_force = top, top_force
             top, top_force = j, f1
             force, drive = f1, full * (done + 1)
@@ -127,12 +101,12 @@ def load_sorted(
                 return False
             checked += 1
         back = full - lack
-        _mover(log, j, 0.0, at)
-        _row(log, logged.MOVE, drive, drive + at, f0, top_force)
+        add_row(log, logged.MOVE, 1, (drive, drive + at), (f0, top_force))
+        add_mover(log, j, -1, 0.0, 0.0, at)
         after = force_at(leader, back)[0]
-        _mover(log, top, full, back)
-        _mover(log, j, at, full)
-        _row(log, logged.SNAP, drive + at, drive + at, top_force, after)
+        add_row(log, logged.SNAP, 1, (drive + at, drive + at), (top_force, after))
+        add_mover(log, top, -1, 0.0, full, back)
+        add_mover(log, j, -1, 0.0, at, full)
         snap = log.segments[log.used[0] - 1]
         snap[logged.CAUSE], snap[logged.LEADER], snap[logged.HEADING] = logged.RELEASE, top, -1
         lost, gained = energy_at(cell, full), energy_at(leader, full)
@@ -147,8 +121,8 @@ def load_sorted(
         snap[logged.NEAR_FORCE], snap[logged.NEAR_TRAVEL] = max(near, 0.0), max(travel, 0.0)
         snap[logged.DECIDED] = logged.BY_LINE
         snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
-        _mover(log, top, back, full)
-        _row(log, logged.MOVE, drive + at, full * (done + 1), after, top_force)
+        add_row(log, logged.MOVE, 1, (drive + at, full * (done + 1)), (after, top_force))
+        add_mover(log, top, -1, 0.0, back, full)
         force, drive = top_force, full * (done + 1)
     return True
 

@@ -58,6 +58,33 @@ def longer(log: Log) -> Log:
 
 
 @leaf
+def add_row(
+    log: Log, kind: int, direction: int, drive: tuple[float, float], force: tuple[float, float]
+) -> None:
+    """Append the row of a segment that no cell sets off and in which none tie."""
+    k = log.used[0]
+    row = log.segments[k]
+    row[:] = 0.0
+    row[KIND], row[DIRECTION] = kind, direction
+    row[DRIVE_0], row[DRIVE_1] = drive
+    row[FORCE_0], row[FORCE_1] = force
+    row[LEADER] = row[TIE_A] = row[TIE_B] = -1
+    log.used[0] = k + 1
+    log.first[k + 1] = log.used[1]
+
+
+@leaf
+def add_mover(log: Log, cell: int, piece: int, offset: float, before: float, after: float) -> None:
+    """Append the row of a cell that moves on its first sheet to the segment written last."""
+    m = log.used[1]
+    row = log.movers[m]
+    row[CELL], row[PIECE], row[OFFSET] = cell, piece, offset
+    row[TRAVEL_0], row[TRAVEL_1], row[SHEET_0], row[SHEET_1] = before, after, 0, 0
+    log.used[1] = m + 1
+    log.first[log.used[0]] = m + 1
+
+
+@leaf
 def has_room(log: Log, cells: int) -> bool:
     """Whether one more segment fits, even if so many cells move in it."""
     used, movers = log.used

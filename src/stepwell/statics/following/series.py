@@ -16,6 +16,7 @@ from stepwell.mechanism import largest, smallest, stored
 from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
 from stepwell.statics.following.fall import Falling, floor_of, heaviest_of, land_after, with_curved
+from stepwell.statics.following.log import add_mover
 from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.rising import (
     END_DOWN,
@@ -120,23 +121,6 @@ def _name(segment: FollowedSegment, i: int, travel: float) -> None:
 
 
 @leaf
-def _mover(state: State, i: int, piece: int, before: float, after: float) -> None:
-    """Append a row for cell i to the segment written last."""
-    log = state.log
-    m = log.used[1]
-    row = log.movers[m]
-    row[logged.CELL], row[logged.PIECE], row[logged.OFFSET] = i, piece, 0.0
-    row[logged.TRAVEL_0], row[logged.TRAVEL_1], row[logged.SHEET_0], row[logged.SHEET_1] = (
-        before,
-        after,
-        0,
-        0,
-    )
-    log.used[1] = m + 1
-    log.first[log.used[0]] = m + 1
-
-
-@leaf
 def _end_segment(
     problem: DrivenChain,
     state: State,
@@ -162,7 +146,7 @@ def _end_segment(
         after = float(state.travel[i])
         if not is_held(rising, i):
             after = travel_at_force(problem, state, i, force)
-        _mover(state, i, piece, segment.travel[k], after)
+        add_mover(state.log, i, piece, 0.0, segment.travel[k], after)
         segment.named[i] = 0
     segment.counts[0], segment.counts[1] = 0, row
     begin[0], begin[1] = drive, force
@@ -186,7 +170,8 @@ def _leave_branch(
     elif segment.counts[1] >= 0 and segment.named[i] == 0:
         # Nothing has moved since the row before, which did not name it.
         before = log.segments[segment.counts[1], logged.FORCE_0]
-        _mover(state, i, piece, travel_at_force(problem, state, i, before), end)
+        was = travel_at_force(problem, state, i, before)
+        add_mover(log, i, piece, 0.0, was, end)
     rise_no_more(problem, state, rising, i)
     state.travel[i] = end
 
@@ -238,7 +223,7 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising, segment: Follo
         if not is_held(rising, i) and segment.named[i] == 0:
             piece = -1 if snapped else state.piece[i]
             was = travel_at_force(problem, state, i, before)
-            _mover(state, i, piece, was, state.travel[i])
+            add_mover(log, i, piece, 0.0, was, state.travel[i])
 
 
 @leaf

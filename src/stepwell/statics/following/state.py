@@ -8,6 +8,7 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following import log as logged
+from stepwell.statics.following.log import add_mover, add_row
 from stepwell.statics.following.pieces import (
     Pieces,
     find_piece,
@@ -186,22 +187,15 @@ def write_row(
 ) -> None:
     """Append a segment without movers, and forget its tie; `heat` is released and rubbed energy."""
     log = state.log
-    k = log.used[0]
-    row = log.segments[k]
-    row[logged.KIND], row[logged.DIRECTION] = kind, direction
-    row[logged.DRIVE_0], row[logged.DRIVE_1] = drive
-    row[logged.FORCE_0], row[logged.FORCE_1] = force
+    add_row(log, kind, direction, drive, force)
+    row = log.segments[log.used[0] - 1]
     row[logged.RELEASED], row[logged.RUBBED] = heat
-    row[logged.CAUSE] = state.next_snap[WHY] if kind == logged.SNAP else 0
-    row[logged.LEADER] = state.next_snap[TRIGGER] if kind == logged.SNAP else -1
-    row[logged.HEADING] = state.next_snap[SENSE] if kind == logged.SNAP else 0
     row[logged.TIE_A], row[logged.TIE_B] = state.tie
-    row[logged.DECIDED] = row[logged.FOLLOW] = 0.0
     if kind == logged.SNAP:
+        row[logged.CAUSE] = state.next_snap[WHY]
+        row[logged.LEADER], row[logged.HEADING] = state.next_snap[TRIGGER], state.next_snap[SENSE]
         row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR] = state.near
     state.tie[:] = -1
-    log.used[0] = k + 1
-    log.first[k + 1] = log.used[1]
 
 
 @leaf
@@ -215,22 +209,13 @@ def write(
     drive: float,
 ) -> None:
     """Append the segment that ends here at `drive`, with a row for every mover."""
-    log, m = state.log, state.log.used[1]
-    write_row(
-        state, kind, begun.direction, (begun.drive, drive), (begun.force, state.force[0]), heat
-    )
+    log, force = state.log, (begun.force, state.force[0])
+    write_row(state, kind, begun.direction, (begun.drive, drive), force, heat)
     for j in range(len(movers.cell)):
         i = movers.cell[j]
-        mover = log.movers[m + j]
-        mover[logged.CELL], mover[logged.PIECE], mover[logged.OFFSET] = (
-            i,
-            movers.piece[j],
-            movers.offset[j],
-        )
-        mover[logged.TRAVEL_0], mover[logged.TRAVEL_1] = begun.travel[i], state.travel[i]
+        add_mover(log, i, movers.piece[j], movers.offset[j], begun.travel[i], state.travel[i])
+        mover = log.movers[log.used[1] - 1]
         mover[logged.SHEET_0], mover[logged.SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
-    log.used[1] = m + len(movers.cell)
-    log.first[log.used[0]] = log.used[1]
 
 
 @kernel
