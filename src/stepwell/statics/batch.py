@@ -44,7 +44,6 @@ from stepwell.statics.following.pieces import (
     travel_between,
 )
 from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.series import FollowedSegment, no_segment
 from stepwell.statics.following.state import (
     DONE,
     FREE,
@@ -104,7 +103,6 @@ class _Work(NamedTuple):
     room: CuttingSpace
     spare: Spare
     rising: Rising
-    segment: FollowedSegment
     state: State
     begin: Floats  # (N,) travels where the cycle begins
     sheet: Ints  # (N,) sheets there
@@ -241,7 +239,6 @@ def _work(designs: Designs) -> _Work:
         room_for(laws),
         spare_room(n),
         no_rising(n),
-        no_segment(n),
         blank_state(np.zeros(n), logged.empty_log(room, 4 * room)),
         np.zeros(n),
         np.zeros(n, np.int64),
@@ -277,7 +274,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
         return
     state, turning = work.state, work.turning
     effort[0], effort[MOST] = 0, _LOOKS
-    if follow(problem, turning, state, work.rising, work.segment) != DONE:
+    if follow(problem, turning, state, work.rising) != DONE:
         return
     effort[0], effort[MOST] = 0, _LOOKS
     _, promise, _ = audit(problem, state.log, work.begin, work.sheet)

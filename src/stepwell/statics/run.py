@@ -10,14 +10,7 @@ from stepwell.base import Floats, InputError, Ints, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics import outcome, places, sorted_cycle
-from stepwell.statics.following import (
-    certificate,
-    log as logged,
-    pieces,
-    rising,
-    series,
-    state as st,
-)
+from stepwell.statics.following import certificate, log as logged, pieces, rising, state as st
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.state import DrivenChain, State, drive_of
 from stepwell.statics.path import Path
@@ -99,7 +92,7 @@ def _follow_from(
         pieces.stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
         return fresh()
 
-    state, queues = fresh(), (rising.no_rising(len(chain)), series.no_segment(len(chain)))
+    state, queues = fresh(), rising.no_rising(len(chain))
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
         problem.effort[MOST] = most if aside else min(most, few)
@@ -107,7 +100,7 @@ def _follow_from(
             if aside:
                 status = _watched(problem, turning, state, queues, progress)
             else:
-                status = follow(problem, turning, state, *queues)
+                status = follow(problem, turning, state, queues)
         except _MachineCodeCame:
             follow.compiled()
             state = again()
@@ -150,7 +143,7 @@ def _watched(
     problem: DrivenChain,
     turning: Floats,
     state: State,
-    queues: tuple[rising.Rising, series.FollowedSegment],
+    queues: rising.Rising,
     progress: Progress | None,
 ) -> int:
     """Run beside this thread, which hears Ctrl-C and goes over to machine code once it is there."""
@@ -163,14 +156,14 @@ def _watched(
         if interpreted and spent > WORTH_LOADING and follow.ready():
             raise _MachineCodeCame
         if interpreted and spent > _ASK_AFTER:
-            follow.ask_for_machine_code(problem, turning, state, *queues)
+            follow.ask_for_machine_code(problem, turning, state, queues)
         if progress is not None:
             stroke = max(int(state.stroke[0]) - 1, 0)
             here = drive_of(problem, state.travel, float(state.force[0]))
             progress(done[stroke] + min(abs(here - turning[stroke]), way[stroke]), done[-1])
 
     def run() -> int:
-        return follow(problem, turning, state, *queues)
+        return follow(problem, turning, state, queues)
 
     return beside(run, lambda: end_early(problem.effort), look)
 

@@ -128,8 +128,8 @@ def point_at(
     low, high = begin, end
     # The same answer whatever was there.
     out[:] = np.nan
-    u_low = _drive_at(problem, movers, low, out, joints)
-    u_high = _drive_at(problem, movers, high, out, joints)
+    u_low = drive_at(problem, movers, low, out, joints)
+    u_high = drive_at(problem, movers, high, out, joints)
     rising = u_high > u_low
     force = high
     for step in range(200):
@@ -140,14 +140,14 @@ def point_at(
             force = 0.5 * (low + high)
             if force == low or force == high:
                 break
-        u = _drive_at(problem, movers, force, out, joints)
+        u = drive_at(problem, movers, force, out, joints)
         if u == drive:
             break
         if (u < drive) == rising:
             low, u_low = force, u
         else:
             high, u_high = force, u
-    _drive_at(problem, movers, force, out, joints)
+    drive_at(problem, movers, force, out, joints)
     # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
     # the actuator is softer still.
     laws, pieces = problem.laws, problem.pieces
@@ -170,7 +170,7 @@ def point_at(
 
 
 @leaf
-def _drive_at(
+def drive_at(
     problem: DrivenChain, movers: Movers, force: float, out: Floats, joints: bool
 ) -> float:
     """U of a branch where its force is `force`; travels into `out`, from those there on."""

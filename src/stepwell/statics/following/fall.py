@@ -14,22 +14,23 @@ from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import law
 from stepwell.statics.following import state as st
-from stepwell.statics.following.branch import inverse_slope, point_at
-from stepwell.statics.following.pieces import invert, invert_near
+from stepwell.statics.following.branch import drive_at, inverse_slope, point_at
+from stepwell.statics.following.pieces import invert
 from stepwell.statics.following.rising import (
+    COMPLIANCE,
     END_DOWN,
     END_UP,
     JOINT_DOWN,
     JOINT_UP,
+    MOBILITY,
+    OFFSET,
     Rising,
-    compliance_of,
     count_work,
     first_key,
     is_straight,
-    mobility_of,
-    offset_of,
     pass_joint,
     stroke_at,
+    sum_of,
 )
 from stepwell.statics.following.state import DrivenChain, Movers, State
 
@@ -58,7 +59,7 @@ def floor_of(
     # One function: valley, mean and way change together from piece to piece.
     laws, pieces = problem.laws, problem.pieces
     j, p, travel, force, d = falling
-    own, others = problem.mobility[j], mobility_of(rising)
+    own, others = problem.mobility[j], sum_of(rising, MOBILITY)
     begin, picked = d * force, pieces.picked
     edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
     # Of d F: its valley, and the least that the mean of all forces by mobility can be.
@@ -119,19 +120,8 @@ def with_curved(
     for k in range(count):
         i = rising.curved[k]
         cells[one + k], on[one + k], offset[one + k] = i, state.piece[i], 0.0
-    held, count = offset_of(rising) + apart, count + one
-    return Movers(cells[:count], on[:count], offset[:count], held, compliance_of(rising))
-
-
-@leaf
-def _place(problem: DrivenChain, movers: Movers, force: float, out: Floats) -> float:
-    """U with all movers at λ = `force`; their travels into `out`, from those there on."""
-    laws, pieces = problem.laws, problem.pieces
-    total = movers.held
-    for m in range(len(out)):
-        out[m] = invert_near(laws, pieces, movers.cell[m], movers.piece[m], force, out[m])
-        total += out[m]
-    return float(problem.alpha * total + (problem.beta + problem.alpha * movers.soft) * force)
+    held, count = sum_of(rising, OFFSET) + apart, count + one
+    return Movers(cells[:count], on[:count], offset[:count], held, sum_of(rising, COMPLIANCE))
 
 
 @leaf
@@ -169,8 +159,8 @@ def _first_return(
         a, b = one[waiting], two[waiting]
         if overspent(problem.effort, 8 * count):
             break
-        _place(problem, movers, a, a_places)
-        short = direction * (goal - _place(problem, movers, b, b_places))
+        drive_at(problem, movers, a, a_places, False)
+        short = direction * (goal - drive_at(problem, movers, b, b_places, False))
         low, high = _softest(problem, movers, a_places, b_places)
         if low >= 0.0:
             # U goes on away from the goal.
@@ -309,7 +299,7 @@ def _goes_on_away(
     laws, pieces, picked = problem.laws, problem.pieces, problem.pieces.picked[p]
     end = pieces.right[p] if d > 0 else pieces.left[p]
     gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])
-    return bool((mobility_of(rising) / heaviest + problem.beta) * gentle > 1.0)
+    return bool((sum_of(rising, MOBILITY) / heaviest + problem.beta) * gentle > 1.0)
 
 
 @leaf

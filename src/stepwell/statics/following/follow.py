@@ -13,7 +13,7 @@ from stepwell.statics.following import state as st
 from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.rising import Rising
-from stepwell.statics.following.series import FollowedSegment, advance, is_regular
+from stepwell.statics.following.series import advance, is_regular
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -39,9 +39,7 @@ _LONGEST_WAIT = 15
 
 @entry()
 @leaf
-def follow(
-    problem: DrivenChain, turning: Floats, state: State, rising: Rising, segment: FollowedSegment
-) -> int:
+def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) -> int:
     """Drive the chain through `turning`, writing every segment to the log; how it ended.
 
     Where the log is full it goes on from there when called with a longer one.
@@ -72,7 +70,7 @@ def follow(
             waits -= 1
             if regular and waits < 0 and state.next_snap[st.DUE] == 0:
                 rows = state.log.used[0]
-                status = advance(problem, state, rising, segment, direction, target, slack)
+                status = advance(problem, state, rising, direction, target, slack)
                 if status == st.LOG_FULL:
                     return st.LOG_FULL
                 if status != st.GOES_ON:

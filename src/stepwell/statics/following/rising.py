@@ -24,7 +24,7 @@ JOINT_UP, JOINT_DOWN, END_UP, END_DOWN = range(4)
 _APART, _STRAIGHT, _CURVED = 0, 1, 2
 # Sums, each with what rounding left out of it: C [m/N], O with all held travels [m], mobilities,
 # and what the cells of straight force have stored since it was set to 0 [J].
-_COMPLIANCE, _OFFSET, _MOBILITY, _STORED = 0, 2, 4, 6
+COMPLIANCE, OFFSET, MOBILITY, STORED = 0, 2, 4, 6
 
 
 @record
@@ -91,12 +91,21 @@ def first_key(queues: Queues, q: int) -> float:
 
 
 @leaf
-def second_key(queues: Queues, q: int) -> float:
-    """The least key but one of queue q; inf where there is none."""
+def ties(queues: Queues, q: int, within: float) -> bool:
+    """Whether the first two cells of a queue are nearer to each other than `within`."""
     size, key = queues.size[q], queues.key[q]
-    if size < 2:
-        return np.inf
-    return float(key[1] if size == 2 else min(key[1], key[2]))
+    return bool(size > 1 and (key[1] if size == 2 else min(key[1], key[2])) - key[0] <= within)
+
+
+@record
+class FollowedSegment(NamedTuple):
+    """The segment being followed, and the cells that its row has to name; others follow λ."""
+
+    begin: Floats  # (2,) drive and λ where it began
+    cell: Ints  # (N,) the first counts[0]
+    travel: Floats  # (N,) where these were then
+    named: Ints  # (N,) 1 for these
+    counts: Ints  # (2,) how many, and the row of the segment before or -1
 
 
 @record
@@ -109,23 +118,17 @@ class Rising(NamedTuple):
     place: Ints  # (N,) where each of these is in `curved`
     counts: Ints  # (2,) cells of curved force, and all
     sums: Floats  # (8,)
+    segment: FollowedSegment
 
 
 def no_rising(cells: int) -> Rising:
     """No cell yet, in a chain of so many."""
-    return Rising(
-        Queues(
-            np.zeros((4, cells), np.int64),
-            np.zeros((4, cells)),
-            np.full((cells, 4), -1),
-            np.zeros(4, np.int64),
-        ),
-        np.zeros(cells, np.int64),
-        np.zeros(cells, np.int64),
-        np.zeros(cells, np.int64),
-        np.zeros(2, np.int64),
-        np.zeros(8),
-    )
+    kind, curved, place, cell, named = np.zeros((5, cells), np.int64)
+    counts, names = np.zeros((2, 2), np.int64)
+    places, keys = np.full((cells, 4), -1), np.zeros((4, cells))
+    queues = Queues(np.zeros((4, cells), np.int64), keys, places, np.zeros(4, np.int64))
+    segment = FollowedSegment(np.zeros(2), cell, np.zeros(cells), named, names)
+    return Rising(queues, kind, curved, place, counts, np.zeros(8), segment)
 
 
 @leaf
@@ -133,6 +136,7 @@ def clear(rising: Rising) -> None:
     """Let no cell be in it."""
     rising.queues.place[:], rising.queues.size[:] = -1, 0
     rising.kind[:], rising.counts[:], rising.sums[:] = _APART, 0, 0.0
+    rising.segment.named[:], rising.segment.counts[0], rising.segment.counts[1] = 0, 0, -1
 
 
 @leaf
@@ -148,21 +152,9 @@ def _add(sums: Floats, at: int, value: float) -> None:
 
 
 @leaf
-def compliance_of(rising: Rising) -> float:
-    """C [m/N] of the cells of straight force."""
-    return float(rising.sums[_COMPLIANCE] + rising.sums[_COMPLIANCE + 1])
-
-
-@leaf
-def offset_of(rising: Rising) -> float:
-    """O [m]: their travel without C λ, and the travels of all held cells."""
-    return float(rising.sums[_OFFSET] + rising.sums[_OFFSET + 1])
-
-
-@leaf
-def mobility_of(rising: Rising) -> float:
-    """The sum of their mobilities."""
-    return float(rising.sums[_MOBILITY] + rising.sums[_MOBILITY + 1])
+def sum_of(rising: Rising, at: int) -> float:
+    """One of the sums with what rounding left out of it."""
+    return float(rising.sums[at] + rising.sums[at + 1])
 
 
 @leaf
@@ -178,8 +170,8 @@ def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
 def _count_in(problem: DrivenChain, rising: Rising, piece: int, sign: float) -> None:
     """Add a straight piece to the sums, or take it out."""
     soft, offset = _line(problem, piece)
-    _add(rising.sums, _COMPLIANCE, sign * soft)
-    _add(rising.sums, _OFFSET, sign * offset)
+    _add(rising.sums, COMPLIANCE, sign * soft)
+    _add(rising.sums, OFFSET, sign * offset)
 
 
 @leaf
@@ -208,16 +200,12 @@ def _enter(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
 @leaf
 def _queue_joint(problem: DrivenChain, rising: Rising, i: int, piece: int, toward: int) -> None:
     """Queue the joint of a piece of cell i with the rising one that λ going `toward` leads to."""
-    pieces = problem.pieces
-    if toward > 0:
-        if piece < pieces.among[i, 1] and pieces.sign[piece + 1] > 0:
-            put(rising.queues, JOINT_UP, i, pieces.force_right[piece])
-        else:
-            drop(rising.queues, JOINT_UP, i)
-    elif piece > pieces.among[i, 0] and pieces.sign[piece - 1] > 0:
-        put(rising.queues, JOINT_DOWN, i, -pieces.force_left[piece])
+    pieces, q = problem.pieces, JOINT_UP if toward > 0 else JOINT_DOWN
+    if piece != pieces.among[i, (toward + 1) // 2] and pieces.sign[piece + toward] > 0:
+        force = pieces.force_right[piece] if toward > 0 else pieces.force_left[piece]
+        put(rising.queues, q, i, toward * force)
     else:
-        drop(rising.queues, JOINT_DOWN, i)
+        drop(rising.queues, q, i)
 
 
 @leaf
@@ -240,7 +228,7 @@ def rise(problem: DrivenChain, state: State, rising: Rising, i: int, piece: int)
     state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
     _enter(problem, rising, i, piece)
     rising.counts[1] += 1
-    _add(rising.sums, _MOBILITY, problem.mobility[i])
+    _add(rising.sums, MOBILITY, problem.mobility[i])
     first, last = pieces.among[i, 0], pieces.among[i, 1]
     low = high = piece
     while high < last and pieces.sign[high + 1] > 0:
@@ -256,7 +244,7 @@ def rise_no_more(problem: DrivenChain, state: State, rising: Rising, i: int) -> 
     """Take cell i out: it has come to the end of its rising branch."""
     _exit(problem, rising, i, state.piece[i])
     rising.counts[1] -= 1
-    _add(rising.sums, _MOBILITY, -problem.mobility[i])
+    _add(rising.sums, MOBILITY, -problem.mobility[i])
     for q in range(4):
         drop(rising.queues, q, i)
 
@@ -272,8 +260,8 @@ def pass_joint(problem: DrivenChain, state: State, rising: Rising, toward: int) 
     state.piece[i], state.travel[i] = following, joint
     if kind == _STRAIGHT and is_straight(laws, pieces, i, following):
         (soft, offset), (softer, next_offset) = _line(problem, piece), _line(problem, following)
-        _add(rising.sums, _COMPLIANCE, softer - soft)
-        _add(rising.sums, _OFFSET, next_offset - offset)
+        _add(rising.sums, COMPLIANCE, softer - soft)
+        _add(rising.sums, OFFSET, next_offset - offset)
         _queue_joint(problem, rising, i, following, toward)
         _queue_joint(problem, rising, i, following, -toward)
         return
@@ -281,7 +269,7 @@ def pass_joint(problem: DrivenChain, state: State, rising: Rising, toward: int) 
     _enter(problem, rising, i, following)
     if kind != rising.kind[i]:
         held = stored(laws, i, pieces.picked[piece], joint)
-        _add(rising.sums, _STORED, held if kind == _CURVED else -held)
+        _add(rising.sums, STORED, held if kind == _CURVED else -held)
 
 
 @leaf
@@ -289,7 +277,7 @@ def rest(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
     """Hold cell i at the stop where it is, until λ releases it."""
     hold(problem, state, i)
     travel, ends = state.travel[i], problem.sheets.ends
-    _add(rising.sums, _OFFSET, travel)
+    _add(rising.sums, OFFSET, travel)
     if travel < ends[i, HIGH]:
         put(rising.queues, END_UP, i, state.at_rest[i])
     if travel > ends[i, LOW]:
@@ -299,7 +287,7 @@ def rest(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
 @leaf
 def rest_no_more(state: State, rising: Rising, i: int) -> None:
     """Take a held cell out: it moves."""
-    _add(rising.sums, _OFFSET, -state.travel[i])
+    _add(rising.sums, OFFSET, -state.travel[i])
     drop(rising.queues, END_UP, i)
     drop(rising.queues, END_DOWN, i)
 
@@ -333,7 +321,7 @@ def stroke_at(problem: DrivenChain, state: State, rising: Rising, force: float) 
     """Σ s of all cells but the leader at λ between two joints [m]; puts those of curved force
     there.
     """
-    total = compliance_of(rising) * force + offset_of(rising)
+    total = sum_of(rising, COMPLIANCE) * force + sum_of(rising, OFFSET)
     laws, pieces, travel = problem.laws, problem.pieces, state.travel
     for k in range(rising.counts[0]):
         i = rising.curved[k]
@@ -346,7 +334,7 @@ def stroke_at(problem: DrivenChain, state: State, rising: Rising, force: float) 
 @leaf
 def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
     """dΣs/dλ of the rising cells where those of curved force are [m/N]."""
-    total = compliance_of(rising)
+    total = sum_of(rising, COMPLIANCE)
     for k in range(rising.counts[0]):
         i = rising.curved[k]
         piece, travel = int(state.piece[i]), float(state.travel[i])
@@ -357,19 +345,20 @@ def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
 @leaf
 def count_from_here(rising: Rising) -> None:
     """Set what the cells of straight force have stored to 0."""
-    rising.sums[_STORED] = rising.sums[_STORED + 1] = 0.0
+    rising.sums[STORED] = rising.sums[STORED + 1] = 0.0
 
 
 @leaf
 def count_work(rising: Rising, before: float, after: float) -> None:
     """Count what the cells of straight force store while λ goes from one value to another."""
-    _add(rising.sums, _STORED, 0.5 * compliance_of(rising) * (after - before) * (after + before))
+    soft = sum_of(rising, COMPLIANCE)
+    _add(rising.sums, STORED, 0.5 * soft * (after - before) * (after + before))
 
 
 @leaf
 def energy_in(problem: DrivenChain, state: State, rising: Rising) -> float:
     """What the rising cells store, but for a constant [J]; those of curved force where they are."""
-    total = rising.sums[_STORED] + rising.sums[_STORED + 1]
+    total = sum_of(rising, STORED)
     for k in range(rising.counts[0]):
         i = rising.curved[k]
         picked = problem.pieces.picked[state.piece[i]]

@@ -6,12 +6,9 @@ or behind a spring. Whatever else comes up (a race, constant forces, a release a
 goes back to `follow`, which does one event and hands over again.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from stepwell.base import Floats, Ints
-from stepwell.kernels import leaf, overspent, record
+from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import largest, smallest, stored
 from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
@@ -23,7 +20,6 @@ from stepwell.statics.following.rising import (
     END_UP,
     JOINT_DOWN,
     JOINT_UP,
-    Queues,
     Rising,
     clear,
     count_from_here,
@@ -37,9 +33,9 @@ from stepwell.statics.following.rising import (
     rest_no_more,
     rise,
     rise_no_more,
-    second_key,
     softness_at,
     stroke_at,
+    ties,
     travel_at_force,
 )
 from stepwell.statics.following.state import (
@@ -53,28 +49,6 @@ from stepwell.statics.following.state import (
 
 # With fewer pieces in all, looking at every cell is as quick as queues.
 _WORTH = 64
-
-
-@record
-class FollowedSegment(NamedTuple):
-    """The segment being followed, and the cells that its row has to name; others follow λ."""
-
-    begin: Floats  # (2,) drive and λ where it began
-    cell: Ints  # (N,) the first counts[0]
-    travel: Floats  # (N,) where these were then
-    named: Ints  # (N,) 1 for these
-    counts: Ints  # (2,) how many, and the row of the segment before or -1
-
-
-def no_segment(cells: int) -> FollowedSegment:
-    """None yet, in a chain of so many cells."""
-    return FollowedSegment(
-        np.zeros(2),
-        np.zeros(cells, np.int64),
-        np.zeros(cells),
-        np.zeros(cells, np.int64),
-        np.zeros(2, np.int64),
-    )
 
 
 @leaf
@@ -112,8 +86,9 @@ def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) 
 
 
 @leaf
-def _name(segment: FollowedSegment, i: int, travel: float) -> None:
+def _name(rising: Rising, i: int, travel: float) -> None:
     """Let the row of the segment name cell i, which was at `travel` when it began."""
+    segment = rising.segment
     if segment.named[i] == 0:
         k = segment.counts[0]
         segment.cell[k], segment.travel[k], segment.named[i] = i, travel, 1
@@ -122,20 +97,13 @@ def _name(segment: FollowedSegment, i: int, travel: float) -> None:
 
 @leaf
 def _end_segment(
-    problem: DrivenChain,
-    state: State,
-    rising: Rising,
-    segment: FollowedSegment,
-    kind: int,
-    direction: int,
-    drive: float,
-    released: float,
+    problem: DrivenChain, state: State, rising: Rising, kind: int, direction: int, drive: float
 ) -> None:
     """Write the segment that ends here, if anything has changed since it began."""
-    force, begin = state.force[0], segment.begin
+    segment, force, begin = rising.segment, state.force[0], rising.segment.begin
     if kind != logged.SNAP and force == begin[1] and drive == begin[0]:
         return
-    write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (released, 0.0))
+    write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (0.0, 0.0))
     row = state.log.used[0] - 1
     state.log.segments[row, logged.FOLLOW] = 1.0
     if kind == logged.SNAP:
@@ -153,20 +121,13 @@ def _end_segment(
 
 
 @leaf
-def _leave_branch(
-    problem: DrivenChain,
-    state: State,
-    rising: Rising,
-    segment: FollowedSegment,
-    i: int,
-    toward: int,
-) -> None:
+def _leave_branch(problem: DrivenChain, state: State, rising: Rising, i: int, toward: int) -> None:
     """Take a cell off its branch at the end that λ going `toward` leads to; its row is due."""
-    pieces, log = problem.pieces, state.log
+    pieces, log, segment = problem.pieces, state.log, rising.segment
     force, piece = segment.begin[1], state.piece[i]
     end = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
     if state.force[0] != force:
-        _name(segment, i, travel_at_force(problem, state, i, force))
+        _name(rising, i, travel_at_force(problem, state, i, force))
     elif segment.counts[1] >= 0 and segment.named[i] == 0:
         # Nothing has moved since the row before, which did not name it.
         before = log.segments[segment.counts[1], logged.FORCE_0]
@@ -178,18 +139,12 @@ def _leave_branch(
 
 @leaf
 def _stop_here(
-    problem: DrivenChain,
-    state: State,
-    rising: Rising,
-    segment: FollowedSegment,
-    direction: int,
-    drive: float,
-    closes: bool,
+    problem: DrivenChain, state: State, rising: Rising, direction: int, drive: float, closes: bool
 ) -> None:
     """Bring every cell to where it is now, and name in the row written last all that it did not."""
-    pieces, laws, force = problem.pieces, problem.laws, state.force[0]
+    pieces, laws, force, segment = problem.pieces, problem.laws, state.force[0], rising.segment
     kind = logged.MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else logged.HOLD
-    _end_segment(problem, state, rising, segment, kind, direction, drive, 0.0)
+    _end_segment(problem, state, rising, kind, direction, drive)
     softest, most, total = -1, 0.0, 0.0
     for i in range(len(state.mode)):
         if not is_held(rising, i):
@@ -204,13 +159,13 @@ def _stop_here(
         at = state.travel[softest] + left
         state.travel[softest] = min(max(at, pieces.left[on]), pieces.right[on])
     if segment.counts[1] >= 0:
-        _name_all(problem, state, rising, segment)
+        _name_all(problem, state, rising)
 
 
 @leaf
-def _name_all(problem: DrivenChain, state: State, rising: Rising, segment: FollowedSegment) -> None:
+def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
     """Name in the row written last all cells that it did not, where they are now."""
-    log, row = state.log, segment.counts[1]
+    log, segment, row = state.log, rising.segment, rising.segment.counts[1]
     for m in range(log.first[row], log.first[row + 1]):
         mover = log.movers[m]
         i = int(mover[logged.CELL])
@@ -227,17 +182,11 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising, segment: Follo
 
 
 @leaf
-def _ties(queues: Queues, q: int, within: float) -> bool:
-    """Whether the first two cells of a queue are nearer to each other than `within`."""
-    return bool(second_key(queues, q) - first_key(queues, q) <= within)
-
-
-@leaf
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
     """The cell to which something happens first; a tie is noted where it decides which falls."""
     queues = rising.queues
     within = st.TIE * problem.scale
-    if not _ties(queues, q, within):
+    if not ties(queues, q, within):
         return int(queues.heap[q, 0])
     limit = first_key(queues, q) + within
     falls, other, goes = -1, -1, -1
@@ -261,13 +210,7 @@ def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, towar
 
 @leaf
 def advance(
-    problem: DrivenChain,
-    state: State,
-    rising: Rising,
-    segment: FollowedSegment,
-    direction: int,
-    target: float,
-    slack: float,
+    problem: DrivenChain, state: State, rising: Rising, direction: int, target: float, slack: float
 ) -> int:
     """Follow a chain towards a target; GOES_ON where something comes up that `follow` has to do."""
     # One function: an event changes force, drive and queues, all locals, at once.
@@ -277,15 +220,13 @@ def advance(
     regular, leader = _gather(problem, state, rising, d)
     if not regular or (leader >= 0 and rising.counts[0] > 0):
         return st.GOES_ON
-    queues = rising.queues
+    queues, segment = rising.queues, rising.segment
     joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
     joint_back, end_back = (JOINT_DOWN, END_DOWN) if d > 0 else (JOINT_UP, END_UP)
     force = float(state.force[0])
     apart = float(state.travel[leader]) if leader >= 0 else 0.0
     drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
     segment.begin[0], segment.begin[1] = drive, force
-    segment.named[:] = 0
-    segment.counts[0], segment.counts[1] = 0, -1
     why = logged.FOLD
     if leader >= 0 and state.next_snap[st.TRIGGER] >= 0:
         why = int(state.next_snap[st.WHY])
@@ -317,7 +258,7 @@ def advance(
                 state.force[0] = force = d * key
                 drive = there
                 continue
-            if rising.counts[0] > 0 and _ties(queues, end, st.TIE * problem.scale):
+            if rising.counts[0] > 0 and ties(queues, end, st.TIE * problem.scale):
                 # Where curved forces turn together the sum of 1/κ is rounding, see `smooth`.
                 break
             i = _next_cell(problem, state, rising, end, d)
@@ -329,18 +270,18 @@ def advance(
             drive = there
             state.next_snap[st.TRIGGER] = -1
             if is_held(rising, i):
-                _end_segment(problem, state, rising, segment, kind, d, drive, 0.0)
+                _end_segment(problem, state, rising, kind, d, drive)
                 rest_no_more(state, rising, i)
                 piece = find_piece(pieces, i, state.travel[i], d)
                 if past > 0:
-                    _name(segment, i, state.travel[i])
+                    _name(rising, i, state.travel[i])
                     rise(problem, state, rising, i, piece)
                     continue
                 why = logged.RELEASE
             else:
                 piece = state.piece[i] + d
-                _leave_branch(problem, state, rising, segment, i, d)
-                _end_segment(problem, state, rising, segment, kind, d, drive, 0.0)
+                _leave_branch(problem, state, rising, i, d)
+                _end_segment(problem, state, rising, kind, d, drive)
                 if past == 2:
                     rest(problem, state, rising, i)
                     continue
@@ -367,7 +308,7 @@ def advance(
             place = invert(laws, pieces, leader, piece, following)
             there = stroke_at(problem, state, rising, following) + place
             there += problem.beta * following
-            _name(segment, leader, travel)
+            _name(rising, leader, travel)
             if d * (there - target) > slack:
                 at = places[: len(movers.cell)]
                 state.force[0] = point_at(problem, movers, force, following, target, at, False)
@@ -389,7 +330,7 @@ def advance(
                     continue
                 if sign == 0:
                     break
-                _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
+                _end_segment(problem, state, rising, logged.MOVE, d, drive)
                 if sign == 2:
                     rest(problem, state, rising, leader)
                 else:
@@ -403,14 +344,14 @@ def advance(
                 i = int(queues.heap[end_back, 0])
                 if is_held(rising, i) or past_end(problem, state, rising, i, -d) != 2:
                     break
-                if _ties(queues, end_back, st.TIE * problem.scale):
+                if ties(queues, end_back, st.TIE * problem.scale):
                     break
-                _leave_branch(problem, state, rising, segment, i, -d)
-                _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
+                _leave_branch(problem, state, rising, i, -d)
+                _end_segment(problem, state, rising, logged.MOVE, d, drive)
                 rest(problem, state, rising, i)
                 continue
         # It falls on by itself, at a fixed drive.
-        _end_segment(problem, state, rising, segment, logged.MOVE, d, drive, 0.0)
+        _end_segment(problem, state, rising, logged.MOVE, d, drive)
         set_snap(state.next_snap, leader, d, why)
         if heaviest < 0.0:
             heaviest = heaviest_of(problem)
@@ -426,7 +367,7 @@ def advance(
         landing = land_after(problem, state, rising, falling, (floor, heaviest), drive)
         if not landing.found:
             break
-        _name(segment, leader, travel)
+        _name(rising, leader, travel)
         stroke_at(problem, state, rising, landing.force)
         after = energy_in(problem, state, rising)
         after += stored(laws, leader, pieces.picked[landing.piece], landing.travel)
@@ -443,9 +384,8 @@ def advance(
             set_near(state.near, gap, 1.0 / max(soft_there, 1e-300))
         state.force[0] = force = landing.force
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
-        _end_segment(
-            problem, state, rising, segment, logged.SNAP, d, drive, before - after + spring
-        )
+        _end_segment(problem, state, rising, logged.SNAP, d, drive)
+        log.segments[log.used[0] - 1, logged.RELEASED] = before - after + spring
         set_snap(state.next_snap, -1, d, logged.FOLD)
         why = logged.FOLD
         edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
@@ -456,7 +396,7 @@ def advance(
         elif pieces.sign[landing.piece] > 0:
             rise(problem, state, rising, leader, landing.piece)
             leader = -1
-    _stop_here(problem, state, rising, segment, d, drive, status == st.DONE)
+    _stop_here(problem, state, rising, d, drive, status == st.DONE)
     if (
         status == st.GOES_ON
         and leader >= 0
