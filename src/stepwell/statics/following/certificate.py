@@ -6,22 +6,10 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, leaf, overspent, record
-from stepwell.mechanism import (
-    BEFORE,
-    BEYOND,
-    HIGH,
-    LOW,
-    Laws,
-    largest,
-    law,
-    smallest,
-    stored,
-    summed,
-)
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, largest, law, smallest, stored, summed
 from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import inverse_slope, point_at, smallest_eigenvalue
 from stepwell.statics.following.pieces import (
-    Pieces,
     find_piece,
     invert,
     piece_along,
@@ -39,21 +27,11 @@ KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
 FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
 # How often all cells of a long chain are looked at.
 _WHOLE_LOOKS = 8
-# Rows of the spare room that are free once a path is followed.
+# Rows of the spare room, free once a path is followed, for what the audit knows of every cell where
+# it was seen last: its travel, between which λ it stands, what it stores and its force ...
 _NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = st.WAS, st.PLACE, st.FAR_PLACE, st.START, st.WORN
+# ... the piece on which these two were looked at, that on which it was, and its segment; or -1.
 _SEEN, _ON, _NAMED = st.MODES, st.SHEETS, st.WAS_ON
-
-
-class Watch(NamedTuple):
-    """What the audit knows of every cell where it was seen last; N cells."""
-
-    now: Floats  # (N,) travel
-    lowest: Floats  # (N,) λ between which it stands
-    highest: Floats  # (N,)
-    energy: Floats  # (N,) what it stores [J]
-    pushes: Floats  # (N,) its force [N]
-    seen: Ints  # (N,) the piece on which these two were looked at, or -1
-    on: Ints  # (N,) the piece on which it was, or -1
 
 
 @leaf
@@ -67,18 +45,13 @@ def certify(
     """
     # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    ends = problem.sheets.ends
-    n = len(travel)
-    worst = 0.0
-    slides = False
-    for cell in movers.cell:
-        slides = slides or laws.friction[cell] > 0.0
-    slopes, ones = problem.spare.number[st.SLOPES], problem.spare.number[st.WEIGHTS]
-    free, place = 0, problem.spare.whole[st.MINE]
+    ends, spare, worst, free, slides = problem.sheets.ends, problem.spare, 0.0, 0, False
+    slopes, ones, place = spare.number[st.SLOPES], spare.number[st.WEIGHTS], spare.whole[st.MINE]
     place[:] = -1
     for j in range(len(movers.cell)):
         place[movers.cell[j]] = j
-    for i in range(n):
+        slides = slides or laws.friction[movers.cell[j]] > 0.0
+    for i in range(len(travel)):
         mine = int(place[i])
         known = mine >= 0 and movers.piece[mine] >= 0
         piece = int(movers.piece[mine]) if known else find_piece(pieces, i, travel[i], 0)
@@ -94,7 +67,7 @@ def certify(
         if mine >= 0 and inside:
             worst = max(worst, abs(value + movers.offset[mine] - force))
         if inside and (friction == 0.0 or mine >= 0):
-            slopes[free] = _slope(laws, pieces, i, piece, travel[i])
+            slopes[free] = _slope(problem, i, piece, travel[i])
             if not slides:
                 slopes[free] = min(slopes[free], _beyond(problem, i, piece, travel[i]))
             ones[free] = 1.0
@@ -103,21 +76,21 @@ def certify(
 
 
 @leaf
-def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+def _slope(problem: DrivenChain, cell: int, piece: int, travel: float) -> float:
     """κ with the sign of the piece."""
-    if pieces.sign[piece] == 0:
+    if problem.pieces.sign[piece] == 0:
         return 0.0
-    return float(1.0 / inverse_slope(laws, pieces, cell, piece, travel))
+    return float(1.0 / inverse_slope(problem.laws, problem.pieces, cell, piece, travel))
 
 
 @leaf
 def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float:
     """κ on the other side of a joint of two pieces; inf away from one."""
-    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    pieces, ends = problem.pieces, problem.sheets.ends
     if travel == pieces.left[piece] and travel > ends[cell, LOW]:
-        return _slope(laws, pieces, cell, piece - 1, travel)
+        return _slope(problem, cell, piece - 1, travel)
     if travel == pieces.right[piece] and travel < ends[cell, HIGH]:
-        return _slope(laws, pieces, cell, piece + 1, travel)
+        return _slope(problem, cell, piece + 1, travel)
     return np.inf
 
 
@@ -134,26 +107,16 @@ def audit(
     without rows, all are looked at and added up at the last such segment and at about 8 before it,
     else those with rows.
     """
-    # One function: every segment updates the same watch, limits and marks.
+    # One function: every segment updates the same marks, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)
     number, whole = spare.number, spare.whole
-    watch = Watch(
-        number[_NOW],
-        number[_LOWEST],
-        number[_HIGHEST],
-        number[_ENERGY],
-        number[_PUSHES],
-        whole[_SEEN],
-        whole[_ON],
-    )
-    now, named = watch.now, whole[_NAMED]
+    now, named = number[_NOW], whole[_NAMED]
     for i in range(n):
-        now[i], watch.energy[i], watch.pushes[i] = start[i], 0.0, 0.0
-        watch.seen[i] = watch.on[i] = -1
-        named[i] = -1
-        _stands(problem, watch, i, -1)
+        now[i], number[_ENERGY, i], number[_PUSHES, i] = start[i], 0.0, 0.0
+        whole[_SEEN, i] = whole[_ON, i] = named[i] = -1
+        _stands(problem, i, -1)
     limit, size = ENERGY_SLACK * scale * largest(laws.full), largest(laws.full)
     count = log.used[0]
     every = max(1, count // _WHOLE_LOOKS)
@@ -177,22 +140,22 @@ def audit(
                 stand_on(laws, problem.sheets, pieces, i, int(mover[logged.SHEET_1]))
             way = mover[logged.TRAVEL_0], mover[logged.TRAVEL_1]
             off, lost = _goes(
-                problem, watch, i, int(mover[logged.PIECE]), way, force - mover[logged.OFFSET]
+                problem, i, int(mover[logged.PIECE]), way, force - mover[logged.OFFSET]
             )
             gap, miss = max(gap, off), max(miss, lost)
         if follow and all_of_them:
             for i in range(n):
                 if named[i] == k or not ends[i, LOW] < now[i] < ends[i, HIGH]:
                     continue
-                piece = piece_along(pieces, i, _rising_piece(pieces, watch, i), force)
+                piece = piece_along(pieces, i, _rising_piece(problem, i), force)
                 way = now[i], invert(laws, pieces, i, piece, force)
-                off, lost = _goes(problem, watch, i, -1 if jumps else piece, way, force)
-                watch.on[i] = piece
+                off, lost = _goes(problem, i, -1 if jumps else piece, way, force)
+                whole[_ON, i] = piece
                 gap, miss = max(gap, off), max(miss, lost)
         if not miss <= limit:
             return k, ENERGY, miss
         if all_of_them:
-            gap = max(gap, largest(watch.lowest) - force, force - smallest(watch.highest))
+            gap = max(gap, largest(number[_LOWEST]) - force, force - smallest(number[_HIGHEST]))
         if follow and all_of_them:
             lost = abs(problem.alpha * summed(now) + problem.beta * force - row[logged.DRIVE_1])
             if not lost <= 1e-9 * (problem.alpha * summed(laws.full) + problem.beta * scale):
@@ -213,9 +176,10 @@ def audit(
 
 
 @leaf
-def _rising_piece(pieces: Pieces, watch: Watch, i: int) -> int:
+def _rising_piece(problem: DrivenChain, i: int) -> int:
     """The piece of a cell that follows the force, where it is now."""
-    on, travel = watch.on[i], watch.now[i]
+    pieces, spare = problem.pieces, problem.spare
+    on, travel = spare.whole[_ON, i], spare.number[_NOW, i]
     if on >= 0 and pieces.sign[on] > 0 and pieces.left[on] <= travel <= pieces.right[on]:
         return int(on)
     return resting_piece(pieces, i, travel)
@@ -223,26 +187,27 @@ def _rising_piece(pieces: Pieces, watch: Watch, i: int) -> int:
 
 @leaf
 def _goes(
-    problem: DrivenChain, watch: Watch, i: int, piece: int, way: tuple[float, float], force: float
+    problem: DrivenChain, i: int, piece: int, way: tuple[float, float], force: float
 ) -> tuple[float, float]:
     """Let a cell go on its way; its miss of `force` there [N], and of what it should store [J]."""
     laws, pieces, (begin, end) = problem.laws, problem.pieces, way
-    begun = watch.now[i] == begin and watch.seen[i] == piece
-    watch.now[i] = end
-    value = _stands(problem, watch, i, piece)
-    watch.seen[i], watch.on[i] = -1, piece
+    number, whole = problem.spare.number, problem.spare.whole
+    begun = number[_NOW, i] == begin and whole[_SEEN, i] == piece
+    number[_NOW, i] = end
+    value = _stands(problem, i, piece)
+    whole[_SEEN, i], whole[_ON, i] = -1, piece
     # One that passes a joint on the way has no such bounds.
     if piece < 0 or not pieces.left[piece] <= begin <= pieces.right[piece]:
         return 0.0, 0.0
-    watch.seen[i] = piece
+    whole[_SEEN, i] = piece
     picked = pieces.picked[piece]
-    held = watch.energy[i] if begun else stored(laws, i, picked, begin)
-    pushed = watch.pushes[i] if begun else law(laws, i, picked, begin)[0]
-    watch.energy[i], watch.pushes[i] = stored(laws, i, picked, end), value
+    held = number[_ENERGY, i] if begun else stored(laws, i, picked, begin)
+    pushed = number[_PUSHES, i] if begun else law(laws, i, picked, begin)[0]
+    number[_ENERGY, i], number[_PUSHES, i] = stored(laws, i, picked, end), value
     halfway = law(laws, i, picked, 0.5 * (begin + end))[0]
-    gained = watch.energy[i] - held
-    off = abs(value - force)
-    lost = _unbalanced(gained, end - begin, 0.5 * (pushed + value), halfway)
+    gained, off = number[_ENERGY, i] - held, abs(value - force)
+    one, two = (end - begin) * (0.5 * (pushed + value)), (end - begin) * halfway
+    lost = max(gained - max(one, two), min(one, two) - gained)
     # What is no number would be lost among the others.
     return off if off >= 0.0 else np.inf, lost if lost > -np.inf else np.inf
 
@@ -260,22 +225,16 @@ def _snaps_again(log: logged.Log, k: int) -> bool:
 
 
 @leaf
-def _stands(problem: DrivenChain, watch: Watch, cell: int, piece: int) -> float:
+def _stands(problem: DrivenChain, cell: int, piece: int) -> float:
     """Write down between which λ a cell stands; its force [N]."""
-    laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, watch.now[cell]
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    number, travel = problem.spare.number, problem.spare.number[_NOW, cell]
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
     falls, rises = travel > ends[cell, BEFORE], travel < ends[cell, BEYOND]
-    watch.lowest[cell] = value - laws.friction[cell] if falls else -np.inf
-    watch.highest[cell] = value + laws.friction[cell] if rises else np.inf
+    number[_LOWEST, cell] = value - laws.friction[cell] if falls else -np.inf
+    number[_HIGHEST, cell] = value + laws.friction[cell] if rises else np.inf
     return float(value)
-
-
-@leaf
-def _unbalanced(gained: float, way: float, mean: float, halfway: float) -> float:
-    """How far what a cell stores is outside of what its mean and halfway forces can make it [J]."""
-    one, two = way * mean, way * halfway
-    return float(max(gained - max(one, two), min(one, two) - gained))
 
 
 @record
@@ -324,42 +283,33 @@ def sample(
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, logged.DIRECTION]) if log.used[0] > 0 else 1
-    none = _no_movers()
+    none = _movers(np.empty((0, logged.MOVER_COLUMNS)), 0.0)
     residual[0], stability[0] = certify(problem, now, start_force, none)
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]
-        kind, toward, follow = (
-            int(row[logged.KIND]),
-            int(row[logged.DIRECTION]),
-            row[logged.FOLLOW] != 0.0,
-        )
+        kind, toward = int(row[logged.KIND]), int(row[logged.DIRECTION])
+        begins, ends, follow = row[logged.FORCE_0], row[logged.FORCE_1], row[logged.FOLLOW] != 0.0
         rows = moved(problem, log, k, now)
-        m = len(rows)
-        movers = _movers(rows, summed(now))
+        movers, m = _movers(rows, summed(now)), len(rows)
         moving = none if kind == logged.SNAP else movers
         if kind == logged.SNAP:
             snap_after[at - 1] = 1
             number += 1
-        places = np.empty(m)
-        smooth = kind == logged.MOVE or kind == logged.DRIFT
+        places, smooth = np.empty(m), kind == logged.MOVE or kind == logged.DRIFT
         count = points if smooth else 2
         for p in range(0 if smooth else 1, count):
             if overspent(problem.effort, 1):
                 break
-            share = p / (count - 1)
-            last = p == count - 1
-            level = row[logged.FORCE_0] + share * (row[logged.FORCE_1] - row[logged.FORCE_0])
+            share, last = p / (count - 1), p == count - 1
+            level = begins + share * (ends - begins)
             u = row[logged.DRIVE_0] + share * (row[logged.DRIVE_1] - row[logged.DRIVE_0])
             if last or p == 0 or kind != logged.MOVE:
                 for j in range(m):
-                    places[j] = rows[j, logged.TRAVEL_0] + share * (
-                        rows[j, logged.TRAVEL_1] - rows[j, logged.TRAVEL_0]
-                    )
-                    if last:
-                        places[j] = rows[j, logged.TRAVEL_1]
+                    was, there = rows[j, logged.TRAVEL_0], rows[j, logged.TRAVEL_1]
+                    places[j] = there if last else was + share * (there - was)
                 if last:
-                    level, u = row[logged.FORCE_1], row[logged.DRIVE_1]
+                    level, u = ends, row[logged.DRIVE_1]
             elif m == 1 and beta == 0.0 and not follow:
                 cell, piece = movers.cell[0], movers.piece[0]
                 places[0] = u / alpha - movers.held
@@ -368,18 +318,14 @@ def sample(
                 places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
                 level = law(laws, cell, pieces.picked[piece], places[0])[0] + movers.offset[0]
             else:
-                level = point_at(
-                    problem, movers, row[logged.FORCE_0], row[logged.FORCE_1], u, places, follow
-                )
+                level = point_at(problem, movers, begins, ends, u, places, follow)
             for j in range(m):
-                now[movers.cell[j]] = places[j]
+                i, on = movers.cell[j], int(rows[j, logged.SHEET_1])
+                now[i] = places[j]
                 if follow and movers.piece[j] >= 0:
-                    piece = movers.piece[j]
-                    movers.piece[j] = piece_along(pieces, movers.cell[j], piece, level)
-                if sheet_of(problem.sheets, movers.cell[j]) != int(rows[j, logged.SHEET_1]):
-                    stand_on(
-                        laws, problem.sheets, pieces, movers.cell[j], int(rows[j, logged.SHEET_1])
-                    )
+                    movers.piece[j] = piece_along(pieces, i, movers.piece[j], level)
+                if sheet_of(problem.sheets, i) != on:
+                    stand_on(laws, problem.sheets, pieces, i, on)
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
@@ -392,18 +338,9 @@ def sample(
 
 
 @kernel
-def _no_movers() -> Movers:
-    """No movers."""
-    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0, 0.0)
-
-
-@kernel
 def _movers(rows: Floats, stroke: float) -> Movers:
     """The movers of a logged segment that begins at `stroke`."""
-    m = len(rows)
-    cell, piece, offset = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(m)
-    for j in range(m):
-        cell[j], piece[j] = int(rows[j, logged.CELL]), int(rows[j, logged.PIECE])
-        offset[j] = rows[j, logged.OFFSET]
-        stroke -= rows[j, logged.TRAVEL_0]
-    return Movers(cell, piece, offset, stroke, 0.0)
+    for travel in rows[:, logged.TRAVEL_0]:
+        stroke -= travel
+    cell, piece = rows[:, logged.CELL].astype(np.int64), rows[:, logged.PIECE].astype(np.int64)
+    return Movers(cell, piece, rows[:, logged.OFFSET].copy(), stroke, 0.0)
