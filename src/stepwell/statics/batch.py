@@ -421,7 +421,7 @@ def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
             free += 1
             pushes += state.at_rest[i]
             falling += int(pieces.sign[state.piece[i]] < 0)
-            share = alpha * inverse_slope(laws, pieces, i, state.piece[i], travel[i])
+            share = alpha * inverse_slope(problem, i, state.piece[i], travel[i])
             total, size = total + share, size + abs(share)
     if falling > 1 or (falling == 1 and total >= 1e-5 * size):
         return False

@@ -414,7 +414,7 @@ def _rest(
         if ends[i, BEFORE] < travel < ends[i, BEYOND] and laws.friction[i] == 0.0:
             state.mode[i] = FREE
             falling += int(pieces.sign[state.piece[i]] < 0)
-            share = problem.alpha * inverse_slope(laws, pieces, i, state.piece[i], travel)
+            share = problem.alpha * inverse_slope(problem, i, state.piece[i], travel)
             total, size = total + share, size + abs(share)
     low, high = held_range(problem, state)
     return low, high, falling, total, size

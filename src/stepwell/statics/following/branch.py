@@ -9,16 +9,17 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
-from stepwell.mechanism import Laws, law
-from stepwell.statics.following.pieces import Pieces, invert, invert_near, piece_along
+from stepwell.mechanism import law, smallest
+from stepwell.statics.following.pieces import invert, invert_near, piece_along
 from stepwell.statics.following.state import DrivenChain, Movers
 
 
 @leaf
-def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+def inverse_slope(problem: DrivenChain, cell: int, piece: int, travel: float) -> float:
     """1/κ with the sign of the piece, so that rounding at an extremum cannot turn it over."""
-    sign, picked = pieces.sign[piece], pieces.picked[piece]
-    return sign / max(abs(law(laws, cell, picked, travel)[1]), 1e-300)
+    pieces = problem.pieces
+    slope = law(problem.laws, cell, pieces.picked[piece], travel)[1]
+    return pieces.sign[piece] / max(abs(slope), 1e-300)
 
 
 @leaf
@@ -32,10 +33,7 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
     if moving == 0:
         return np.inf
     if alpha == 0.0:
-        least = slopes[0]
-        for slope in slopes:
-            least = min(least, slope)
-        return float(least)
+        return smallest(slopes)
     if moving == 1:
         return np.inf if beta == 0.0 else float(slopes[0] + weights[0] * alpha * alpha / beta)
     low = high = np.inf
@@ -68,10 +66,9 @@ def _highest(problem: DrivenChain, movers: Movers, one: float, two: float) -> tu
         cell, piece, offset = movers.cell[m], movers.piece[m], movers.offset[m]
         at_one = invert(laws, pieces, cell, piece, one - offset)
         at_two = invert_near(laws, pieces, cell, piece, two - offset, at_one)
-        inverse_one = inverse_slope(laws, pieces, cell, piece, at_one)
-        inverse_two = inverse_slope(laws, pieces, cell, piece, at_two)
-        bound += alpha * max(inverse_one, inverse_two)
-        end += alpha * inverse_two
+        soft = inverse_slope(problem, cell, piece, at_two)
+        bound += alpha * max(inverse_slope(problem, cell, piece, at_one), soft)
+        end += alpha * soft
     return (np.inf if np.isnan(bound) else bound), end
 
 
@@ -125,13 +122,12 @@ def point_at(
 
     With `joints` the movers pass on to the pieces that their branches go on with.
     """
-    low, high = begin, end
+    low, high, force = begin, end, end
     # The same answer whatever was there.
     out[:] = np.nan
     u_low = drive_at(problem, movers, low, out, joints)
     u_high = drive_at(problem, movers, high, out, joints)
     rising = u_high > u_low
-    force = high
     for step in range(200):
         force = 0.5 * (low + high)
         if step % 3 != 2 and u_high != u_low:
@@ -150,20 +146,18 @@ def point_at(
     drive_at(problem, movers, force, out, joints)
     # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
     # the actuator is softer still.
-    laws, pieces = problem.laws, problem.pieces
-    softest, largest = 0, 0.0
+    softest, largest, total = 0, 0.0, movers.held
     for m in range(len(movers.cell)):
-        inverse = inverse_slope(laws, pieces, movers.cell[m], movers.piece[m], out[m])
+        inverse = inverse_slope(problem, movers.cell[m], movers.piece[m], out[m])
         if abs(inverse) > largest:
             softest, largest = m, abs(inverse)
     soft = problem.beta + problem.alpha * movers.soft
     if problem.alpha * largest <= soft:
         return force
-    total = movers.held
     for m in range(len(movers.cell)):
         if m != softest:
             total += out[m]
-    piece = movers.piece[softest]
+    pieces, piece = problem.pieces, movers.piece[softest]
     travel = (drive - soft * force) / problem.alpha - total
     out[softest] = min(max(travel, pieces.left[piece]), pieces.right[piece])
     return force

@@ -80,7 +80,7 @@ def _slope(problem: DrivenChain, cell: int, piece: int, travel: float) -> float:
     """κ with the sign of the piece."""
     if problem.pieces.sign[piece] == 0:
         return 0.0
-    return float(1.0 / inverse_slope(problem.laws, problem.pieces, cell, piece, travel))
+    return float(1.0 / inverse_slope(problem, cell, piece, travel))
 
 
 @leaf

@@ -49,22 +49,19 @@ class Falling(NamedTuple):
     travel: float
     force: float  # λ
     direction: int  # of its motion, and of the drive
+    heaviest: float  # m κ of any cell on a rising branch [N/m]
 
 
 @leaf
-def floor_of(
-    problem: DrivenChain, rising: Rising, falling: Falling, heaviest: float
-) -> tuple[bool, float]:
+def floor_of(problem: DrivenChain, rising: Rising, falling: Falling) -> tuple[bool, float]:
     """Whether the fall is decided, and the force times direction below which no other one comes."""
     # One function: valley, mean and way change together from piece to piece.
     laws, pieces = problem.laws, problem.pieces
-    j, p, travel, force, d = falling
+    j, p, travel, force, d, heaviest = falling
     own, others = problem.mobility[j], sum_of(rising, MOBILITY)
-    begin, picked = d * force, pieces.picked
-    edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
+    begin, picked, edge = d * force, pieces.picked, pieces.among[j, (d + 1) // 2]
     # Of d F: its valley, and the least that the mean of all forces by mobility can be.
-    valley, mean, way = begin, np.inf, 0.0
-    at = travel
+    valley, mean, way, at = begin, np.inf, 0.0, travel
     while True:
         end = pieces.right[p] if d > 0 else pieces.left[p]
         level = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
@@ -84,10 +81,8 @@ def floor_of(
             for part in range(1, parts + 1):
                 here = at + (end - at) * part / parts
                 value = level if part == parts else d * law(laws, j, picked[p], here)[0]
-                ahead = abs(here - travel)
                 least = others * begin + own * (value if straight else min(before, value))
-                mean = min(mean, least - heaviest * ahead)
-                before = value
+                mean, before = min(mean, least - heaviest * abs(here - travel)), value
             way = abs(end - travel)
             if over:
                 break
@@ -98,11 +93,8 @@ def floor_of(
             break
         at = end
         p += d
-    if problem.beta > 0.0:
-        least = begin - way / problem.beta
-    else:
-        least = mean / (others + own)
-    floor = max(valley, least)
+    soft = problem.beta > 0.0
+    floor = max(valley, begin - way / problem.beta if soft else mean / (others + own))
     leaves = -first_key(rising.queues, END_DOWN if d > 0 else END_UP)
     return bool(leaves < floor - st.TIE * problem.scale), float(floor)
 
@@ -112,27 +104,25 @@ def with_curved(
     problem: DrivenChain, state: State, rising: Rising, cell: int, piece: int, apart: float
 ) -> Movers:
     """`cell` unless it is -1, and the rising cells of curved force; straight ones are `soft`."""
-    count, one = rising.counts[0], 0 if cell < 0 else 1
-    spare = problem.spare
+    spare, one = problem.spare, 0 if cell < 0 else 1
     cells, on, offset = spare.whole[st.MOVER], spare.whole[st.ON_PIECE], spare.number[st.EXTRA]
     if one > 0:
         cells[0], on[0], offset[0] = cell, piece, 0.0
-    for k in range(count):
+    for k in range(rising.counts[0]):
         i = rising.curved[k]
         cells[one + k], on[one + k], offset[one + k] = i, state.piece[i], 0.0
-    held, count = sum_of(rising, OFFSET) + apart, count + one
+    held, count = sum_of(rising, OFFSET) + apart, rising.counts[0] + one
     return Movers(cells[:count], on[:count], offset[:count], held, sum_of(rising, COMPLIANCE))
 
 
 @leaf
 def _softest(problem: DrivenChain, movers: Movers, one: Floats, two: Floats) -> tuple[float, float]:
     """Bounds of dU/dλ between two places on the same pieces, on which κ is monotone."""
-    laws, pieces = problem.laws, problem.pieces
     low = high = problem.beta + problem.alpha * movers.soft
     for m in range(len(one)):
         cell, piece = movers.cell[m], movers.piece[m]
-        a = problem.alpha * inverse_slope(laws, pieces, cell, piece, one[m])
-        b = problem.alpha * inverse_slope(laws, pieces, cell, piece, two[m])
+        a = problem.alpha * inverse_slope(problem, cell, piece, one[m])
+        b = problem.alpha * inverse_slope(problem, cell, piece, two[m])
         low += min(a, b)
         high += max(a, b)
     return low, high
@@ -194,36 +184,30 @@ class FallEnd(NamedTuple):
 
 @leaf
 def land_after(
-    problem: DrivenChain,
-    state: State,
-    rising: Rising,
-    falling: Falling,
-    bounds: tuple[float, float],
-    drive: float,
+    problem: DrivenChain, state: State, rising: Rising, falling: Falling, floor: float, drive: float
 ) -> FallEnd:
-    """The first equilibrium on the way of a falling cell; `bounds` are its floor and the largest m
-    κ.
+    """The first equilibrium on the way of a falling cell, down to its floor.
+
+    Where one is found the rising cells are on the pieces that they have there.
     """
     # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
-    j, p, travel, force, d = falling
-    floor, begin = bounds[0], d * force
-    behind = JOINT_DOWN if d > 0 else JOINT_UP
-    edge = pieces.among[j, 1] if d > 0 else pieces.among[j, 0]
+    j, p, travel, force, d, _ = falling
+    behind, edge = JOINT_DOWN if d > 0 else JOINT_UP, pieces.among[j, (d + 1) // 2]
     # While it falls; `level` is where the rising cells are.
-    level, missed = begin, np.inf
+    begin = level = d * force
+    missed = np.inf
     while pieces.sign[p] < 0:
         end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
-        if not _goes_on_away(problem, rising, j, p, travel, d, bounds[1]):
+        if not _goes_on_away(problem, rising, falling, p, travel):
             while level > max(end, floor):
                 joint = -first_key(queues, behind)
                 following = max(end, floor, joint)
                 movers = with_curved(problem, state, rising, j, p, 0.0)
                 top = min(level, d * (pieces.force_left[p] if d > 0 else pieces.force_right[p]))
                 if following < top:
-                    root, place, near = _first_return(
-                        problem, movers, (d * top, d * following), drive, d
-                    )
+                    way = d * top, d * following
+                    root, place, near = _first_return(problem, movers, way, drive, d)
                     missed = min(missed, near)
                     if not np.isnan(root):
                         count_work(rising, d * level, root)
@@ -248,9 +232,7 @@ def land_after(
     stop = float(pieces.right[p] if d > 0 else pieces.left[p])
     stopped = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) <= begin
     while pieces.sign[p] > 0 or stopped:
-        end = d * (pieces.force_left[p] if d > 0 else pieces.force_right[p])
-        if stopped:
-            end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
+        end = d * (pieces.force_right[p] if stopped == (d > 0) else pieces.force_left[p])
         joint = -first_key(queues, behind)
         following = max(end, floor, joint)
         at = stop if stopped else invert(problem.laws, pieces, j, p, d * following)
@@ -293,20 +275,20 @@ def _lead_back(
 
 @leaf
 def _goes_on_away(
-    problem: DrivenChain, rising: Rising, j: int, p: int, travel: float, d: int, heaviest: float
+    problem: DrivenChain, rising: Rising, falling: Falling, p: int, travel: float
 ) -> bool:
-    """Whether cell j passes no equilibrium up to the end of piece p: the others give way more."""
-    laws, pieces, picked = problem.laws, problem.pieces, problem.pieces.picked[p]
-    end = pieces.right[p] if d > 0 else pieces.left[p]
+    """Whether no equilibrium is passed up to the end of piece p: the others give way more."""
+    laws, pieces, j = problem.laws, problem.pieces, falling.cell
+    picked, end = pieces.picked[p], pieces.right[p] if falling.direction > 0 else pieces.left[p]
     gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])
-    return bool((sum_of(rising, MOBILITY) / heaviest + problem.beta) * gentle > 1.0)
+    # Σ 1/κ of the others is Σ m / max (m κ) or more.
+    return bool((sum_of(rising, MOBILITY) / falling.heaviest + problem.beta) * gentle > 1.0)
 
 
 @leaf
 def heaviest_of(problem: DrivenChain) -> float:
     """The largest m κ of any cell on a rising piece [N/m]."""
-    laws, pieces = problem.laws, problem.pieces
-    most = 0.0
+    laws, pieces, most = problem.laws, problem.pieces, 0.0
     for i in range(len(problem.mobility)):
         for p in range(pieces.among[i, 0], pieces.among[i, 1] + 1):
             if pieces.sign[p] > 0:

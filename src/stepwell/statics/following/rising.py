@@ -338,7 +338,7 @@ def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
     for k in range(rising.counts[0]):
         i = rising.curved[k]
         piece, travel = int(state.piece[i]), float(state.travel[i])
-        total += inverse_slope(problem.laws, problem.pieces, i, piece, travel)
+        total += inverse_slope(problem, i, piece, travel)
     return float(total)
 
 

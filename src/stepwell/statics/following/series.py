@@ -142,21 +142,20 @@ def _stop_here(
     problem: DrivenChain, state: State, rising: Rising, direction: int, drive: float, closes: bool
 ) -> None:
     """Bring every cell to where it is now, and name in the row written last all that it did not."""
-    pieces, laws, force, segment = problem.pieces, problem.laws, state.force[0], rising.segment
+    pieces, force, segment = problem.pieces, state.force[0], rising.segment
     kind = logged.MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else logged.HOLD
     _end_segment(problem, state, rising, kind, direction, drive)
     softest, most, total = -1, 0.0, 0.0
     for i in range(len(state.mode)):
         if not is_held(rising, i):
             state.travel[i] = travel_at_force(problem, state, i, force)
-            soft = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+            soft = inverse_slope(problem, i, state.piece[i], state.travel[i])
             if soft > most:
                 softest, most = i, soft
         total += state.travel[i]
     if closes and softest >= 0 and most > problem.beta:
-        left = drive - problem.beta * force - total
         on = state.piece[softest]
-        at = state.travel[softest] + left
+        at = state.travel[softest] + (drive - problem.beta * force - total)
         state.travel[softest] = min(max(at, pieces.left[on]), pieces.right[on])
     if segment.counts[1] >= 0:
         _name_all(problem, state, rising)
@@ -184,8 +183,7 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
 @leaf
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
     """The cell to which something happens first; a tie is noted where it decides which falls."""
-    queues = rising.queues
-    within = st.TIE * problem.scale
+    queues, within = rising.queues, st.TIE * problem.scale
     if not ties(queues, q, within):
         return int(queues.heap[q, 0])
     limit = first_key(queues, q) + within
@@ -227,9 +225,8 @@ def advance(
     apart = float(state.travel[leader]) if leader >= 0 else 0.0
     drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
     segment.begin[0], segment.begin[1] = drive, force
-    why = logged.FOLD
-    if leader >= 0 and state.next_snap[st.TRIGGER] >= 0:
-        why = int(state.next_snap[st.WHY])
+    known = leader >= 0 and state.next_snap[st.TRIGGER] >= 0
+    why = int(state.next_snap[st.WHY]) if known else logged.FOLD
     heaviest, log, status = -1.0, state.log, st.GOES_ON
     while True:
         if d * (target - drive) <= slack:
@@ -267,8 +264,7 @@ def advance(
                 break
             kind = logged.MOVE if rising.counts[1] > 0 else logged.HOLD
             state.force[0] = force = d * key
-            drive = there
-            state.next_snap[st.TRIGGER] = -1
+            drive, state.next_snap[st.TRIGGER] = there, -1
             if is_held(rising, i):
                 _end_segment(problem, state, rising, kind, d, drive)
                 rest_no_more(state, rising, i)
@@ -291,7 +287,7 @@ def advance(
             continue
         # One cell falls: with λ going back while that is stable.
         piece, travel = int(state.piece[leader]), float(state.travel[leader])
-        own = inverse_slope(laws, pieces, leader, piece, travel)
+        own = inverse_slope(problem, leader, piece, travel)
         stable = own + softness_at(problem, state, rising) + problem.beta < 0.0
         if stable:
             last = d * float(pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
@@ -306,8 +302,7 @@ def advance(
                 fold = first_fold(problem, movers, force, d * level)
             following = d * level if np.isnan(fold) else fold
             place = invert(laws, pieces, leader, piece, following)
-            there = stroke_at(problem, state, rising, following) + place
-            there += problem.beta * following
+            there = stroke_at(problem, state, rising, following) + place + problem.beta * following
             _name(rising, leader, travel)
             if d * (there - target) > slack:
                 at = places[: len(movers.cell)]
@@ -317,12 +312,11 @@ def advance(
                 break
             state.force[0] = force = following
             state.travel[leader], drive = place, there
-            why = logged.FOLD
-            state.next_snap[st.TRIGGER] = -1
+            why, state.next_snap[st.TRIGGER] = logged.FOLD, -1
             if not np.isnan(fold):
                 stable = False
             elif level == last:
-                edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
+                edge = pieces.among[leader, (d + 1) // 2]
                 state.travel[leader] = pieces.right[piece] if d > 0 else pieces.left[piece]
                 sign = 2 if piece == edge else pieces.sign[piece + d]
                 if sign == -1:
@@ -342,9 +336,8 @@ def advance(
                 continue
             else:
                 i = int(queues.heap[end_back, 0])
-                if is_held(rising, i) or past_end(problem, state, rising, i, -d) != 2:
-                    break
-                if ties(queues, end_back, st.TIE * problem.scale):
+                stops = not is_held(rising, i) and past_end(problem, state, rising, i, -d) == 2
+                if not stops or ties(queues, end_back, st.TIE * problem.scale):
                     break
                 _leave_branch(problem, state, rising, i, -d)
                 _end_segment(problem, state, rising, logged.MOVE, d, drive)
@@ -356,15 +349,15 @@ def advance(
         if heaviest < 0.0:
             heaviest = heaviest_of(problem)
         travel = float(state.travel[leader])
-        falling = Falling(leader, piece, travel, force, d)
-        decided, floor = floor_of(problem, rising, falling, heaviest)
+        falling = Falling(leader, piece, travel, force, d, heaviest)
+        decided, floor = floor_of(problem, rising, falling)
         if not decided:
             break
         count_from_here(rising)
         stroke_at(problem, state, rising, force)
         before = energy_in(problem, state, rising)
         before += stored(laws, leader, pieces.picked[piece], travel)
-        landing = land_after(problem, state, rising, falling, (floor, heaviest), drive)
+        landing = land_after(problem, state, rising, falling, floor, drive)
         if not landing.found:
             break
         _name(rising, leader, travel)
@@ -386,9 +379,9 @@ def advance(
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
         _end_segment(problem, state, rising, logged.SNAP, d, drive)
         log.segments[log.used[0] - 1, logged.RELEASED] = before - after + spring
-        set_snap(state.next_snap, -1, d, logged.FOLD)
         why = logged.FOLD
-        edge = pieces.among[leader, 1] if d > 0 else pieces.among[leader, 0]
+        set_snap(state.next_snap, -1, d, why)
+        edge = pieces.among[leader, (d + 1) // 2]
         stop = pieces.right[edge] if d > 0 else pieces.left[edge]
         if landing.piece == edge and landing.travel == stop:
             rest(problem, state, rising, leader)
@@ -397,11 +390,7 @@ def advance(
             rise(problem, state, rising, leader, landing.piece)
             leader = -1
     _stop_here(problem, state, rising, d, drive, status == st.DONE)
-    if (
-        status == st.GOES_ON
-        and leader >= 0
-        and state.next_snap[st.TRIGGER] == leader
-        and why == logged.FOLD
-    ):
+    due = leader >= 0 and state.next_snap[st.TRIGGER] == leader and why == logged.FOLD
+    if status == st.GOES_ON and due:
         state.next_snap[st.DUE] = 1
     return status

@@ -51,9 +51,7 @@ class BranchEnd(NamedTuple):
 def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tuple[int, int]:
     """How the chain can go on, marking in `goes` which cells move; the falling cell or -1."""
     # One function: one pass over the cells with arrays that are taken out once.
-    laws, pieces = problem.laws, problem.pieces
-    # Taken out once, here: compiled, every later look into a record would count references.
-    mode, sense, piece, signs = state.mode, state.sense, state.piece, pieces.sign
+    mode, sense, piece, signs = state.mode, state.sense, state.piece, problem.pieces.sign
     goes[:] = 0
     flat, falling, leader, blocked = 0, 0, -1, False
     for i in range(len(goes)):
@@ -85,7 +83,7 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
         rising = i != leader and mode[i] != st.HELD
         if i == leader or (rising and (mode[i] == st.FREE or sense[i] == -direction)):
             goes[i] = 1
-            inverse = inverse_slope(laws, pieces, i, piece[i], state.travel[i])
+            inverse = inverse_slope(problem, i, piece[i], state.travel[i])
             total += problem.alpha * inverse
     movers = movers_of(problem, state, goes)
     if _turn_here(problem, state, movers.cell):

@@ -302,7 +302,7 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
         if pieces.sign[state.piece[i]] == 0:
             slopes[m] = 0.0
         else:
-            slopes[m] = 1.0 / inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+            slopes[m] = 1.0 / inverse_slope(problem, i, state.piece[i], state.travel[i])
         if i == trigger:
             mine = m
     if count > 1:
