@@ -83,8 +83,7 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
         rising = i != leader and mode[i] != st.HELD
         if i == leader or (rising and (mode[i] == st.FREE or sense[i] == -direction)):
             goes[i] = 1
-            inverse = inverse_slope(problem, i, piece[i], state.travel[i])
-            total += problem.alpha * inverse
+            total += problem.alpha * inverse_slope(problem, i, piece[i], state.travel[i])
     movers = movers_of(problem, state, goes)
     if _turn_here(problem, state, movers.cell):
         level = state.force[0] - direction * BLUNT * problem.scale
@@ -105,10 +104,8 @@ def _turn_here(problem: DrivenChain, state: State, cells: Ints) -> bool:
         if travel == pieces.left[piece] or travel == pieces.right[piece]:
             slope = law(laws, i, pieces.picked[piece], travel)[1]
             if abs(slope) * laws.full[i] < 1e-5 * problem.scale:
-                if pieces.sign[piece] < 0:
-                    leads = True
-                else:
-                    others += 1
+                leads = leads or pieces.sign[piece] < 0
+                others += pieces.sign[piece] >= 0
     return leads and others > 0
 
 
@@ -131,40 +128,32 @@ def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
 @leaf
 def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
     """Bring in held and moving cells that come to the same constant force; whether any do."""
-    laws, pieces = problem.laws, problem.pieces
-    friction, ends, tie_force = laws.friction, problem.sheets.ends, st.TIE * problem.scale
-    mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
-    any_joined = False
+    pieces, mode, tie_force, joined = problem.pieces, state.mode, st.TIE * problem.scale, False
     for i in range(len(mode)):
         held = mode[i] == st.HELD
-        if held:
-            distance = _until_letting_go(friction, ends, travel, at_rest, i, force, direction)
-            if distance > tie_force:
-                continue
-        piece = find_piece(pieces, i, travel[i], direction)
+        if held and _until_letting_go(problem, state, i, direction) > tie_force:
+            continue
+        piece = find_piece(pieces, i, state.travel[i], direction)
         if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
             continue
-        offset = state.sense[i] * friction[i]
-        if not held and abs(pieces.force_left[piece] + offset - force) > tie_force:
+        level = pieces.force_left[piece] + state.sense[i] * problem.laws.friction[i]
+        if not held and abs(level - state.force[0]) > tie_force:
             continue
-        state.piece[i] = piece
+        state.piece[i], joined = piece, True
         if held:
             mode[i], state.sense[i] = st.LETS_GO, direction
-        any_joined = True
-    return any_joined
+    return joined
 
 
 @leaf
 def share(problem: DrivenChain, state: State, goes: Ints) -> None:
     """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
-    rank, one, two, first = problem.rank, -1, -1, 0
+    rank, one, two, first = problem.rank, -1, -1, len(goes)
     for i in range(len(goes)):
         if goes[i]:
-            if one < 0:
-                one, first = i, rank[i]
-            elif two < 0:
+            if one >= 0 and two < 0:
                 two = i
-            first = min(first, rank[i])
+            one, first = i if one < 0 else one, min(first, rank[i])
     if two < 0:
         return
     # Nothing but their mobility decides how they share.
@@ -175,10 +164,9 @@ def share(problem: DrivenChain, state: State, goes: Ints) -> None:
 
 
 @leaf
-def _end_of(pieces: Pieces, movers: Movers, m: int, direction: int) -> float:
-    """Travel of a mover at the end of its piece that lies in `direction`."""
-    piece = movers.piece[m]
-    return float(pieces.right[piece] if direction > 0 else pieces.left[piece])
+def _end_of(pieces: Pieces, piece: int, toward: int) -> float:
+    """Travel at the end of a piece that lies in a direction."""
+    return float(pieces.right[piece] if toward > 0 else pieces.left[piece])
 
 
 @leaf
@@ -190,7 +178,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
     # What a cell of mobility 1 goes until the first one arrives.
     room, total = np.inf, 0.0
     for m in range(count):
-        i, end = movers.cell[m], _end_of(pieces, movers, m, direction)
+        i, end = movers.cell[m], _end_of(pieces, movers.piece[m], direction)
         room = min(room, abs(end - float(begun.travel[i])) / float(mobility[i]))
         total += float(mobility[i])
     # A target within rounding of the end of the piece is that end.
@@ -200,7 +188,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
         room = direction * (target - begun.drive) / (alpha * total)
     friction_work = 0.0
     for m in range(count):
-        i, end = movers.cell[m], _end_of(pieces, movers, m, direction)
+        i, end = movers.cell[m], _end_of(pieces, movers.piece[m], direction)
         way = room * float(mobility[i])
         arrives = not reached and abs(end - begun.travel[i]) - way <= 1e-15 * laws.full[i]
         state.travel[i] = end if arrives else begun.travel[i] + direction * way
@@ -209,55 +197,47 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
     write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):
         i = movers.cell[m]
-        if not reached and state.travel[i] == _end_of(pieces, movers, m, direction):
+        if not reached and state.travel[i] == _end_of(pieces, movers.piece[m], direction):
             set_snap(state.next_snap, i, direction, KINK)
             end_piece(problem, state, i, direction)
     return st.DONE if reached else st.GOES_ON
 
 
 @leaf
-def _until_letting_go(
-    friction: Floats,
-    ends: Floats,
-    travel: Floats,
-    at_rest: Floats,
-    i: int,
-    force: float,
-    toward: int,
-) -> float:
-    """How far λ has to go from `force` until held cell i lets go; inf where it never does."""
-    free = travel[i] < ends[i, BEYOND] if toward > 0 else travel[i] > ends[i, BEFORE]
-    return max(0.0, toward * (at_rest[i] - force) + friction[i]) if free else np.inf
+def _until_letting_go(problem: DrivenChain, state: State, i: int, toward: int) -> float:
+    """How far λ has to go until held cell i lets go; inf where it never does."""
+    travel, ends = state.travel[i], problem.sheets.ends
+    free = travel < ends[i, BEYOND] if toward > 0 else travel > ends[i, BEFORE]
+    distance = toward * (state.at_rest[i] - state.force[0]) + problem.laws.friction[i]
+    return max(0.0, distance) if free else np.inf
 
 
 @leaf
 def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
-    pieces, rank = problem.pieces, problem.rank
-    friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, st.TIE * problem.scale
-    # One that lets go out of turn would be called back by the one whose turn it is.
-    same = 1e-3 * tie_force
-    mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
-    nearest = np.inf
+    pieces, rank, mode = problem.pieces, problem.rank, state.mode
+    first, rival, falls, closest, nearest = -1, -1, False, np.inf, np.inf
     for i in range(len(rank)):
         if mode[i] == st.HELD:
-            distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
-            nearest = min(nearest, distance)
-    first, rival, falls, closest = -1, -1, False, np.inf
+            nearest = min(nearest, _until_letting_go(problem, state, i, toward))
     if nearest == np.inf:
         return nearest, first
+    tie_force = st.TIE * problem.scale
     for i in range(len(rank)):
-        if mode[i] != st.HELD:
+        distance = np.inf
+        if mode[i] == st.HELD:
+            distance = _until_letting_go(problem, state, i, toward)
+        if distance > nearest + tie_force:
             continue
-        distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
-        if distance <= nearest + tie_force:
-            piece = find_piece(pieces, i, travel[i], toward)
-            falls = falls or pieces.sign[piece] < 0
-            sooner = first >= 0 and rank[i] == rank[first] and distance < closest - same
-            if first < 0 or rank[i] < rank[first] or sooner:
-                first, rival, closest = i, first, distance
-            else:
-                rival = i
+        piece = find_piece(pieces, i, state.travel[i], toward)
+        falls = falls or pieces.sign[piece] < 0
+        # One that lets go out of turn would be called back by the one whose turn it is.
+        sooner = distance < closest - 1e-3 * tie_force
+        same = first >= 0 and rank[i] == rank[first]
+        if first < 0 or rank[i] < rank[first] or (same and sooner):
+            first, rival, closest = i, first, distance
+        else:
+            rival = i
     if rival >= 0 and falls:
         # Cells of rising force would share the motion; of these, only one can have it.
         set_tie(state.tie, first, rival)
@@ -276,9 +256,8 @@ def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int
 @leaf
 def _turns_over(ends: Floats, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
     """Sign of a cell's κ past the end of its piece; 2 where that is the end of its sheet."""
-    end = pieces.right[piece] if heading > 0 else pieces.left[piece]
     stop = ends[cell, HIGH] if heading > 0 else ends[cell, LOW]
-    return 2 if end == stop else pieces.sign[piece + heading]
+    return 2 if _end_of(pieces, piece, heading) == stop else pieces.sign[piece + heading]
 
 
 @leaf
@@ -291,11 +270,9 @@ def _first_to_arrive(
     way can reach their bottoms together, as alike cells do: there both forces rise with the drive.
     """
     # One function: both senses compare movers with the first that arrives.
-    pieces, rank, force = problem.pieces, problem.rank, state.force[0]
-    ends = problem.sheets.ends
-    scale = problem.scale
-    cell, on = movers.cell, movers.piece
-    arrival, who, rival = np.inf, -1, -1
+    pieces, rank, force, ends = problem.pieces, problem.rank, state.force[0], problem.sheets.ends
+    scale, cell, on = problem.scale, movers.cell, movers.piece
+    arrival, who, rival, first, leads = np.inf, -1, -1, -1, -1
     for m in range(len(cell)):
         distance = _until_end(pieces, movers, m, force, toward)
         if distance < arrival:
@@ -303,11 +280,9 @@ def _first_to_arrive(
     if who < 0:
         return arrival, who, False
     if toward == direction:
-        first = -1
         for m in range(len(cell)):
-            distance = _until_end(pieces, movers, m, force, toward)
-            over = _turns_over(ends, pieces, cell[m], on[m], direction) == -1
-            if not over or distance > arrival + st.TIE * scale:
+            late = _until_end(pieces, movers, m, force, toward) > arrival + st.TIE * scale
+            if late or _turns_over(ends, pieces, cell[m], on[m], direction) != -1:
                 continue
             if first < 0 or rank[cell[m]] < rank[cell[first]]:
                 first, rival = m, first
@@ -317,7 +292,6 @@ def _first_to_arrive(
             set_tie(state.tie, cell[first], cell[rival])
             return _until_end(pieces, movers, first, force, toward), first, True
         return arrival, who, False
-    leads = -1
     for m in range(len(cell)):
         if _until_end(pieces, movers, m, force, toward) <= arrival + 1e-13 * scale:
             if pieces.sign[on[m]] < 0:
@@ -335,12 +309,10 @@ def _first_event(
     problem: DrivenChain, state: State, movers: Movers, toward: int, direction: int
 ) -> BranchEnd:
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
-    pieces = problem.pieces
-    force, tie_force = state.force[0], st.TIE * problem.scale
+    pieces, force, tie_force = problem.pieces, state.force[0], st.TIE * problem.scale
     arrival, who, company = _first_to_arrive(problem, state, movers, toward, direction)
     release, cell = _first_to_let_go(problem, state, toward)
-    releases = release < arrival - tie_force
-    if releases:
+    if release < arrival - tie_force:
         return BranchEnd(RELEASE, force + toward * release, cell, toward, -1, -1.0)
     if who < 0:
         return BranchEnd(_NOTHING, force, -1, toward, -1, -1.0)
@@ -390,7 +362,7 @@ def _places_at(
         return
     for m in range(len(out)):
         on = movers.piece[m]
-        there = pieces.right[on] if toward * pieces.sign[on] > 0 else pieces.left[on]
+        there = _end_of(pieces, on, toward * pieces.sign[on])
         # Alike cells arrive together, but for rounding.
         alike = abs(out[m] - there) <= 1e-15 * laws.full[movers.cell[m]]
         near = _until_end(pieces, movers, m, force, toward) <= event.within
