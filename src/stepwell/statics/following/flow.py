@@ -30,16 +30,9 @@ _STEPS = 30_000
 # last four in parts of γ since stages are rates here.
 _GAMMA = 0.57282
 _A21, _A31, _A32 = 2.0 * _GAMMA, 1.867943637803922 * _GAMMA, 0.2344449711399156 * _GAMMA
-_C21, _C31, _C32 = (
-    -7.137615036412310 * _GAMMA,
-    2.580708087951457 * _GAMMA,
-    0.6515950076447975 * _GAMMA,
-)
-_C41, _C42, _C43 = (
-    -2.137148994382534 * _GAMMA,
-    -0.3214669691237626 * _GAMMA,
-    -0.6949742501781779 * _GAMMA,
-)
+_C21, _C31 = -7.137615036412310 * _GAMMA, 2.580708087951457 * _GAMMA
+_C32, _C41 = 0.6515950076447975 * _GAMMA, -2.137148994382534 * _GAMMA
+_C42, _C43 = -0.3214669691237626 * _GAMMA, -0.6949742501781779 * _GAMMA
 _B1, _B2 = 2.255570073418735 * _GAMMA, 0.2870493262186792 * _GAMMA
 _B3, _B4 = 0.4353179431840180 * _GAMMA, 1.093502252409163 * _GAMMA
 _E1, _E2 = -0.2815431932141155 * _GAMMA, -0.07276199124934920 * _GAMMA
@@ -57,7 +50,7 @@ _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _B
 _RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL = range(10, 20)
 _NEXT_FORCE, _NEXT_SLOPE, _NEXT_RATE, _OFF = range(20, 24)
 # ... and 1 / (1 + γ h m κ) of the step.
-_PIVOT, _ROWS = 24, 25
+_PIVOT = 24
 # ... and, whole numbers, which cell it is, the piece of the last evaluation, and in which sense it
 # moves within a step, 0 where it stays.
 _CELL, _PIECE, _SENSE = range(3)
@@ -98,35 +91,29 @@ def _join(problem: DrivenChain, state: State, at: Flow, i: int) -> None:
     at.used[0] += 1
     if state.mode[i] == HELD:
         state.mode[i] = LETS_GO
-    for row in range(_ROWS):
-        at.cell[row, j] = 0.0
-    for row in range(3):
-        at.where[row, j] = 0
-    at.where[_CELL, j] = i
-    at.cell[_TRAVEL, j] = state.travel[i]
-    at.cell[_FRICTION, j] = problem.laws.friction[i]
-    at.cell[_MOBILITY, j] = problem.mobility[i]
-    at.cell[_FULL, j] = problem.laws.full[i]
+    cell, laws = at.cell, problem.laws
+    cell[:, j], at.where[:, j] = 0.0, 0
+    at.where[_CELL, j], cell[_TRAVEL, j] = i, state.travel[i]
+    cell[_FRICTION, j], cell[_MOBILITY, j] = laws.friction[i], problem.mobility[i]
+    cell[_FULL, j] = laws.full[i]
     _stand(problem, at, j)
 
 
 @leaf
 def _stand(problem: DrivenChain, at: Flow, j: int) -> None:
     """See on which sheet and piece a cell in the flow stands."""
-    i, ends = at.where[_CELL, j], problem.sheets.ends
-    at.cell[_LEAST, j], at.cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
-    at.cell[_BEFORE, j], at.cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
-    travel = at.cell[_TRAVEL, j]
-    at.where[_PIECE, j] = find_piece(problem.pieces, i, travel, 0)
-    at.cell[_FORCE, j], at.cell[_SLOPE, j] = _law_at(problem, at, j, travel)
+    i, cell, ends = at.where[_CELL, j], at.cell, problem.sheets.ends
+    cell[_LEAST, j], cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
+    cell[_BEFORE, j], cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
+    at.where[_PIECE, j] = find_piece(problem.pieces, i, cell[_TRAVEL, j], 0)
+    cell[_FORCE, j], cell[_SLOPE, j] = _law_at(problem, at, j, cell[_TRAVEL, j])
 
 
 @leaf
 def _law_at(problem: DrivenChain, at: Flow, j: int, travel: float) -> tuple[float, float]:
     """F and κ of a cell in the flow at a travel."""
     pieces, where = problem.pieces, at.where
-    piece = _piece_near(pieces, where[_PIECE, j], travel)
-    where[_PIECE, j] = piece
+    piece = where[_PIECE, j] = _piece_near(pieces, where[_PIECE, j], travel)
     force, slope, _ = law(problem.laws, where[_CELL, j], pieces.picked[piece], travel)
     return force, slope
 
@@ -221,14 +208,6 @@ def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
 
 
 @leaf
-def _look(problem: DrivenChain, at: Flow) -> None:
-    """Forces and slopes of the cells where they are."""
-    cell = at.cell
-    for j in range(at.used[0]):
-        cell[_FORCE, j], cell[_SLOPE, j] = _law_at(problem, at, j, cell[_TRAVEL, j])
-
-
-@leaf
 def unstable_direction(
     slopes: Floats, mobility: Floats, alpha: float, beta: float, leader: int, out: Floats
 ) -> None:
@@ -318,16 +297,6 @@ def _forces(problem: DrivenChain, at: Flow, row: int) -> None:
         if where[_SENSE, j] != 0:
             place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
             cell[row, j], _ = _law_at(problem, at, j, place)
-
-
-@leaf
-def _set_off(
-    actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int
-) -> float:
-    """The rates of the cells that have a sense, from where they are; λ."""
-    for j in range(m):
-        cell[_TRIAL, j], cell[_RATE, j] = cell[_TRAVEL, j], cell[_FORCE, j]
-    return _smooth_rates(actuator, cell, where, m, _RATE)
 
 
 @leaf
@@ -667,16 +636,6 @@ def _barrier(problem: DrivenChain, at: Flow) -> float:
 
 
 @leaf
-def _steepest(cell: Floats, where: Ints, m: int) -> float:
-    """The largest |κ| of the cells that move [N/m]."""
-    steepest = 0.0
-    for j in range(m):
-        if where[_SENSE, j] != 0:
-            steepest = max(steepest, abs(cell[_SLOPE, j]))
-    return steepest
-
-
-@leaf
 def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
     # One function: an iteration works on eight rows of the flow, taken out once.
@@ -834,11 +793,16 @@ def flow(
                 close = close or before <= max(2.0 * steepest * off, TIE * scale)
             slows = False
         elif largest < before:
-            steepest, slows = _steepest(cell, where, m), True
+            steepest, slows = 0.0, True
+            for j in range(m):
+                if where[_SENSE, j] != 0:
+                    steepest = max(steepest, abs(cell[_SLOPE, j]))
         before, peak = largest, max(peak, largest)
         h, cut, stopped, worst = wanted, False, -1, 1.0
         for _ in range(_TRIES):
-            level = _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
+            for j in range(m):
+                cell[_TRIAL, j], cell[_RATE, j] = cell[_TRAVEL, j], cell[_FORCE, j]
+            level = _smooth_rates((alpha, beta, drive, still[_STILL]), cell, where, m, _RATE)
             h = min(h, _longest_step(alpha, beta, cell, where, m, h))
             if overspent(effort, 3 * m):
                 break
@@ -881,7 +845,8 @@ def flow(
             cell[_TRAVEL, j] = place
             cell[_FORCE, j], cell[_SLOPE, j] = cell[_NEXT_FORCE, j], cell[_NEXT_SLOPE, j]
         if stopped >= 0:
-            _look(problem, at)
+            for j in range(m):
+                cell[_FORCE, j], cell[_SLOPE, j] = _law_at(problem, at, j, cell[_TRAVEL, j])
         longer = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
         wanted = max(wanted, longer) if cut else longer
         wanted = min(max(wanted, 1e-9 / stiffest), longest)
