@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, beyond, law
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, beyond, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import FREE, HELD, DrivenChain, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
-# Rows of the spare stack: shifts where stretches end, and what `_ends` says there.
-_SHIFT, _PULL, _PULL_SLOPE, _RESIST, _RESIST_SLOPE = range(3, 8)
+# Rows of the spare stack from here on: shifts where stretches end, and what `_ends` says there.
+_SHIFT = 3
 
 
 class SnapLine(NamedTuple):
@@ -36,16 +36,17 @@ class SnapLine(NamedTuple):
 
 @leaf
 def _ends(
-    laws: Laws, picked: Ints, line: SnapLine, on_forth: int, on_back: int, bias: float, x: float
+    problem: DrivenChain, line: SnapLine, on: tuple[int, int], bias: float, x: float
 ) -> tuple[float, float, float, float]:
     """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
+    laws, picked = problem.laws, problem.pieces.picked
     if line.back >= 0:
-        value, slope, _ = law(laws, line.back, picked[on_back], line.from_back - x)
+        value, slope, _ = law(laws, line.back, picked[on[1]], line.from_back - x)
         pull, pull_slope = value - laws.friction[line.back] + bias, -slope
     else:
         pull, pull_slope = line.force - line.softness * x + bias, -line.softness
     if line.forth >= 0:
-        value, slope, _ = law(laws, line.forth, picked[on_forth], line.from_forth + x)
+        value, slope, _ = law(laws, line.forth, picked[on[0]], line.from_forth + x)
         resist, resist_slope = value + laws.friction[line.forth], slope
     else:
         resist, resist_slope = line.force + line.softness * x, line.softness
@@ -53,19 +54,22 @@ def _ends(
 
 
 @leaf
+def _pieces_at(problem: DrivenChain, line: SnapLine, x: float, onward: int) -> tuple[int, int]:
+    """The pieces of both cells after a shift x, those next on the way or those before."""
+    pieces, forth, back = problem.pieces, line.forth, line.back
+    on_forth = find_piece(pieces, forth, line.from_forth + x, onward) if forth >= 0 else 0
+    return on_forth, find_piece(pieces, back, line.from_back - x, -onward) if back >= 0 else 0
+
+
+@leaf
 def pull_at(problem: DrivenChain, line: SnapLine, x: float) -> float:
     """What pulls less what resists after a shift x, as far as the line goes [N]."""
-    laws, picked, ends = problem.laws, problem.pieces.picked, problem.sheets.ends
-    pieces, on_forth, on_back = problem.pieces, 0, 0
+    ends = problem.sheets.ends
     if line.forth >= 0:
         x = min(x, ends[line.forth, HIGH] - line.from_forth)
     if line.back >= 0:
         x = min(x, line.from_back - ends[line.back, LOW])
-    if line.forth >= 0:
-        on_forth = find_piece(pieces, line.forth, line.from_forth + x, -1)
-    if line.back >= 0:
-        on_back = find_piece(pieces, line.back, line.from_back - x, 1)
-    pull, _, resist, _ = _ends(laws, picked, line, on_forth, on_back, 0.0, x)
+    pull, _, resist, _ = _ends(problem, line, _pieces_at(problem, line, x, -1), 0.0, x)
     return float(pull - resist)
 
 
@@ -79,8 +83,7 @@ def _level(line: SnapLine, pull: float, resist: float) -> float:
 
 @leaf
 def _balance(
-    laws: Laws,
-    picked: Ints,
+    problem: DrivenChain,
     line: SnapLine,
     on: tuple[int, int],
     bias: float,
@@ -91,8 +94,7 @@ def _balance(
     The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     """
     a, b, at_a, at_b = ends
-    size = laws.full[line.forth] if line.forth >= 0 else laws.full[line.back]
-    stays, x = 0, b
+    size, stays, x = problem.laws.full[line.forth if line.forth >= 0 else line.back], 0, b
     for step in range(200):
         middle = 0.5 * (a + b)
         if not a < middle < b:
@@ -101,7 +103,7 @@ def _balance(
         if not a < guess < b:
             guess = middle
         near, x = abs(guess - x) <= 1e-16 * size, guess
-        pull, _, resist, _ = _ends(laws, picked, line, on[0], on[1], bias, x)
+        pull, _, resist, _ = _ends(problem, line, on, bias, x)
         left = pull - resist
         if left == 0.0 or near:
             break
@@ -113,7 +115,7 @@ def _balance(
             b, at_b = x, left
             at_a *= 0.5 if stays == -1 else 1.0
             stays = -1
-    pull, _, resist, _ = _ends(laws, picked, line, on[0], on[1], bias, x)
+    pull, _, resist, _ = _ends(problem, line, on, bias, x)
     return x, pull, resist
 
 
@@ -121,8 +123,8 @@ def _balance(
 def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, float]) -> int:
     """Let the end of a stretch wait in place k of the stack; how many wait then."""
     stack[_SHIFT, k] = x
-    stack[_PULL, k], stack[_PULL_SLOPE, k] = there[0], there[1]
-    stack[_RESIST, k], stack[_RESIST_SLOPE, k] = there[2], there[3]
+    for row in range(4):
+        stack[_SHIFT + 1 + row, k] = there[row]
     return k + 1
 
 
@@ -135,9 +137,7 @@ def land(
     JOINED where the flow leaves the range of λ in which all other cells keep still.
     """
     # One function: it goes from piece to piece with arrays that are taken out once.
-    # Taken out once, here: compiled, every later look into a record would count references.
-    laws, pieces, ends, effort = problem.laws, problem.pieces, problem.sheets.ends, problem.effort
-    picked = pieces.picked
+    pieces, ends, effort = problem.pieces, problem.sheets.ends, problem.effort
     forth, back, from_forth, from_back = line.forth, line.back, line.from_forth, line.from_back
     tolerance = 1e-12 * problem.scale
     lowest, highest = line.lowest - tolerance, line.highest + tolerance
@@ -146,16 +146,13 @@ def land(
         limit = min(limit, ends[forth, HIGH] - from_forth)
     if back >= 0:
         limit = min(limit, from_back - ends[back, LOW])
-    size = laws.full[forth] if forth >= 0 else laws.full[back]
-    near = 1e-12 * size
-    start *= size
-    on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
-    on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
+    size = problem.laws.full[forth if forth >= 0 else back]
+    near, start = 1e-12 * size, start * size
+    on_forth, on_back = _pieces_at(problem, line, 0.0, 1)
     paired, share = forth >= 0 and back >= 0, line.share
-    stack, begin = problem.spare.stack, 0.0
-    looks = 0
+    stack, begin, looks = problem.spare.stack, 0.0, 0
     while True:
-        end = limit
+        end, on = limit, (on_forth, on_back)
         if forth >= 0:
             end = min(end, pieces.right[on_forth] - from_forth)
         if back >= 0:
@@ -164,23 +161,16 @@ def land(
         # Shifts wait where stretches end, the nearest last; after one stretch comes the next.
         waiting, after, of_after = 0, begin, (0.0, 0.0, 0.0, 0.0)
         if end > begin:
-            of_after = _ends(laws, picked, line, on_forth, on_back, bias, begin)
-            of_end = _ends(laws, picked, line, on_forth, on_back, bias, end)
-            waiting = _wait(stack, waiting, end, of_end)
+            of_after = _ends(problem, line, on, bias, begin)
+            waiting = _wait(stack, waiting, end, _ends(problem, line, on, bias, end))
         while waiting > 0:
             looks += 1
             if overspent(effort, 4) or looks > 200_000:
                 return UNDECIDED, begin, line.force
             waiting -= 1
-            a, of_a, b = after, of_after, stack[_SHIFT, waiting]
-            of_b = (
-                stack[_PULL, waiting],
-                stack[_PULL_SLOPE, waiting],
-                stack[_RESIST, waiting],
-                stack[_RESIST_SLOPE, waiting],
-            )
-            after, of_after = b, of_b
-            (ga, dga, ha, dha), (gb, dgb, hb, dhb) = of_a, of_b
+            a, (ga, dga, ha, dha) = after, of_after
+            b, gb, dgb, hb, dhb = stack[_SHIFT:, waiting]
+            after, of_after = b, (gb, dgb, hb, dhb)
             if paired:
                 low = share * min(ga, gb) + (1.0 - share) * min(ha, hb)
                 high = share * max(ga, gb) + (1.0 - share) * max(ha, hb)
@@ -204,25 +194,23 @@ def land(
                 if min(ga, gb) - max(ha, hb) > 0.0:
                     continue
                 if falls and a >= start and ga - ha > 0.0:
-                    x, g, h = _balance(
-                        laws, picked, line, (on_forth, on_back), bias, (a, b, ga - ha, gb - hb)
-                    )
+                    x, g, h = _balance(problem, line, on, bias, (a, b, ga - ha, gb - hb))
                     return LANDED, x, _level(line, g, h)
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
                 if gb - hb <= 0.0:
                     fall = (ga - ha) - (gb - hb)
                     x = b if fall <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / fall
-                    g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, x)
+                    g, _, h, _ = _ends(problem, line, on, bias, x)
                     return LANDED, x, _level(line, g, h)
                 if at_b < lowest or at_b > highest:
                     return JOINED, b, at_b
                 continue
             middle = 0.5 * (a + b)
-            of_middle = _ends(laws, picked, line, on_forth, on_back, bias, middle)
-            after, of_after = a, of_a
+            after, of_after = a, (ga, dga, ha, dha)
+            of_middle = _ends(problem, line, on, bias, middle)
             waiting = _wait(stack, waiting + 1, middle, of_middle)
         if end >= limit:
-            g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, limit)
+            g, _, h, _ = _ends(problem, line, on, bias, limit)
             return STOPPED, limit, _level(line, g, h)
         if forth >= 0 and pieces.right[on_forth] - from_forth <= end:
             on_forth += 1
@@ -237,42 +225,32 @@ def least_pull(
 ) -> tuple[float, float]:
     """The least pull between two shifts with more on both sides, or inf; the stiffness there."""
     # One function: pieces, and whether the pull falls, go on as locals.
-    picked, pieces = problem.pieces.picked, problem.pieces
-    forth, back = line.forth, line.back
-    on_forth = find_piece(pieces, forth, line.from_forth + begin, 1) if forth >= 0 else 0
-    on_back = find_piece(pieces, back, line.from_back - begin, -1) if back >= 0 else 0
+    pieces, forth, back = problem.pieces, line.forth, line.back
+    on_forth, on_back = _pieces_at(problem, line, begin, 1)
     least, stiffness, falls, at = np.inf, 0.0, False, begin
     while at < end:
-        until = end
+        until, on = end, (on_forth, on_back)
         if forth >= 0:
             until = min(until, pieces.right[on_forth] - line.from_forth)
         if back >= 0:
             until = min(until, line.from_back - pieces.left[on_back])
         until = max(until, at)
         if until > at:
-            pull, pull_slope, resist, resist_slope = _ends(
-                problem.laws, picked, line, on_forth, on_back, 0.0, at
-            )
+            low, high = at, until
+            pull, pull_slope, resist, resist_slope = _ends(problem, line, on, 0.0, at)
             if falls and pull_slope >= resist_slope and pull - resist < least:
                 least, stiffness = pull - resist, max(abs(pull_slope), abs(resist_slope))
-            low, high = at, until
             falls = pull_slope < resist_slope
-            _, pull_slope, _, resist_slope = _ends(
-                problem.laws, picked, line, on_forth, on_back, 0.0, until
-            )
+            _, pull_slope, _, resist_slope = _ends(problem, line, on, 0.0, until)
             if falls and pull_slope >= resist_slope:
                 for _ in range(40):
                     middle = 0.5 * (low + high)
-                    _, pull_slope, _, resist_slope = _ends(
-                        problem.laws, picked, line, on_forth, on_back, 0.0, middle
-                    )
+                    _, pull_slope, _, resist_slope = _ends(problem, line, on, 0.0, middle)
                     if pull_slope < resist_slope:
                         low = middle
                     else:
                         high = middle
-                pull, pull_slope, resist, resist_slope = _ends(
-                    problem.laws, picked, line, on_forth, on_back, 0.0, high
-                )
+                pull, pull_slope, resist, resist_slope = _ends(problem, line, on, 0.0, high)
                 if pull - resist < least:
                     least, stiffness = pull - resist, max(abs(pull_slope), abs(resist_slope))
                 falls = False
