@@ -40,14 +40,12 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     spare, rubbed = problem.spare, problem.spare.number[st.RUB]
     rubbed[:] = 0.0
     outcome, close = landing.JUMPED, False
-    if not (
-        state.next_snap[st.DUE]
-        and state.next_snap[st.WHY] == ENDS
-        and jump(problem, state, trigger)
-    ):
+    ends = state.next_snap[st.DUE] and state.next_snap[st.WHY] == ENDS
+    if not (ends and jump(problem, state, trigger)):
         outcome, close = along_line(problem, state, direction, rubbed)
-    if outcome == landing.JOINED or outcome == landing.JUMPED:
-        jumped = outcome == landing.JUMPED
+    jumped = outcome == landing.JUMPED
+    by_flow = jumped or outcome == landing.JOINED
+    if by_flow:
         settled, closer = _by_flow(problem, state, begun.drive, rubbed, jumped, accuracy)
         if not settled:
             return st.NOT_SETTLED
@@ -71,10 +69,8 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
         set_tie(state.tie, trigger, trigger)
-    movers = some_movers(spare, moved, 0.0)
-    heat = (released - friction_work, friction_work)
+    movers, heat = some_movers(spare, moved, 0.0), (released - friction_work, friction_work)
     write(problem, state, SNAP, begun, movers, heat, begun.drive)
-    by_flow = outcome == landing.JOINED or outcome == landing.JUMPED
     state.log.segments[state.log.used[0] - 1, DECIDED] = BY_FLOW if by_flow else BY_LINE
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[st.DUE] = 0
@@ -145,12 +141,13 @@ def along_line(
         low, high = -np.inf, np.inf
     at_forth = state.travel[forth] if forth >= 0 else 0.0
     at_back = state.travel[back] if back >= 0 else 0.0
-    softness = 0.0 if rigid else problem.alpha / problem.beta
-    share = 0.5
+    softness, share, mobility = 0.0, 0.5, problem.mobility
     if rigid:
-        share = problem.mobility[back] / (problem.mobility[back] + problem.mobility[forth])
+        share = mobility[back] / (mobility[back] + mobility[forth])
+    else:
+        softness = problem.alpha / problem.beta
     line = SnapLine(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
-    size = laws.full[forth] if forth >= 0 else laws.full[back]
+    size = laws.full[forth if forth >= 0 else back]
     begun, neutral = line, state.next_snap[st.WHY] != FOLD and _is_neutral(problem, line)
     if neutral:
         line = _driven_on(line, direction, 1e-10 * size)
@@ -177,24 +174,19 @@ def along_line(
         set_near(state.near, *least_pull(problem, line, start * size, shift))
     if outcome == landing.UNDECIDED:
         outcome, shift, level = landing.JOINED, 0.0, line.force
-    if forth >= 0:
-        state.travel[forth] = line.from_forth + shift
-        if problem.sheets.ends[forth, HIGH] - state.travel[forth] <= 1e-15 * laws.full[forth]:
-            state.travel[forth] = problem.sheets.ends[forth, HIGH]
-        rubbed[forth] = shift
-    if back >= 0:
-        state.travel[back] = line.from_back - shift
-        if state.travel[back] - problem.sheets.ends[back, LOW] <= 1e-15 * laws.full[back]:
-            state.travel[back] = problem.sheets.ends[back, LOW]
-        rubbed[back] = shift
-    state.force[0] = level
-    if outcome == landing.STOPPED:
-        jumps = forth >= 0 and state.travel[forth] == problem.sheets.ends[forth, HIGH]
-        jumps = jumps and jump(problem, state, forth)
-        if back >= 0 and state.travel[back] == problem.sheets.ends[back, LOW]:
-            jumps = jump(problem, state, back) or jumps
-        if jumps:
-            return landing.JUMPED, tie
+    state.force[0], jumps = level, False
+    for i, place, side in (
+        (forth, line.from_forth + shift, HIGH),
+        (back, line.from_back - shift, LOW),
+    ):
+        if i >= 0:
+            end = problem.sheets.ends[i, side]
+            near = (end - place if side == HIGH else place - end) <= 1e-15 * laws.full[i]
+            state.travel[i], rubbed[i] = end if near else place, shift
+            if outcome == landing.STOPPED and state.travel[i] == end:
+                jumps = jump(problem, state, i) or jumps
+    if jumps:
+        return landing.JUMPED, tie
     if outcome == landing.STOPPED and rigid:
         # One of the two has stopped and no longer takes its part of the force: the other
         # may now push a third one off its place, and the snap goes on.
@@ -240,7 +232,7 @@ def _by_flow(
 ) -> tuple[bool, bool]:
     """Let the flow bring all cells to rest, from after a jump or not; whether so, and by a tie."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
-    travel, mode, spare = state.travel, state.mode, problem.spare
+    travel, mode, spare, near = state.travel, state.mode, problem.spare, state.near
     start, worn = spare.number[st.START], spare.number[st.WORN]
     modes, sheets = spare.whole[st.MODES], spare.whole[st.SHEETS]
     for i in range(len(travel)):
@@ -248,7 +240,6 @@ def _by_flow(
         sheets[i] = sheet_of(problem.sheets, i)
     settled, level, tie = False, force, False
     on_its_way = jumped or worn[state.next_snap[st.TRIGGER]] != 0.0
-    near = state.near
     line = near[0], near[1]
     # The place next to a fold can be too narrow for the flow to get out of; then the way
     # out is begun further on, where the one unstable direction still holds.
@@ -298,13 +289,10 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
     mine, way = 0, spare.number[st.WAY, :count]
     for m in range(count):
         i = int(movers[m])
-        weights[m] = problem.mobility[i]
-        if pieces.sign[state.piece[i]] == 0:
-            slopes[m] = 0.0
-        else:
+        weights[m], slopes[m] = problem.mobility[i], 0.0
+        if pieces.sign[state.piece[i]] != 0:
             slopes[m] = 1.0 / inverse_slope(problem, i, state.piece[i], state.travel[i])
-        if i == trigger:
-            mine = m
+        mine = m if i == trigger else mine
     if count > 1:
         unstable_direction(slopes[:count], weights[:count], alpha, beta, mine, way)
     else:

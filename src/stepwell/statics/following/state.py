@@ -269,17 +269,22 @@ def set_tie(tie: Ints, one: int, two: int) -> None:
 
 
 @leaf
-def hold(problem: DrivenChain, state: State, i: int) -> None:
-    """Let cell i rest where it is."""
-    laws, pieces, travel = problem.laws, problem.pieces, state.travel[i]
-    state.mode[i], state.sense[i] = HELD, 0
+def force_at(problem: DrivenChain, i: int, travel: float) -> float:
+    """F of cell i [N]; at the end of a piece the one that is known there."""
+    pieces = problem.pieces
     piece = find_piece(pieces, i, travel, 0)
     if travel == pieces.left[piece]:
-        state.at_rest[i] = pieces.force_left[piece]
-    elif travel == pieces.right[piece]:
-        state.at_rest[i] = pieces.force_right[piece]
-    else:
-        state.at_rest[i] = law(laws, i, pieces.picked[piece], travel)[0]
+        return float(pieces.force_left[piece])
+    if travel == pieces.right[piece]:
+        return float(pieces.force_right[piece])
+    return law(problem.laws, i, pieces.picked[piece], travel)[0]
+
+
+@leaf
+def hold(problem: DrivenChain, state: State, i: int) -> None:
+    """Let cell i rest where it is."""
+    state.mode[i], state.sense[i] = HELD, 0
+    state.at_rest[i] = force_at(problem, i, state.travel[i])
 
 
 @leaf

@@ -13,8 +13,8 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import law
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.state import DrivenChain
-from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
+from stepwell.statics.following.state import DrivenChain, force_at
+from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room
 from stepwell.statics.landings.start import Start
 
 # So many choices of branches are looked at, and so many intervals of λ: more are declined.

@@ -6,9 +6,9 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, stored
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.state import DrivenChain
+from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.start import Start
 
 # Forces are told apart from here on, as a share of the largest, and travels, as a share of theirs:
@@ -25,18 +25,6 @@ class Room(NamedTuple):
     high: Floats  # (N,)
     stops: Ints  # (N, 2) whether it is pressed against a stop at `low`, at `high`
     force: Floats  # (2,) least and largest λ
-
-
-@kernel
-def force_at(problem: DrivenChain, i: int, travel: float) -> float:
-    """F of cell i [N]."""
-    pieces = problem.pieces
-    piece = find_piece(pieces, i, travel, 0)
-    if travel == pieces.left[piece]:
-        return pieces.force_left[piece]
-    if travel == pieces.right[piece]:
-        return pieces.force_right[piece]
-    return law(problem.laws, i, pieces.picked[piece], travel)[0]
 
 
 @kernel

@@ -11,13 +11,12 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.statics.following.state import DrivenChain
+from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.room import (
     CLOSE_FORCE,
     Room,
     energy_at,
     energy_slack,
-    force_at,
     forces_within,
     least_energy,
 )
