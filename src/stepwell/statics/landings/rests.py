@@ -40,63 +40,53 @@ class Stretches(NamedTuple):
 
 
 @kernel
+def _add(
+    out: Stretches,
+    r: int,
+    sign: int,
+    pieces: tuple[int, int],
+    travel: tuple[float, float],
+    force: tuple[float, float],
+) -> int:
+    """Write branch r; how many there are then."""
+    out.sign[r], out.first[r], out.last[r] = sign, pieces[0], pieces[1]
+    out.low[r], out.high[r], out.least[r], out.most[r] = travel[0], travel[1], force[0], force[1]
+    return r + 1
+
+
+@kernel
 def _branches(problem: DrivenChain, room: Room) -> Stretches:
     """The branches of all cells within their room."""
     # One function: every cell adds to the same seven arrays.
-    pieces, n = problem.pieces, len(room.low)
-    count = 0
-    for i in range(n):
-        count += pieces.among[i, 1] - pieces.among[i, 0] + 4
-    out = Stretches(
-        np.zeros(n + 1, np.int64),
-        np.empty(count, np.int64),
-        np.empty(count),
-        np.empty(count),
-        np.empty(count, np.int64),
-        np.empty(count, np.int64),
-        np.empty(count),
-        np.empty(count),
-    )
-    used = 0
+    pieces, n, stops = problem.pieces, len(room.low), room.stops
+    count = 4 * n + np.sum(pieces.among[:, 1] - pieces.among[:, 0])
+    whole, number = np.empty((3, count), np.int64), np.empty((4, count))
+    ends = number[0], number[1], whole[1], whole[2], number[2], number[3]
+    out, used = Stretches(np.zeros(n + 1, np.int64), whole[0], *ends), 0
     for i in range(n):
         low, high = room.low[i], room.high[i]
-        piece = find_piece(pieces, i, low, 1)
-        end = find_piece(pieces, i, high, 0)
+        piece, end = find_piece(pieces, i, low, 1), find_piece(pieces, i, high, 0)
         if not high > low:
-            out.sign[used], out.low[used], out.high[used] = 1, low, high
-            out.first[used], out.last[used] = piece, piece
-            out.least[used], out.most[used] = -np.inf, np.inf
-            used += 1
+            used = _add(out, used, 1, (piece, piece), (low, high), (-np.inf, np.inf))
             out.of_cell[i + 1] = used
             continue
-        begun = used
-        if room.stops[i, 0] and pieces.sign[piece] < 0:
-            out.sign[used], out.low[used], out.high[used] = 1, low, low
-            out.first[used], out.last[used] = piece, piece
-            out.least[used], out.most[used] = -np.inf, force_at(problem, i, low)
-            used += 1
+        if stops[i, 0] and pieces.sign[piece] < 0:
+            forces = -np.inf, force_at(problem, i, low)
+            used = _add(out, used, 1, (piece, piece), (low, low), forces)
         while piece <= end:
-            sign = -1 if pieces.sign[piece] < 0 else 1
-            begin = piece
+            begin, sign = piece, -1 if pieces.sign[piece] < 0 else 1
             while piece < end and (pieces.sign[piece + 1] < 0) == (sign < 0):
                 piece += 1
             a, b = max(pieces.left[begin], low), min(pieces.right[piece], high)
             fa, fb = force_at(problem, i, a), force_at(problem, i, b)
-            out.sign[used], out.low[used], out.high[used] = sign, a, b
-            out.first[used], out.last[used] = begin, piece
-            out.least[used], out.most[used] = min(fa, fb), max(fa, fb)
-            if sign > 0 and room.stops[i, 0] and a == low:
-                out.least[used] = -np.inf
-            if sign > 0 and room.stops[i, 1] and b == high:
-                out.most[used] = np.inf
-            used += 1
+            least = -np.inf if sign > 0 and stops[i, 0] and a == low else min(fa, fb)
+            most = np.inf if sign > 0 and stops[i, 1] and b == high else max(fa, fb)
+            used = _add(out, used, sign, (begin, piece), (a, b), (least, most))
             piece += 1
-        if room.stops[i, 1] and out.sign[used - 1] < 0:
-            out.sign[used], out.low[used], out.high[used] = 1, high, high
-            out.first[used], out.last[used] = end, end
-            out.least[used], out.most[used] = force_at(problem, i, high), np.inf
-            used += 1
-        assert used > begun
+        if stops[i, 1] and out.sign[used - 1] < 0:
+            forces = force_at(problem, i, high), np.inf
+            used = _add(out, used, 1, (end, end), (high, high), forces)
+        assert used > out.of_cell[i]
         out.of_cell[i + 1] = used
     return out
 
@@ -135,10 +125,9 @@ def _compliance(
     most = 1.0 / softest if softest > 0.0 else np.inf
     if branches.sign[r] < 0:
         return -most, -least
-    stopped = (room.stops[i, 0] and low <= room.low[i]) or (
-        room.stops[i, 1] and high >= room.high[i]
-    )
-    return (0.0 if stopped else least), most
+    below = room.stops[i, 0] and low <= room.low[i]
+    above = room.stops[i, 1] and high >= room.high[i]
+    return (0.0 if below or above else least), most
 
 
 class RestSearch(NamedTuple):
@@ -162,11 +151,9 @@ def _slip(problem: DrivenChain) -> float:
 def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> tuple[float, float]:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
     branches, choice, box = search.branches, search.choice, search.box
-    slip = CLOSE_FORCE * problem.scale
-    least, most = 0.0, 0.0
+    least, most, slip = 0.0, 0.0, CLOSE_FORCE * problem.scale
     for i in range(len(choice)):
-        r = choice[i]
-        begin, end = low - slip, high + slip
+        r, begin, end = choice[i], low - slip, high + slip
         if branches.sign[r] < 0:
             begin, end = end, begin
         box[0, i] = _travel_at(problem, branches, i, r, begin)
@@ -182,8 +169,7 @@ def _stability(problem: DrivenChain, room: Room, search: RestSearch) -> tuple[fl
     branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
     least, most = problem.beta, problem.beta
     for i in range(len(choice)):
-        r = choice[i]
-        low, high = _compliance(problem, room, branches, i, r, box[0, i], box[1, i])
+        low, high = _compliance(problem, room, branches, i, choice[i], box[0, i], box[1, i])
         least += alpha * low
         most += alpha * high
     return least, most
@@ -209,11 +195,9 @@ def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
     laws, box, counts = problem.laws, search.box, search.counts
     here, known = True, True
     for i in range(len(start.travel)):
-        near = NEAR_START * laws.full[i]
-        if box[0, i] < start.travel[i] - near or box[1, i] > start.travel[i] + near:
-            here = False
-        if box[1, i] - box[0, i] > _KNOWN * laws.full[i]:
-            known = False
+        s, near = start.travel[i], NEAR_START * laws.full[i]
+        here = here and box[0, i] >= s - near and box[1, i] <= s + near
+        known = known and box[1, i] - box[0, i] <= _KNOWN * laws.full[i]
     if here:
         return True
     if known and not _noted(problem, search):
@@ -271,18 +255,16 @@ def _one_place(
 
 @kernel
 def _places(
-    problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: Floats
+    problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: tuple[float, float]
 ) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
     alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
-    counts = search.counts
+    counts, lows, highs = search.counts, np.empty(256), np.empty(256)
     if np.min(search.branches.sign[search.choice]) > 0:
         if counts[0] >= len(search.places):
             return False
         return _one_place(problem, start, search, ends[0], ends[1], 1)
-    lows, highs = np.empty(256), np.empty(256)
-    lows[0], highs[0] = ends[0], ends[1]
-    waiting = 1
+    (lows[0], highs[0]), waiting = ends, 1
     while waiting > 0:
         waiting -= 1
         a, b = lows[waiting], highs[waiting]
@@ -323,16 +305,13 @@ def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Float
     slip = CLOSE_FORCE * problem.scale
     # For the cells chosen so far: the λ at which they rest, their travels, how many fall; and
     # what the others can add.
-    least, most = np.empty(n + 1), np.empty(n + 1)
-    below, above = np.zeros(n + 1), np.zeros(n + 1)
-    falls = np.zeros(n + 1, np.int64)
+    least, most, below, above = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1), np.zeros(n + 1)
+    falls, rest_low, rest_high = np.zeros(n + 1, np.int64), np.zeros(n + 1), np.zeros(n + 1)
     least[0], most[0] = room.force[0], room.force[1]
-    rest_low, rest_high = np.zeros(n + 1), np.zeros(n + 1)
     for i in range(n - 1, -1, -1):
         rest_low[i] = rest_low[i + 1] + room.low[i]
         rest_high[i] = rest_high[i + 1] + room.high[i]
-    alpha, beta, drive = problem.alpha, problem.beta, start.drive
-    ends = np.empty(2)
+    alpha, beta, drive, slack = problem.alpha, problem.beta, start.drive, 2.0 * _slip(problem)
     tries, level = 0, 0
     while level >= 0:
         r = search.choice[level]
@@ -353,19 +332,13 @@ def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Float
         falls[after] = falls[level] + (branches.sign[r] < 0)
         low = alpha * (below[after] + rest_low[after]) + beta * least[after]
         high = alpha * (above[after] + rest_high[after]) + beta * most[after]
-        slack = 2.0 * _slip(problem)
-        if (
-            falls[after] > 1
-            or least[after] > most[after] + slip
-            or low > drive + slack
-            or high < drive - slack
-        ):
+        missed = low > drive + slack or high < drive - slack
+        if missed or falls[after] > 1 or least[after] > most[after] + slip:
             continue
         if after < n:
             level = after
             continue
-        ends[0] = min(least[n], most[n])
-        ends[1] = max(least[n], most[n])
+        ends = min(least[n], most[n]), max(least[n], most[n])
         if not _places(problem, room, start, search, ends):
             return -1
     return search.counts[0]
