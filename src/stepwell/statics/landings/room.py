@@ -129,15 +129,11 @@ def room_of(problem: DrivenChain, start: Start, within: Room) -> Room:
         least, most = new_least, new_most
     room.force[0], room.force[1] = least, most
     for i in range(n):
-        near = CLOSE * laws.full[i]
-        if room.low[i] <= within.low[i] + near:
-            room.low[i] = within.low[i]
-        else:
-            room.stops[i, 0] = 0
-        if room.high[i] >= within.high[i] - near:
-            room.high[i] = within.high[i]
-        else:
-            room.stops[i, 1] = 0
+        near, low, high = CLOSE * laws.full[i], within.low[i], within.high[i]
+        below, above = room.low[i] <= low + near, room.high[i] >= high - near
+        room.low[i], room.high[i] = low if below else room.low[i], high if above else room.high[i]
+        room.stops[i, 0] *= below
+        room.stops[i, 1] *= above
     return room
 
 
@@ -211,12 +207,10 @@ def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
         return
     rigid = problem.beta == 0.0
     stiffness = 0.0 if rigid else problem.alpha / problem.beta
-    step = np.max(room.high - room.low) / _STEPS
+    step, energies = np.max(room.high - room.low) / _STEPS, np.empty((m, _STEPS + 2))
     first, count = np.empty(m, np.int64), np.empty(m, np.int64)
-    energies = np.empty((m, _STEPS + 2))
     for k in range(m):
-        i = int(moving[k])
-        s = start.travel[i]
+        i, s = int(moving[k]), start.travel[moving[k]]
         first[k] = int(np.floor((room.low[i] - s) / step + 1e-9))
         count[k] = max(1, int(np.ceil((room.high[i] - s) / step - 1e-9)) - first[k])
         for j in range(count[k]):
@@ -225,10 +219,8 @@ def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
             least, most = forces_within(problem, i, a, b)
             ends = energy_at(problem, start, i, a), energy_at(problem, start, i, b)
             energies[k, j] = least_energy(ends, b - a, (least - level, most - level), 0.0)
-    slack = energy_slack(problem)
-    lowest, highest = np.inf, -np.inf
-    before = np.zeros(1)
-    from_before = 0
+    slack, lowest, highest = energy_slack(problem), np.inf, -np.inf
+    before, from_before = np.zeros(1), 0
     for k in range(m):
         after, from_after = np.zeros(1), 0
         for j in range(m - 1, k, -1):
@@ -244,20 +236,17 @@ def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
                 # All together have gone between this and m steps more.
                 gone = first[k] + j + begin + o
                 total = energies[k, j] + others[o]
-                if rigid:
-                    if not -m <= gone <= 0:
-                        continue
-                else:
+                if rigid and not -m <= gone <= 0:
+                    continue
+                if not rigid:
                     way = max(0.0, gone * step, -(gone + m) * step)
                     total += 0.5 * stiffness * way * way
                 if total <= slack:
                     reached[j] = True
                     lowest, highest = min(lowest, gone * step), max(highest, (gone + m) * step)
-        here = -first[k]
-        up = here
+        up, down = -first[k], -first[k] - 1
         while up < count[k] and reached[up]:
             up += 1
-        down = here - 1
         while down >= 0 and reached[down]:
             down -= 1
         if up < count[k]:

@@ -44,25 +44,24 @@ class Grid(NamedTuple):
 
 
 @kernel
-def _nodes(low: float, start: float, high: float, near: float, far: float, out: Floats) -> int:
-    """Fill in nodes from `low` to `high`, `near` apart at the start and at most `far`; how many."""
+def _nodes(low: float, high: float, far: float, out: Floats) -> int:
+    """Fill in nodes from `low` to `high`, nearest to each other at 0, at most `far`; how many."""
     used, growth = 0, 8.0 * far
-    for toward in (-1, 1):
-        end = low if toward < 0 else high
-        way, first = 0.0, used
-        while way < abs(end - start):
+    for toward, end in ((-1, low), (1, high)):
+        way = 0.0
+        while way < abs(end):
             if used == len(out):
                 return used
-            way += min(max(near, way * growth), far)
-            out[used] = end if way > abs(end - start) - 0.5 * near else start + toward * way
+            way += min(max(_NEAREST, way * growth), far)
+            out[used] = end if way > abs(end) - 0.5 * _NEAREST else toward * way
             if out[used] == end:
-                way = abs(end - start)
+                way = abs(end)
             used += 1
         if toward < 0:
-            out[first:used] = out[first:used][::-1].copy()
+            out[:used] = out[:used][::-1].copy()
             if used == len(out):
                 return used
-            out[used] = start
+            out[used] = 0.0
             used += 1
     return used
 
@@ -75,21 +74,16 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
     last = int(np.argmax(width)) if rigid else -1
     cell = np.flatnonzero(width > 0.0)
     cell = cell[cell != last]
-    dims = len(cell)
-    widest = np.max(width)
-    nodes = np.empty((dims, 512))
-    count = np.empty(dims, np.int64)
-    fine = 128.0
+    dims, widest, fine = len(cell), np.max(width), 128.0
+    nodes, count = np.empty((dims, 512)), np.empty(dims, np.int64)
     while True:
         boxes = 1.0
         for d in range(dims):
             i = int(cell[d])
             # In shares of the widest room.
-            low, high = (
-                (room.low[i] - start.travel[i]) / widest,
-                (room.high[i] - start.travel[i]) / widest,
-            )
-            count[d] = _nodes(low, 0.0, high, _NEAREST, 1.0 / fine, nodes[d]) - 1
+            low = (room.low[i] - start.travel[i]) / widest
+            high = (room.high[i] - start.travel[i]) / widest
+            count[d] = _nodes(low, high, 1.0 / fine, nodes[d]) - 1
             boxes *= count[d]
         if boxes <= most or fine < 4.0:
             break
@@ -100,11 +94,9 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
         begin[d], stride[d] = total, number
         total += count[d] + 1
         number *= count[d]
-    out = np.empty((5, total))
-    free = start.drive
-    for i in range(len(start.travel)):
-        if width[i] == 0.0:
-            free -= start.travel[i]
+    out, free = np.empty((5, total)), start.drive
+    for i in np.flatnonzero(width == 0.0):
+        free -= start.travel[i]
     for d in range(dims):
         i = int(cell[d])
         for k in range(count[d] + 1):
@@ -121,10 +113,7 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
 @kernel
 def boxes_of(grid: Grid) -> int:
     """How many boxes a grid has."""
-    boxes = 1
-    for count in grid.cuts:
-        boxes *= count
-    return boxes
+    return np.prod(grid.cuts)
 
 
 @kernel
@@ -156,8 +145,7 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         # Σ s is what there is to have.
         total = tilt * (grid.free - a - low) + least_energy(energy, b - a, force, tilt)
     else:
-        stiffness = problem.alpha / problem.beta
-        begun = 0.0
+        stiffness, begun = problem.alpha / problem.beta, 0.0
         for i in grid.cell:
             begun += start.travel[i]
         way = float(0.5 * (low + high) - begun)
@@ -165,10 +153,8 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         total = -0.5 * stiffness * way * way + tilt * (begun - low)
     for d in range(len(at)):
         k = int(grid.begin[d] + at[d])
-        energy, force = (
-            (grid.energy[k], grid.energy[k + 1]),
-            (grid.least[k] - level, grid.most[k] - level),
-        )
+        energy = grid.energy[k], grid.energy[k + 1]
+        force = grid.least[k] - level, grid.most[k] - level
         total += least_energy(energy, node[k + 1] - node[k], force, tilt)
     return bool(total <= energy_slack(problem))
 
@@ -191,11 +177,7 @@ def _can_leave(
         low += node[k]
         high += node[k + 1]
         gap = own - grid.most[k] if up else grid.least[k] - own
-        pressed = (
-            room.stops[cell, 1] and at[d] == grid.cuts[d] - 1
-            if up
-            else room.stops[cell, 0] and at[d] == 0
-        )
+        pressed = room.stops[cell, int(up)] and at[d] == (grid.cuts[d] - 1 if up else 0)
         total += _weighed(gap - slip, pressed, problem.mobility[cell], ratio)
     if grid.last < 0:
         # The largest λ is where all others have gone least.
@@ -205,11 +187,8 @@ def _can_leave(
     a, b = _left(room, grid, low, high)
     least, most = forces_within(problem, cell, a, b)
     gap = own - most if up else least - own
-    pressed = (
-        room.stops[cell, 1] and b >= room.high[cell]
-        if up
-        else room.stops[cell, 0] and a <= room.low[cell]
-    )
+    stopped = b >= room.high[cell] if up else a <= room.low[cell]
+    pressed = room.stops[cell, int(up)] and stopped
     return total + _weighed(gap - slip, pressed, problem.mobility[cell], ratio) < 0.0
 
 
@@ -224,24 +203,20 @@ def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
 @kernel
 def _mark(
     problem: DrivenChain, room: Room, grid: Grid, low: Floats, high: Floats, value: int, out: Ints
-) -> int:
-    """Mark all boxes that hold a point between travels `low` and `high`; how many."""
-    dims, marked = len(grid.cell), 0
+) -> None:
+    """Mark all boxes that hold a point between travels `low` and `high`."""
+    dims = len(grid.cell)
     begin, end = np.zeros(dims, np.int64), np.zeros(dims, np.int64)
     for d in range(dims):
         i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.cuts[d] + 1]
         near = 1e-9 * problem.laws.full[i]
         if high[i] < room.low[i] - near or low[i] > room.high[i] + near:
-            return 0
+            return
         begin[d] = max(0, np.searchsorted(nodes, low[i] - near) - 1)
         end[d] = min(grid.cuts[d], max(np.searchsorted(nodes, high[i] + near), 1))
     at = begin.copy()
     while True:
-        number = 0
-        for d in range(dims):
-            number += at[d] * grid.stride[d]
-        out[number] = value
-        marked += 1
+        out[np.sum(at * grid.stride)] = value
         d = 0
         while d < dims:
             at[d] += 1
@@ -250,7 +225,7 @@ def _mark(
             at[d] = begin[d]
             d += 1
         if d == dims:
-            return marked
+            return
 
 
 @kernel
@@ -280,13 +255,11 @@ def keeps_off(
     """
     # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
-    seen = np.zeros(boxes, np.int64)
+    seen, begun = np.zeros(boxes, np.int64), np.zeros(boxes, np.int64)
     for c in range(len(others)):
         _mark(problem, room, grid, others[c, 0], others[c, 1], _ELSEWHERE, seen)
-    begun = np.zeros(boxes, np.int64)
     _mark(problem, room, grid, start.travel, start.travel, _SEEN, begun)
-    waiting = np.empty(boxes, np.int64)
-    used = 0
+    waiting, used = np.empty(boxes, np.int64), 0
     for number in np.flatnonzero(begun):
         if seen[number] == _ELSEWHERE:
             return False
@@ -300,19 +273,19 @@ def keeps_off(
         for d in range(dims):
             at[d] = number // grid.stride[d] % grid.cuts[d]
         for d in range(dims):
-            for up in (True, False):
-                step = 1 if up else -1
+            for step in (1, -1):
                 if not 0 <= at[d] + step < grid.cuts[d]:
                     continue
                 to = number + step * grid.stride[d]
                 if seen[to] == _SEEN or seen[to] == _CLOSED:
                     continue
-                if np.isfinite(ratio) and not _can_leave(problem, room, grid, at, d, up, ratio):
+                if np.isfinite(ratio) and not _can_leave(
+                    problem, room, grid, at, d, step > 0, ratio
+                ):
                     continue
                 at[d] += step
-                enters = _exists(problem, room, grid, at) and _enough_energy(
-                    problem, room, start, grid, at
-                )
+                enters = _exists(problem, room, grid, at)
+                enters = enters and _enough_energy(problem, room, start, grid, at)
                 at[d] -= step
                 if not enters:
                     seen[to] = _CLOSED
