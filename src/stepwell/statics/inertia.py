@@ -31,13 +31,10 @@ def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, ou
     for _ in range(100 + 40 * n * n):
         change, size = 0.0, abs(end)
         for i in range(n):
-            inner = loose[i - 1] if i > 0 else 0.0
-            outer = loose[i]
+            inner, outer = loose[i - 1] if i > 0 else 0.0, loose[i]
             if inner + outer == 0.0:
                 continue
-            pull = extra[i]
-            if i > 0:
-                pull += inner * out[i - 1]
+            pull = extra[i] + (inner * out[i - 1] if i > 0 else 0.0)
             pull += outer * (out[i + 1] if i + 1 < n else end)
             value = min(max(pull / (inner + outer), low[i]), high[i])
             change = max(change, abs(value - out[i]))
@@ -94,6 +91,7 @@ class FreeCells(NamedTuple):
     damping: Floats  # (k,) [N s/m]
     offset: Floats  # (k,) friction in the sense of the motion, and the push on the leader [N]
     begin: Floats  # (k,) travels where the step begins [m]
+    pace: Floats  # (k,) speeds of the groups of blocks there [m/s]
     slope: Floats  # (k,) κ there [N/m]
     level: float  # λ there [N]
     stiff: float  # of the actuator [N/m]; 0 under a dead load
@@ -149,12 +147,10 @@ def solve(leg: FreeCells, h: float, mass: float, pull: Floats) -> bool:
 
 
 @kernel
-def _march(
-    problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, parts: int, out: Floats
-) -> bool:
+def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floats) -> bool:
     """The step in so many equal parts; (2k + 1,) way, pace and energy damped at its end."""
     k, free = len(leg.cells), leg.free
-    way, now, part = np.zeros(k), pace.copy(), h / parts
+    way, now, part = np.zeros(k), leg.pace.copy(), h / parts
     force, pull, damped = np.empty(k), np.empty(k), 0.0
     for _ in range(parts):
         end = tensions(problem, leg, way, now, force) - part * leg.stiff * now[-1]
@@ -179,25 +175,19 @@ def _march(
 
 
 @kernel
-def stride(
-    problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, out: Floats, error: Floats
-) -> bool:
+def stride(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long.
 
     `out` (2k + 1,) are ways, speeds and damped energy, `error` what the last column added.
     Source: Deuflhard 1985; as an L-stable method it takes blocks without mass to speak of as well.
     """
-    size = len(out)
-    table = np.empty((COLUMNS, size))
+    table = np.empty((COLUMNS, len(out)))
     for j in range(COLUMNS):
-        if not _march(problem, leg, pace, h, j + 1, table[j]):
+        if not _march(problem, leg, h, j + 1, table[j]):
             return False
         # Aitken and Neville, from the newest row back: table[i] becomes T_{j, j - i}.
         for i in range(j - 1, -1, -1):
             by = (j + 1.0) / (i + 1.0) - 1.0
-            for q in range(size):
-                table[i, q] = table[i + 1, q] + (table[i + 1, q] - table[i, q]) / by
-    for q in range(size):
-        out[q] = table[0, q]
-        error[q] = abs(table[0, q] - table[1, q])
+            table[i] = table[i + 1] + (table[i + 1] - table[i]) / by
+    out[:], error[:] = table[0], np.abs(table[0] - table[1])
     return True

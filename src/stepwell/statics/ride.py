@@ -219,10 +219,12 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> bool:
 def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> FreeCells:
     """The cells that move, as one leg."""
     cells = np.flatnonzero(motion.moving)
-    k = len(cells)
-    mass, offset = np.zeros(k), np.empty(k)
+    k, total = len(cells), 0.0
+    mass, offset, pace = np.zeros(k), np.empty(k), np.empty(k)
     for m in range(k):
         i = cells[m]
+        total += motion.speed[i]
+        pace[m] = total
         after = cells[m + 1] if m + 1 < k else len(motion.travel)
         for j in range(i, after):
             mass[m] += body.mass[j]
@@ -231,53 +233,29 @@ def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) 
             offset[m] -= body.push
     rigid = problem.beta == 0.0
     stiff = 0.0 if rigid else problem.alpha / problem.beta
-    level = _lambda(problem, body, motion.travel)
-    begin, free = motion.travel[cells], k - 1 if rigid else k
+    if rigid and k > 0:
+        pace[-1] = 0.0
+    begin, level = motion.travel[cells], _lambda(problem, body, motion.travel)
+    picked, free, slope = np.full((k, len(rows)), -1), k - 1 if rigid else k, np.empty(k)
+    damping = body.damping[cells]
     leg = FreeCells(
-        cells,
-        mass,
-        body.damping[cells],
-        offset,
-        begin,
-        np.empty(k),
-        level,
-        stiff,
-        free,
-        np.full((k, len(rows)), -1, np.int64),
-        rows,
+        cells, mass, damping, offset, begin, pace, slope, level, stiff, free, picked, rows
     )
     look(problem, leg)
     return leg
 
 
 @kernel
-def _pace(motion: MotionState, leg: FreeCells) -> Floats:
-    """Speeds of the groups of blocks, (k,) [m/s]."""
-    pace, total = np.empty(len(leg.cells)), 0.0
-    for m in range(len(leg.cells)):
-        total += motion.speed[leg.cells[m]]
-        pace[m] = total
-    if leg.free < len(pace):
-        pace[-1] = 0.0
-    return pace
-
-
-@kernel
 def _broken(
-    problem: DrivenChain,
-    body: Inertias,
-    motion: MotionState,
-    leg: FreeCells,
-    out: Floats,
-    force: Floats,
+    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, out: Floats
 ) -> float:
     """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
 
     A cell past its end, in travels; past a kink of its law; turning against friction, of the
     fastest speed; held and no longer able to be, of the largest force.
     """
-    k = len(leg.cells)
-    worst, before, fast = -1.0, 0.0, 0.0
+    k, worst, before, fast = len(leg.cells), -1.0, 0.0, 0.0
+    force = np.empty(k)
     for m in range(k):
         i = leg.cells[m]
         travel, speed = leg.begin[m] + (out[m] - before), out[k + m] - fast
@@ -289,13 +267,8 @@ def _broken(
         bent = law(problem.laws, i, leg.room, travel)[0]
         bent = abs(bent - law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
         worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
-        if motion.sense[i] != 0:
-            worst = max(
-                worst,
-                -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed))
-                if speed != 0.0
-                else -1.0,
-            )
+        if motion.sense[i] != 0 and speed != 0.0:
+            worst = max(worst, -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed)))
     end = tensions(problem, leg, out[:k], out[k : 2 * k], force)
     m, carried = -1, 0.0
     for i in range(len(motion.travel)):
@@ -322,13 +295,13 @@ def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
 
 
 @kernel
-def _grazes(problem: DrivenChain, leg: FreeCells, pace: Floats, h: float, out: Floats) -> float:
+def _grazes(problem: DrivenChain, leg: FreeCells, h: float, out: Floats) -> float:
     """The share of a step after which a cell turns beyond its end; 1 where none does."""
     k, share = len(leg.cells), 1.0
     before, fast, faster = 0.0, 0.0, 0.0
     for m in range(k):
-        first, last, way = pace[m] - fast, out[k + m] - faster, out[m] - before
-        fast, faster, before = pace[m], out[k + m], out[m]
+        first, last, way = leg.pace[m] - fast, out[k + m] - faster, out[m] - before
+        fast, faster, before = leg.pace[m], out[k + m], out[m]
         if first * last >= 0.0:
             continue
         b, c = _parabola(first, last, way / h)
@@ -366,22 +339,16 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 
 @kernel
 def _misses(
-    problem: DrivenChain,
-    body: Inertias,
-    motion: MotionState,
-    leg: FreeCells,
-    pace: Floats,
-    out: Floats,
-    error: Floats,
+    problem: DrivenChain, body: Inertias, book: Floats, leg: FreeCells, out: Floats, error: Floats
 ) -> float:
     """The error of a step, by its tolerance: of travels, speeds and what the dampers take."""
-    k, worst, book = len(leg.cells), 0.0, motion.book
+    k, worst = len(leg.cells), 0.0
     # Speeds far below those that the largest force can make are rounding.
     scale, length = problem.scale, np.min(problem.laws.full)
     drag = np.max(body.damping) + np.sqrt(scale * np.max(body.mass) / length)
     fastest = max(1e-2 * book[PEAK], 1e-4 * scale / drag)
     for m in range(k):
-        fastest = max(fastest, abs(pace[m]), abs(out[k + m]))
+        fastest = max(fastest, abs(leg.pace[m]), abs(out[k + m]))
     lost = _lost(book) + out[2 * k]
     if lost > 1e-12 * scale * length:
         worst = error[2 * k] / lost
@@ -403,14 +370,13 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     """A step, or the part of it up to the first contact that changes."""
     # One function: a step and the root over its length use the same four arrays.
     k, book = len(leg.cells), motion.book
-    pace, force = _pace(motion, leg), np.empty(k)
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
     h, wanted = book[STEP], book[STEP]
     while True:
-        fine = stride(problem, leg, pace, h, out, error)
-        worst = _misses(problem, body, motion, leg, pace, out, error) if fine else np.inf
+        fine = stride(problem, leg, h, out, error)
+        worst = _misses(problem, body, book, leg, out, error) if fine else np.inf
         if worst <= 1.0:
-            graze = _grazes(problem, leg, pace, h, out)
+            graze = _grazes(problem, leg, h, out)
             if graze == 1.0:
                 wanted = h * min(4.0, max(0.2, 0.9 * (worst + 1e-9) ** (-1.0 / COLUMNS)))
                 break
@@ -419,21 +385,21 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
             h *= max(0.1, 0.9 * worst ** (-1.0 / COLUMNS)) if np.isfinite(worst) else 0.1
         if not h > 1e-15 * (book[TIME] + book[STEP]):
             return STUCK
-    past = _broken(problem, body, motion, leg, out, force)
+    past = _broken(problem, body, motion, leg, out)
     ended = past > 0.0
     if ended:
         # Where it changes, and just past it: the root over h, by false position (Illinois).
         low, high, at_high, side = 0.0, h, past - _PAST, 0
-        out[:k], out[k : 2 * k] = 0.0, pace
-        at_low = min(_broken(problem, body, motion, leg, out, force), 0.0) - _PAST
+        out[:k], out[k : 2 * k] = 0.0, leg.pace
+        at_low = min(_broken(problem, body, motion, leg, out), 0.0) - _PAST
         for turn in range(100):
             share = at_low / (at_low - at_high) if turn % 4 != 3 else 0.5
             middle = low + share * (high - low)
             if not low < middle < high:
                 break
-            if not stride(problem, leg, pace, middle, out, error):
+            if not stride(problem, leg, middle, out, error):
                 return STUCK
-            past = _broken(problem, body, motion, leg, out, force)
+            past = _broken(problem, body, motion, leg, out)
             if past > _PAST:
                 at_low *= 0.5 if side > 0 else 1.0
                 high, at_high, side = middle, past - _PAST, 1
@@ -444,11 +410,11 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
                 high = middle
                 break
         h = high
-        if not stride(problem, leg, pace, h, out, error):
+        if not stride(problem, leg, h, out, error):
             return STUCK
     book[TIME] += h
     book[DAMPED] += out[2 * k]
-    book[PEAK] = max(book[PEAK], _peak(pace, h, out))
+    book[PEAK] = max(book[PEAK], _peak(leg.pace, h, out))
     book[STEP] = wanted
     before, fast = 0.0, 0.0
     for m in range(k):
