@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -132,12 +131,8 @@ class _Ride:
         )
 
 
-class Inertia(NamedTuple):
-    """What a snap with masses is given, as for `Path.inertial_landing`."""
-
-    masses: Sequence[float]
-    damping: Sequence[float]
-    restitution: float
+# Masses and dampers of all cells, and the restitution.
+Inertia = tuple[Sequence[float], Sequence[float], float]
 
 
 def inertial_landing(
@@ -177,8 +172,8 @@ def inertial_landing(
     travel, sheet = landed = found.motion.travel, np.array(found.sheet)
     return InertialLanding(
         event,
-        tuple(map(float, inertia.masses)),
-        tuple(map(float, inertia.damping)),
+        tuple(map(float, inertia[0])),
+        tuple(map(float, inertia[1])),
         body.restitution,
         tuple(travel.tolist()),
         found.sheet,

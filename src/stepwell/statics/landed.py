@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 
@@ -159,40 +158,28 @@ def a_ratio(name: str, value: float) -> float:
     return ratio
 
 
-class Mobilities(NamedTuple):
-    """Which mobilities are tried; see `Path.landings`."""
-
-    ratio: float
-    samples: int
-    seed: int
-
-    @classmethod
-    def of(cls, ratio: float, bound: float, seed: int) -> Mobilities:
-        """Those for a bound; raises ValueError where a number is not allowed."""
-        return cls(a_ratio("ratio", ratio), samples_for(bound), check.whole("seed", seed, 0))
-
-
 def landings(
     chain: Chain,
     problem: DrivenChain,
     snaps: Iterable[Snap],
     events: list[Event],
-    tried: Mobilities,
+    tried: tuple[float, int, int],
 ) -> Iterator[Landing]:
-    """Whether each snap lands where it does; `events` has those that follow at once one by one."""
+    """Whether each snap lands where it does for the (ratio, samples, seed) that are tried.
+
+    `events` has those that follow at once one by one.
+    """
     ratio, samples, seed = tried
-    at = 0
     for found in snaps:
-        event, passed = events[at], events[at : at + found.rows]
-        at += found.rows
+        passed, events = events[: found.rows], events[found.rows :]
         proof = _proof(problem, found, ratio)
         if proof is not None:
-            yield Landing(event, ratio, proof, 0, 0, ())
+            yield Landing(passed[0], ratio, proof, 0, 0, ())
             continue
         cells = sorted({cell for one in passed for cell in one.cells})
         corners = corners_of(np.array(cells), len(chain), ratio, seed)
         factors = factors_of(len(chain), ratio, samples, seed)
-        yield Landing(event, ratio, None, *_sampled(chain, problem, found, corners, factors))
+        yield Landing(passed[0], ratio, None, *_sampled(chain, problem, found, corners, factors))
 
 
 def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
@@ -218,7 +205,7 @@ def _sampled(
     """
     tried = np.concatenate([corners, factors])
     landed = land_all(problem, snap.start, tried, COARSE)
-    places, first = [(snap.travel, snap.sheet)], [-1]
+    places = [(snap.travel, snap.sheet)]
     at = np.full(len(tried), -1)
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
@@ -229,26 +216,26 @@ def _sampled(
         else:
             at[k] = len(places)
             places.append(here)
-            first.append(k)
     found: list[tuple[int, Floats, Place]] = []
-    rests = [int(np.sum(part == 0)) for part in (at[: len(corners)], at[len(corners) :])]
-    for place in range(1, len(places)):
-        again = _least_apart(chain, problem, snap, tried[first[place]], places[place])
+    parts = at[: len(corners)], at[len(corners) :]
+    hits = [[int(np.sum(part == k)) for part in parts] for k in range(len(places))]
+    extreme, random = hits[0]
+    for k in range(1, len(places)):
+        again = _least_apart(chain, problem, snap, tried[np.argmax(at == k)], places[k])
         if again is not None:
-            hits = [int(np.sum(p == place)) for p in (at[: len(corners)], at[len(corners) :])]
-            rests = [rests[0] + hits[0], rests[1] + hits[1]]
-            found.append((hits[1], *again))
+            extreme, random = extreme + hits[k][0], random + hits[k][1]
+            found.append((hits[k][1], *again))
     elsewhere = tuple(
         Elsewhere(
             tuple(mobility.tolist()),
             tuple(place[0].tolist()),
             tuple(place[1].tolist()),
             state_of(chain, *place),
-            count / rests[1] if rests[1] else 0.0,
+            count / random if random else 0.0,
         )
         for count, mobility, place in sorted(found, key=lambda one: -one[0])
     )
-    return rests[0], rests[1], elsewhere
+    return extreme, random, elsewhere
 
 
 def _least_apart(

@@ -21,8 +21,8 @@ from stepwell.statics.events import (
     segments_of,
 )
 from stepwell.statics.following import certificate, log as logged, state
-from stepwell.statics.inertial import Inertia, InertialLanding, inertial_landing
-from stepwell.statics.landed import Landing, Mobilities, landings
+from stepwell.statics.inertial import InertialLanding, inertial_landing
+from stepwell.statics.landed import Landing, a_ratio, landings, samples_for
 from stepwell.statics.landings.start import Snap, snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration, drive_weights, problem_of
@@ -66,17 +66,7 @@ class Path(base.ByValue, base.Drawn):
     def _samples(self) -> certificate.Samples:
         problem = self._problem
         size, cells = int(certificate.count_samples(self._log, self.points)), len(self.chain)
-        samples = certificate.Samples(
-            drive=np.empty(size),
-            travel=np.empty((size, cells)),
-            sheet=np.zeros((size, cells), np.int64),
-            force=np.empty(size),
-            branch=np.zeros(size, np.int64),
-            snap_after=np.zeros(size, np.int64),
-            direction=np.zeros(size, np.int64),
-            residual=np.empty(size),
-            stability=np.empty(size),
-        )
+        samples = certificate.room_for_samples(size, cells)
         start = np.array(self.start), np.array(self.start_sheet), self._start_force
 
         def fill(effort: base.Ints) -> int:
@@ -213,7 +203,7 @@ class Path(base.ByValue, base.Drawn):
             ValueError: a ratio, a bound or a seed that is not allowed.
         """
         snaps = [event for event in self.events if event.kind is EventKind.SNAP]
-        tried = Mobilities.of(ratio, bound, seed)
+        tried = a_ratio("ratio", ratio), samples_for(bound), base.check.whole("seed", seed, 0)
         return tuple(landings(self.chain, self._problem, self._snaps(), snaps, tried))
 
     def _snaps(self) -> Iterator[Snap]:
@@ -268,7 +258,7 @@ class Path(base.ByValue, base.Drawn):
                 f"snap = {snap!r}: must be a snap of this path, which has {len(events)}: pass its "
                 f"number, from 0, or the event itself."
             )
-        first, inertia = 0, Inertia(tuple(masses), tuple(damping), restitution)
+        first, inertia = 0, (tuple(masses), tuple(damping), restitution)
         for found in self._snaps():
             if number < first + found.rows:
                 args = self.chain, self._problem, found, events[first], inertia

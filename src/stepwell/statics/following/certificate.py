@@ -252,6 +252,15 @@ class Samples(NamedTuple):
     stability: Floats  # (n,) [N/m]
 
 
+def room_for_samples(size: int, cells: int) -> Samples:
+    """Room for so many samples."""
+    drive, force, residual, stability = np.empty((4, size))
+    branch, snap_after, direction = np.zeros((3, size), np.int64)
+    travel, sheet = np.empty((size, cells)), np.zeros((size, cells), np.int64)
+    whole = branch, snap_after, direction
+    return Samples(drive, travel, sheet, force, *whole, residual, stability)
+
+
 @entry()
 def count_samples(log: logged.Log, points: int) -> int:
     """How many samples `sample` will write."""
