@@ -14,8 +14,6 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import MOST, entry, in_blocks, leaf, record
 from stepwell.mechanism import (
-    BEFORE,
-    BEYOND,
     CURVE_HIGH,
     CURVE_LOW,
     FIRST,
@@ -29,7 +27,6 @@ from stepwell.mechanism import (
     summed,
 )
 from stepwell.statics.following import log as logged
-from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.certificate import KEPT, audit
 from stepwell.statics.following.follow import follow
 from stepwell.statics.following.pieces import (
@@ -37,25 +34,20 @@ from stepwell.statics.following.pieces import (
     Pieces,
     cut_into,
     force_scale,
-    resting_piece,
     room_for,
     room_of_pieces,
-    stand_all_on,
     travel_between,
 )
 from stepwell.statics.following.rising import Rising, no_rising
 from stepwell.statics.following.state import (
     DONE,
-    FREE,
     DrivenChain,
     Spare,
     State,
     blank_state,
-    held_range,
-    hold,
     spare_room,
 )
-from stepwell.statics.places import EPSILON, drive_weights
+from stepwell.statics.places import EPSILON, drive_weights, stand_at
 from stepwell.statics.sorted_cycle import WORTH_SORTING
 
 # Columns of what is known of a cell of a design.
@@ -400,48 +392,15 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
 @leaf
 def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
     """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
-    # One function: one pass over the cells adds up what decides whether they stand.
-    laws, pieces, ends, state = problem.laws, problem.pieces, problem.sheets.ends, work.state
-    alpha, beta, scale, travel = problem.alpha, problem.beta, problem.scale, state.travel
-    stand_all_on(laws, problem.sheets, pieces, work.sheet)
-    full = summed(laws.full)
-    if beta > 0.0 and 4.0 * EPSILON * alpha * full > 0.5e-2 * scale * beta:
+    state, beta, full = work.state, problem.beta, summed(problem.laws.full)
+    if beta > 0.0 and 4.0 * EPSILON * problem.alpha * full > 0.5e-2 * problem.scale * beta:
         return False
-    for j in range(4):
-        state.next_snap[j] = 0
-    state.tie[0] = state.tie[1] = -1
+    state.next_snap[:], state.tie[:] = 0, -1
     state.stroke[0], state.log.used[0], state.log.used[1], state.log.first[0] = 0, 0, 0, 0
-    free, pushes, falling, total, size = 0, 0.0, 0, beta, beta
-    for i in range(len(travel)):
-        travel[i] = work.begin[i]
-        hold(problem, state, i)
-        state.piece[i] = resting_piece(pieces, i, travel[i])
-        if ends[i, BEFORE] < travel[i] < ends[i, BEYOND] and laws.friction[i] == 0.0:
-            state.mode[i] = FREE
-            free += 1
-            pushes += state.at_rest[i]
-            falling += int(pieces.sign[state.piece[i]] < 0)
-            share = alpha * inverse_slope(problem, i, state.piece[i], travel[i])
-            total, size = total + share, size + abs(share)
-    if falling > 1 or (falling == 1 and total >= 1e-5 * size):
-        return False
-    low, high = held_range(problem, state)
-    stroke = summed(travel)
-    mean = pushes / free if free else 0.0
-    if beta == 0.0:
-        force, rounding = mean if free else min(max(0.0, low), high), 0.0
-    else:
-        force = (drive - alpha * stroke) / beta
-        rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta
-    slip = 1e-9 * scale + rounding
-    for i in range(len(travel)):
-        if state.mode[i] == FREE and abs(state.at_rest[i] - force) > slip:
-            return False
-    if low > high + slip or not low - slip <= force <= high + slip:
-        return False
-    shown = mean if free else min(max(force, low), high)
-    state.force[0] = min(max(shown, force - rounding), force + rounding)
-    return True
+    for i in range(len(work.begin)):
+        state.travel[i] = work.begin[i]
+    balanced, stable, _, _ = stand_at(problem, state, work.sheet, drive)
+    return balanced and stable
 
 
 @leaf

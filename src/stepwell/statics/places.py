@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, told_in
-from stepwell.kernels import UNLIMITED, entry
+from stepwell.kernels import UNLIMITED, entry, leaf
 from stepwell.mechanism import (
     BEFORE,
     BEYOND,
@@ -23,6 +23,7 @@ from stepwell.mechanism import (
     ends_of,
     mobilities_of,
     packed,
+    summed,
 )
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.branch import inverse_slope
@@ -351,36 +352,22 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
     if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
         _refuse_blunt(chain, scale, full)
     state = blank_state(travels, logged.empty_log(0, 0))
-    low, high, falling, total, size = _rest(problem, state, np.array(place.sheet))
-    forces, free = state.at_rest, state.mode == FREE
     stroke = float(np.sum(travels))
-    if beta == 0:
-        if abs(stroke - drive) > 1e-9 * full:
-            unit, factor = told_in(chain.measure.travel_unit)
-            raise InputError(
-                f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "
-                f"{chain.measure.stroke} of {stroke * factor:.9g} {unit}; begin there, or pass "
-                f"another start."
-            )
-        force = float(np.mean(forces[free])) if free.any() else min(max(0.0, low), high)
-    else:
-        force = (drive - alpha * stroke) / beta
-    # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
-    # it leaves open the cells tell.
-    reach = abs(drive) + alpha * float(np.sum(np.abs(travels)))
-    rounding = 4.0 * EPSILON * reach / beta if beta > 0 else 0.0
-    slip = 1e-9 * scale + rounding
-    worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
-    if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
-        raise InputError(_unbalanced(chain, problem, state, forces, force))
-    # A path may have ended just where it would have snapped: there the sum is rounding.
-    if falling > 1 or (falling == 1 and total >= _FOLD * size):
+    if beta == 0 and abs(stroke - drive) > 1e-9 * full:
+        unit, factor = told_in(chain.measure.travel_unit)
+        raise InputError(
+            f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "
+            f"{chain.measure.stroke} of {stroke * factor:.9g} {unit}; begin there, or pass "
+            f"another start."
+        )
+    balanced, stable, falling, force = stand_at(problem, state, np.array(place.sheet), drive)
+    if not balanced:
+        raise InputError(_unbalanced(chain, problem, state, force))
+    if not stable:
         raise InputError(
             f"start is an unstable equilibrium: {falling} cells between their stops push back less "
             f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
         )
-    shown = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
-    state.force[0] = min(max(shown, force - rounding), force + rounding)
     return state
 
 
@@ -398,32 +385,50 @@ def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
 
 
 @entry(3e-5, "state.travel")
-def _rest(
-    problem: DrivenChain, state: State, sheets: Ints
-) -> tuple[float, float, int, float, float]:
-    """Rest all cells, free where they can be; the λ that keep them, how many fall, Σ and size
-    dU/dλ.
+@leaf
+def stand_at(
+    problem: DrivenChain, state: State, sheets: Ints, drive: float
+) -> tuple[bool, bool, int, float]:
+    """Let all cells rest, free where nothing holds them; whether they balance, and stably.
+
+    Then how many of the free ones have a falling force, and the force of the actuator.
     """
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    alpha, beta, travel = problem.alpha, problem.beta, state.travel
     stand_all_on(laws, problem.sheets, pieces, sheets)
-    falling, total, size = 0, problem.beta, problem.beta
+    free, pushes, falling, total, size, reach = 0, 0.0, 0, beta, beta, 0.0
     for i in range(len(sheets)):
-        travel = state.travel[i]
         hold(problem, state, i)
-        state.piece[i] = resting_piece(pieces, i, travel)
-        if ends[i, BEFORE] < travel < ends[i, BEYOND] and laws.friction[i] == 0.0:
+        state.piece[i] = resting_piece(pieces, i, travel[i])
+        reach += abs(travel[i])
+        if ends[i, BEFORE] < travel[i] < ends[i, BEYOND] and laws.friction[i] == 0.0:
             state.mode[i] = FREE
+            free += 1
+            pushes += state.at_rest[i]
             falling += int(pieces.sign[state.piece[i]] < 0)
-            share = problem.alpha * inverse_slope(problem, i, state.piece[i], travel)
+            share = alpha * inverse_slope(problem, i, state.piece[i], travel[i])
             total, size = total + share, size + abs(share)
     low, high = held_range(problem, state)
-    return low, high, falling, total, size
+    mean, rounding = pushes / free if free else 0.0, 0.0
+    force = mean if free else min(max(0.0, low), high)
+    if beta > 0.0:
+        # A drive is a double, and behind a stiff spring its last digits are a force to be seen.
+        # What it leaves open the cells tell.
+        force = (drive - alpha * summed(travel)) / beta
+        rounding = 4.0 * EPSILON * (abs(drive) + alpha * reach) / beta
+    slip = 1e-9 * problem.scale + rounding
+    balanced = low <= high + slip and low - slip <= force <= high + slip
+    for i in range(len(sheets)):
+        balanced = balanced and (state.mode[i] != FREE or abs(state.at_rest[i] - force) <= slip)
+    shown = mean if free else min(max(force, low), high)
+    state.force[0] = min(max(shown, force - rounding), force + rounding)
+    # A path may have ended just where it would have snapped: there the sum is rounding.
+    stable = falling == 0 or (falling == 1 and total < _FOLD * size)
+    return bool(balanced), bool(stable), falling, float(force)
 
 
-def _unbalanced(
-    chain: Chain, problem: DrivenChain, state: State, forces: Floats, force: float
-) -> str:
-    laws, ends = problem.laws, problem.sheets.ends
+def _unbalanced(chain: Chain, problem: DrivenChain, state: State, force: float) -> str:
+    laws, ends, forces = problem.laws, problem.sheets.ends, state.at_rest
     unit, factor = told_in(chain.measure.travel_unit)
     of_force, size = told_in(chain.measure.force_unit)
     parts: list[str] = []
