@@ -161,32 +161,24 @@ def _is_open_ended(chain: Chain) -> bool:
 
 
 def _stacked(chains: Sequence[Chain], parts: Sequence[tuple[Laws, Sheets]], count: int) -> Designs:
-    laws, sheets = parts[0]
-    chain = chains[0]
+    (laws, sheets), chain = parts[0], chains[0]
     elements = bool(chain.elements)
     cells, bands = np.empty((count, len(chain), 5)), np.empty((count, len(laws.band), 4))
     drives = np.empty((count, 2))
-    for name, column in (("lever", LEVER), ("sin_limit", SIN_LIMIT), ("full", FULL)):
-        cells[:, :, column] = [getattr(own, name) for own, _ in parts]
-    cells[:, :, FRICTION] = [own.friction for own, _ in parts]
-    cells[:, :, MOBILITY] = [[cell.mobility for cell in one.cells] for one in chains]
+    mobility = [[cell.mobility for cell in one.cells] for one in chains]
+    cells[:] = [
+        np.column_stack([own.lever, own.sin_limit, own.full, own.friction, moves])
+        for (own, _), moves in zip(parts, mobility, strict=True)
+    ]
     bands[:] = [own.band for own, _ in parts]
     drives[:] = [drive_weights(one) for one in chains]
     # Lever cells alone have no rows or sheets of their own.
     apart = parts if elements else parts[:1]
-    phases = [_phase_rows(one) for one in (chains if elements else chains[:1])]
-    return Designs(
-        laws,
-        sheets,
-        _is_open_ended(chain),
-        cells,
-        bands,
-        np.array([laws.rows for laws, _ in apart]),
-        np.array([sheets.table for _, sheets in apart]),
-        np.cumsum([0, *(len(cell.stretches) for cell in chain.cells)]),
-        np.array(phases),
-        drives,
-    )
+    rows, tables = np.array([own.rows for own, _ in apart]), np.array([on.table for _, on in apart])
+    first = np.cumsum([0, *(len(cell.stretches) for cell in chain.cells)])
+    phases = np.array([_phase_rows(one) for one in (chains if elements else chains[:1])])
+    open_ended = _is_open_ended(chain)
+    return Designs(laws, sheets, open_ended, cells, bands, rows, tables, first, phases, drives)
 
 
 def _phase_rows(chain: Chain) -> list[tuple[float, ...]]:
@@ -224,23 +216,12 @@ def _work(designs: Designs) -> _Work:
     sheets = Sheets._make(array.copy() for array in designs.sheets)
     n, phases = len(laws.lever), designs.phases.shape[1]
     room = 64 + 16 * n * 3
-    return _Work(
-        laws,
-        sheets,
-        room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
-        room_for(laws),
-        spare_room(n),
-        no_rising(n),
-        blank_state(np.zeros(n), logged.empty_log(room, 4 * room)),
-        np.zeros(n),
-        np.zeros(n, np.int64),
-        np.ones(n),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros((phases, 5)),
-        np.zeros(3),
-        np.array([0, _LOOKS]),
-    )
+    cutting = room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)), room_for(laws)
+    state = blank_state(np.zeros(n), logged.empty_log(room, 4 * room))
+    sheet, rank, phase = np.zeros((3, n), np.int64)
+    own = np.zeros(n), sheet, np.ones(n), rank, phase, np.zeros((phases, 5)), np.zeros(3)
+    follows = spare_room(n), no_rising(n), state
+    return _Work(laws, sheets, *cutting, *follows, *own, np.array([0, _LOOKS]))
 
 
 @entry(4e-3, "designs.cells")
@@ -359,23 +340,20 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
         least, most = min(0.0, least - more), max(0.0, most + more)
         low, high = 0.0, 0.0
         for i in range(n):
-            one, other = designs.phase_first[i], designs.phase_first[i + 1] - 1
-            for p in (one, other):
-                stretch = int(phases[p, _SHEET]), phases[p, _LOW], phases[p, _HIGH]
-                if p == one:
-                    travel[i] = travel_between(laws, sheets, pieces, i, stretch, least)
-                    low += travel[i]
-                if p == other:
-                    high += travel_between(laws, sheets, pieces, i, stretch, most)
+            p, q = designs.phase_first[i], designs.phase_first[i + 1] - 1
+            first = int(phases[p, _SHEET]), phases[p, _LOW], phases[p, _HIGH]
+            last = int(phases[q, _SHEET]), phases[q, _LOW], phases[q, _HIGH]
+            travel[i] = travel_between(laws, sheets, pieces, i, first, least)
+            low += travel[i]
+            high += travel_between(laws, sheets, pieces, i, last, most)
         low, high = alpha * low + beta * least, alpha * high + beta * most
     else:
         low, high = ends_of(sheets)
-        at = 0
+        at, table = 0, sheets.table
         for i in range(n):
-            first = at
-            travel[i] = sheets.table[at, CURVE_LOW]
-            while at < len(sheets.table) and sheets.table[at, FIRST] == first:
-                travel[i] = min(travel[i], sheets.table[at, CURVE_LOW])
+            begin, travel[i] = at, np.inf
+            while at < len(table) and table[at, FIRST] == begin:
+                travel[i] = min(travel[i], table[at, CURVE_LOW])
                 at += 1
         if beta > 0.0:
             for piece in range(pieces.of_sheet[len(sheets.table)]):
@@ -421,10 +399,8 @@ def _read(
     code = _first_state(designs, work)
     if code < 0:
         return
-    used, last, between = 1, code, 0
-    visited[0] = code
-    snaps, ties, lost, snapped = 0, 0, 0.0, 0
-    steps_up, steps_down = 0, 0
+    used, last, between, visited[0] = 1, code, 0, code
+    snaps, ties, lost, snapped, steps_up, steps_down = 0, 0, 0.0, 0, 0, 0
     for k in range(log.used[0]):
         row = log.segments[k]
         lost += row[logged.RELEASED] + row[logged.RUBBED]
@@ -435,18 +411,13 @@ def _read(
             way = STROKE_UP if snapped > 0 else STROKE_DOWN
             if np.isnan(found[way]):
                 # Cells without a row follow λ: the drive knows the sum, but under a dead load.
-                alpha, beta = drive
-                stroke = summed(travel)
+                (alpha, beta), found[way] = drive, summed(travel)
                 if alpha > 0.0:
-                    stroke = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
-                found[way] = stroke
+                    found[way] = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
         more, left = _moved_on(designs, work, k)
         code, between = code + more, between + left
         if between == 0:
-            if snapped > 0:
-                steps_up += 1
-            elif snapped < 0:
-                steps_down += 1
+            steps_up, steps_down = steps_up + (snapped > 0), steps_down + (snapped < 0)
             snapped = 0
             if code != last:
                 if used == len(visited):
@@ -485,9 +456,7 @@ def _moved_on(designs: Designs, work: _Work, k: int) -> tuple[int, int]:
         if now == phase[i]:
             continue
         between += int(now < 0) - int(phase[i] < 0)
-        weight = 1
-        for _ in range(len(phase) - 1 - i):
-            weight *= 10
+        weight = 10 ** (len(phase) - 1 - i)
         # A cell in transit has no digit; it counts as the one that it left.
         if now >= 0:
             code += weight * now
