@@ -142,7 +142,6 @@ def stacked(chains: Sequence[Chain]) -> Designs | None:
 
 
 def _shape(chain: Chain, part: tuple[Laws, Sheets]) -> tuple[object, ...]:
-    """What designs of one shape share."""
     laws, sheets = part
     arrays = laws.band_first, laws.two_sided, laws.band_rows, laws.load_rows
     # Rows of lever cells alone are those of their laws and loads; elements bring their own.
@@ -233,7 +232,6 @@ def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Follow
 
 @leaf
 def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Floats) -> None:
-    """Follow one design, and write down what it does."""
     if not _build(designs, k, work):
         return
     laws, sheets, pieces, effort = work.laws, work.sheets, work.pieces, work.effort
@@ -468,7 +466,6 @@ def _moved_on(designs: Designs, work: _Work, k: int) -> tuple[int, int]:
 
 @leaf
 def _peak(log: logged.Log) -> float:
-    """The extreme force at the ends of the segments."""
     peak = log.segments[0, logged.FORCE_0] if log.used[0] > 0 else 0.0
     for k in range(log.used[0]):
         for force in (log.segments[k, logged.FORCE_0], log.segments[k, logged.FORCE_1]):

@@ -116,8 +116,6 @@ class InertialLanding(ByValue):
 
 @dataclass(frozen=True, slots=True)
 class _Ride:
-    """One integration."""
-
     motion: ride.MotionState
     sheet: tuple[int, ...]
     history: Floats
@@ -234,7 +232,6 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> r
 
 
 def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -> _Ride:
-    """The motion until it rests."""
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)

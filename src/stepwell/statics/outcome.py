@@ -69,7 +69,6 @@ def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
 
 
 def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
-    """The names of cells, the first few of them."""
     names = ", ".join(chain.names[i] for i in cells[:most])
     return f"{names} and {len(cells) - most} more" if len(cells) > most else names
 

@@ -207,7 +207,6 @@ class Path(base.ByValue, base.Drawn):
         return tuple(landings(self.chain, self._problem, self._snaps(), snaps, tried))
 
     def _snaps(self) -> Iterator[Snap]:
-        """Every snap in order, as the log has it; those that follow at once are one."""
         start = np.array(self.start), np.array(self.start_sheet)
         return snaps_of(self._problem, self._log, *start)
 

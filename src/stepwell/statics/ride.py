@@ -112,7 +112,6 @@ def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows:
 
 @kernel
 def _lambda(problem: DrivenChain, body: Inertias, travel: Floats) -> float:
-    """λ of an actuator that is not rigid [N]."""
     if problem.beta == 0.0:
         return 0.0
     return body.force - problem.alpha / problem.beta * summed(travel - body.begin)
@@ -217,7 +216,6 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> bool:
 
 @kernel
 def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> FreeCells:
-    """The cells that move, as one leg."""
     cells = np.flatnonzero(motion.moving)
     k, total = len(cells), 0.0
     mass, offset, pace = np.zeros(k), np.empty(k), np.empty(k)
@@ -361,7 +359,6 @@ def _misses(
 
 @kernel
 def _lost(book: Floats) -> float:
-    """Energy that was taken so far [J]."""
     return book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]
 
 

@@ -177,7 +177,6 @@ def audit(
 
 @leaf
 def _rising_piece(problem: DrivenChain, i: int) -> int:
-    """The piece of a cell that follows the force, where it is now."""
     pieces, spare = problem.pieces, problem.spare
     on, travel = spare.whole[_ON, i], spare.number[_NOW, i]
     if on >= 0 and pieces.sign[on] > 0 and pieces.left[on] <= travel <= pieces.right[on]:

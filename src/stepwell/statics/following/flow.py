@@ -86,7 +86,6 @@ def _begin(problem: DrivenChain, state: State, drive: float) -> Flow:
 
 @leaf
 def _join(problem: DrivenChain, state: State, at: Flow, i: int) -> None:
-    """Take cell i into the flow."""
     j = at.used[0]
     at.used[0] += 1
     if state.mode[i] == HELD:

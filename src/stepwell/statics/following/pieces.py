@@ -98,7 +98,6 @@ def room_for(laws: Laws) -> CuttingSpace:
 
 @leaf
 def _sort(values: Floats, count: int) -> None:
-    """Sort the first values, which are few."""
     for i in range(1, count):
         value, j = values[i], i
         while j > 0 and values[j - 1] > value:
@@ -324,7 +323,7 @@ def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: CuttingSpace) -> int
 def _cut_sheet(
     laws: Laws, ends: Floats, i: int, out: Pieces, room: CuttingSpace, total: int
 ) -> int:
-    """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
+    """Append the pieces of a cell's sheet; how many there are then, or -1."""
     # One function: every cut writes to the same arrays, which are taken out once.
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
     sign, picked, rows, cuts = out.sign, out.picked, room.rows, room.cuts

@@ -210,7 +210,6 @@ def _queue_joint(problem: DrivenChain, rising: Rising, i: int, piece: int, towar
 
 @leaf
 def _exit(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
-    """Take cell i out of the sums."""
     if rising.kind[i] == _STRAIGHT:
         _count_in(problem, rising, piece, -1.0)
     else:

@@ -165,7 +165,6 @@ def share(problem: DrivenChain, state: State, goes: Ints) -> None:
 
 @leaf
 def _end_of(pieces: Pieces, piece: int, toward: int) -> float:
-    """Travel at the end of a piece that lies in a direction."""
     return float(pieces.right[piece] if toward > 0 else pieces.left[piece])
 
 
@@ -333,7 +332,6 @@ def _first_event(
 def _or_fold(
     problem: DrivenChain, state: State, movers: Movers, event: BranchEnd, toward: int
 ) -> BranchEnd:
-    """The event, or the fold that comes before it."""
     blunt = toward * BLUNT * problem.scale
     begins, ends = state.force[0], event.level
     if _turn_here(problem, state, movers.cell):

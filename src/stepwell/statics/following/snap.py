@@ -312,7 +312,6 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
 
 @leaf
 def _leavers(problem: DrivenChain, state: State, needed: bool) -> int:
-    """List the cells that leave an unstable equilibrium, only those needed or all; how many."""
     pieces, movers, count = problem.pieces, problem.spare.whole[st.MOVER], 0
     for i in range(len(state.mode)):
         falls = state.mode[i] != st.HELD and pieces.sign[state.piece[i]] < 0

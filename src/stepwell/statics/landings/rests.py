@@ -56,7 +56,6 @@ def _add(
 
 @kernel
 def _branches(problem: DrivenChain, room: Room) -> Stretches:
-    """The branches of all cells within their room."""
     # One function: every cell adds to the same seven arrays.
     pieces, n, stops = problem.pieces, len(room.low), room.stops
     count = 4 * n + np.sum(pieces.among[:, 1] - pieces.among[:, 0])
@@ -93,7 +92,6 @@ def _branches(problem: DrivenChain, room: Room) -> Stretches:
 
 @kernel
 def _travel_at(problem: DrivenChain, branches: Stretches, i: int, r: int, force: float) -> float:
-    """Where cell i rests on branch r under a force."""
     low, high = branches.low[r], branches.high[r]
     if low == high:
         return low

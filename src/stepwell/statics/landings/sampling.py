@@ -56,7 +56,6 @@ def _land_all(
     accuracy: float,
     found: Landings,
 ) -> int:
-    """Fill in where the snap lands; how often it came to rest."""
     given, rests = problem.mobility.copy(), 0
     for k in range(len(factors)):
         mobility = given * factors[k]

@@ -75,7 +75,6 @@ def _inside(problem: DrivenChain, cell: int, travel: float) -> bool:
 
 
 def _start(problem: DrivenChain, log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
-    """The start of the snap in row k of the log."""
     n, row = len(travel), log.segments[k]
     leader, heading = int(row[logged.LEADER]), int(row[logged.HEADING])
     direction, cause, force = (
