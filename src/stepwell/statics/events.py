@@ -194,25 +194,17 @@ def segments_of(
         cells, sheet_0, sheet_1 = whole.T.tolist()
         before, after = movers[:, logged.TRAVEL_0], movers[:, logged.TRAVEL_1]
         now[cells] = after
-        kind, cause = _KINDS[int(row[logged.KIND])], None
+        kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
         if kind is SegmentKind.SNAP:
             cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
-        yield Segment(
-            kind,
-            int(row[logged.DIRECTION]),
-            (row[logged.DRIVE_0], row[logged.DRIVE_1]),
-            (row[logged.FORCE_0], row[logged.FORCE_1]),
-            tuple(cells),
-            tuple(before.tolist()),
-            tuple(after.tolist()),
-            tuple(sheet_0),
-            tuple(sheet_1),
-            row[logged.RELEASED],
-            row[logged.TIE_A] >= 0,
-            cause,
-            *(row[logged.NEAR_FORCE :] if kind is SegmentKind.SNAP else ()),
-            decided=_DECIDED.get(int(row[logged.DECIDED])),
-        )
+            near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
+        drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
+        force = row[logged.FORCE_0], row[logged.FORCE_1]
+        moves = tuple(cells), tuple(before.tolist()), tuple(after.tolist())
+        sheets, direction = (tuple(sheet_0), tuple(sheet_1)), int(row[logged.DIRECTION])
+        heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
+        what = kind, direction, drive, force
+        yield Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
 
 
 # The phase of a cell that is in transit.
@@ -267,49 +259,24 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
         travels[list(segment.cells)] = segment.after
         if segment.kind is SegmentKind.SNAP:
             assert segment.cause is not None
-            yield Event(
-                EventKind.SNAP,
-                segment.cause,
-                segment.drive[0],
-                stroke,
-                segment.direction,
-                segment.cells,
-                segment.before,
-                segment.after,
-                segment.sheets_before,
-                segment.sheets_after,
-                *segment.force,
-                segment.released,
-                tuple((segment.cells[m], phase) for m, phase in arrivals),
-                segment.tie,
-                measure,
-                segment.distance_force,
-                segment.distance_travel,
-                segment.error,
-                segment.decided,
-            )
+            what = EventKind.SNAP, segment.cause, segment.drive[0], stroke, segment.direction
+            moves = segment.cells, segment.before, segment.after
+            sheets = segment.sheets_before, segment.sheets_after
+            arrived = tuple((segment.cells[m], phase) for m, phase in arrivals)
+            rest = segment.released, arrived, segment.tie, measure
+            near = segment.distance_force, segment.distance_travel, segment.error, segment.decided
+            yield Event(*what, *moves, *sheets, *segment.force, *rest, *near)
             continue
+        stroke = float(np.sum(travels))
         for m, phase in arrivals:
-            cell, sheets = segment.cells[m], (segment.sheets_after[m],)
+            cell, sheet = segment.cells[m], (segment.sheets_after[m],)
             _, low, high = stretches[cell][phase]
-            yield Event(
-                EventKind.SWITCH,
-                Cause.STOP if low == high else Cause.TURN,
-                segment.drive[1],
-                float(np.sum(travels)),
-                segment.direction,
-                (cell,),
-                (segment.before[m],),
-                (segment.after[m],),
-                sheets,
-                sheets,
-                segment.force[1],
-                segment.force[1],
-                0.0,
-                ((cell, phase),),
-                segment.tie,
-                measure,
-            )
+            cause = Cause.STOP if low == high else Cause.TURN
+            what = EventKind.SWITCH, cause, segment.drive[1], stroke, segment.direction
+            moves = (cell,), (segment.before[m],), (segment.after[m],)
+            forces = segment.force[1], segment.force[1]
+            rest = 0.0, ((cell, phase),), segment.tie, measure
+            yield Event(*what, *moves, sheet, sheet, *forces, *rest)
 
 
 def _arrivals(

@@ -123,10 +123,8 @@ class _Ride:
 
     @property
     def imbalance(self) -> float:
-        book = self.motion.book
-        return self.freed - float(
-            np.sum(book[[ride.DAMPED, ride.RUBBED, ride.STRUCK, ride.JUMPED]])
-        )
+        taken = self.motion.book[[ride.DAMPED, ride.RUBBED, ride.STRUCK, ride.JUMPED]]
+        return self.freed - float(np.sum(taken))
 
 
 # Masses and dampers of all cells, and the restitution.
@@ -147,8 +145,7 @@ def inertial_landing(
         here, there = ((r.motion.travel, np.array(r.sheet)) for r in (one, two))
         return _same(chain, problem, snap, here, there)
 
-    tolerance, tie = _TOLERANCES[0], True
-    found = go(tolerance, _PUSH)
+    found, tie, tolerance = go(_TOLERANCES[0], _PUSH), True, 0.0
     for tolerance in _TOLERANCES[1:]:
         coarse, found = found, go(tolerance, _PUSH)
         speeds = coarse.motion.book[ride.PEAK], found.motion.book[ride.PEAK]
@@ -165,8 +162,7 @@ def inertial_landing(
             )
     tie = tie or not alike(found, go(tolerance, 10.0 * _PUSH))
     book, rows, n = found.motion.book, found.history, len(chain)
-    begin = np.concatenate([[0.0], snap.start.travel, np.zeros(n)])
-    kept = np.vstack([begin, rows])
+    kept = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows])
     travel, sheet = landed = found.motion.travel, np.array(found.sheet)
     return InertialLanding(
         event,
