@@ -177,11 +177,9 @@ class Path(base.ByValue, base.Drawn):
         ties: list[Tie] = []
         for row in self._rows[self._rows[:, logged.TIE_A] >= 0]:
             cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
-            drive = float(row[logged.DRIVE_1])
+            drive, force = float(row[logged.DRIVE_1]), float(row[logged.FORCE_1])
             drifts = int(row[logged.KIND]) == logged.DRIFT
-            force = float(row[logged.FORCE_1])
-            advice = advice_on_tie(self.chain, cells, drive, force, drifts)
-            ties.append(Tie(drive, cells, advice))
+            ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive, force, drifts)))
         return tuple(ties)
 
     def landings(
@@ -315,9 +313,8 @@ class Path(base.ByValue, base.Drawn):
     def peak_force(self) -> float:
         """Largest actuator force in size on the way [N], with its sign."""
         # λ is monotone between events, so it peaks at an end of a segment.
-        forces = np.append(
-            self._rows[:, [logged.FORCE_0, logged.FORCE_1]].ravel(), self._start_force
-        )
+        ends = self._rows[:, [logged.FORCE_0, logged.FORCE_1]]
+        forces = np.append(ends, self._start_force)
         return float(forces[np.argmax(np.abs(forces))])
 
     @cached_property

@@ -41,12 +41,8 @@ class Log(NamedTuple):
 
 def empty_log(segments: int, movers: int) -> Log:
     """A log with room for so many segments and movers."""
-    return Log(
-        np.zeros((segments, SEGMENT_COLUMNS)),
-        np.zeros(segments + 1, np.int64),
-        np.zeros((movers, MOVER_COLUMNS)),
-        np.zeros(2, np.int64),
-    )
+    rows, first = np.zeros((segments, SEGMENT_COLUMNS)), np.zeros(segments + 1, np.int64)
+    return Log(rows, first, np.zeros((movers, MOVER_COLUMNS)), np.zeros(2, np.int64))
 
 
 def longer(log: Log) -> Log:

@@ -83,17 +83,11 @@ class CuttingSpace(NamedTuple):
 
 def room_for(laws: Laws) -> CuttingSpace:
     """Room to cut these cells in."""
-    bands = np.diff(laws.band_first)
-    kinks = 2 + 2 * len(laws.rows) + 4 * int(np.max(bands))
-    return CuttingSpace(
-        np.empty(kinks),
-        np.empty(4 * MOST_PIECES),
-        np.empty(int(np.max(bands)) + 1, np.int64),
-        Looks._make(np.empty((6, _NODES))),
-        np.empty((2, _NODES + 1)),
-        np.empty((2, 4 * _DEPTH)),
-        np.empty((2, 4 * _DEPTH), np.int64),
-    )
+    bands = int(np.max(np.diff(laws.band_first)))
+    points, cuts = np.empty(2 + 2 * len(laws.rows) + 4 * bands), np.empty(4 * MOST_PIECES)
+    rows, at = np.empty(bands + 1, np.int64), Looks._make(np.empty((6, _NODES)))
+    ends, depth = np.empty((2, 4 * _DEPTH)), np.empty((2, 4 * _DEPTH), np.int64)
+    return CuttingSpace(points, cuts, rows, at, np.empty((2, _NODES + 1)), ends, depth)
 
 
 @leaf
@@ -110,14 +104,9 @@ def _sort(values: Floats, count: int) -> None:
 def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
     # One function: bands and loads add to the same list of travels.
-    r, sin_limit, low, high = (
-        laws.lever[cell],
-        laws.sin_limit[cell],
-        ends[cell, LOW],
-        ends[cell, HIGH],
-    )
-    points[0], points[1] = low, high
-    used = 2
+    r, sin_limit = laws.lever[cell], laws.sin_limit[cell]
+    low, high = ends[cell, LOW], ends[cell, HIGH]
+    points[0], points[1], used = low, high, 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
         reach = np.sqrt(dx * dx + dy * dy)
@@ -173,12 +162,10 @@ def _look(laws: Laws, cell: int, a: float, b: float, room: CuttingSpace) -> None
 def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
     """0: no root of a function with these values, or only noise; 1: it is monotone; 2: unknown."""
     series, slopes = room.series[0], room.series[1]
-    for k in range(_NODES):
-        series[k] = 0.0
+    series[:] = 0.0
     for i in range(_NODES):
-        value = values[i]
         for k in range(_NODES):
-            series[k] += _TO_SERIES[i, k] * value
+            series[k] += _TO_SERIES[i, k] * values[i]
     rest, size = 0.0, abs(series[0])
     for k in range(1, _NODES):
         rest += abs(series[k])
@@ -197,9 +184,7 @@ def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
     rest = 0.0
     for k in range(1, _NODES - 1):
         rest += abs(slopes[k])
-    if abs(0.5 * slopes[0]) > rest + 10.0 * tail * _NODES * _NODES:
-        return 1
-    return 2
+    return 1 if abs(0.5 * slopes[0]) > rest + 10.0 * tail * _NODES * _NODES else 2
 
 
 @leaf
@@ -393,8 +378,6 @@ def _is_flat(laws: Laws, rows: Ints, bands: int) -> bool:
 
 def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
     """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
-    if np.array_equal(sheets.table[:, LOW:CURVE_LOW], sheets.table[:, CURVE_LOW : CURVE_HIGH + 1]):
-        return np.ones(len(pieces.left), bool)
     own = np.repeat(np.arange(len(sheets.table)), np.diff(pieces.of_sheet))
     begin, end = sheets.table[own, CURVE_LOW : CURVE_HIGH + 1].T
     return (pieces.right > begin) & (pieces.left < end)
@@ -428,9 +411,8 @@ def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) 
 @leaf
 def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> None:
     """Let every cell stand on its sheet, (N,) by number in the cell."""
-    now, table = sheets.now, sheets.table
     for i in range(len(numbers)):
-        if now[i] - int(table[now[i], FIRST]) != numbers[i]:
+        if sheet_of(sheets, i) != numbers[i]:
             stand_on(laws, sheets, pieces, i, numbers[i])
 
 
@@ -443,10 +425,9 @@ def sheet_of(sheets: Sheets, cell: int) -> int:
 @kernel
 def sheets_of(sheets: Sheets) -> Ints:
     """(N,) the sheets on which the cells stand, each by its number in the cell."""
-    now, table = sheets.now, sheets.table
-    numbers = np.empty(len(now), np.int64)
+    numbers = np.empty(len(sheets.now), np.int64)
     for i in range(len(numbers)):
-        numbers[i] = now[i] - int(table[now[i], FIRST])
+        numbers[i] = sheet_of(sheets, i)
     return numbers
 
 

@@ -52,12 +52,8 @@ class Spare(NamedTuple):
 
 def spare_room(cells: int) -> Spare:
     """Room to follow so many cells in."""
-    return Spare(
-        np.zeros((_NUMBERS, cells)),
-        np.zeros((_WHOLES, cells), np.int64),
-        np.zeros((8, _STACK)),
-        np.zeros(3, np.int64),
-    )
+    number, whole = np.zeros((_NUMBERS, cells)), np.zeros((_WHOLES, cells), np.int64)
+    return Spare(number, whole, np.zeros((8, _STACK)), np.zeros(3, np.int64))
 
 
 @record
@@ -97,19 +93,9 @@ def blank_state(travel: Floats, log: logged.Log) -> State:
     """A state with (N,) travels of which nothing else is known yet."""
     n = len(travel)
     modes, senses, pieces = np.zeros((3, n), np.int64)
-    return State(
-        travel.copy(),
-        modes,
-        senses,
-        pieces,
-        np.zeros(n),
-        np.zeros(1),
-        np.zeros(4, np.int64),
-        np.full(2, -1),
-        np.array([np.inf, np.inf, 0.0]),
-        np.zeros(1, np.int64),
-        log,
-    )
+    counts, near = np.zeros(4, np.int64), np.array([np.inf, np.inf, 0.0])
+    rest = np.zeros(n), np.zeros(1), counts, np.full(2, -1), near, np.zeros(1, np.int64)
+    return State(travel.copy(), modes, senses, pieces, *rest, log)
 
 
 class Movers(NamedTuple):
@@ -225,18 +211,13 @@ def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floa
     row, pieces = log.segments[k], problem.pieces
     if row[logged.FOLLOW] == 0.0:
         return named
-    ends, force = problem.sheets.ends, row[logged.FORCE_1]
-    follows = np.zeros(len(travel), np.int64)
-    for i in range(len(travel)):
-        follows[i] = ends[i, LOW] < travel[i] < ends[i, HIGH]
-    for m in range(len(named)):
-        follows[int(named[m, logged.CELL])] = 0
-    count = len(named)
+    ends, force, count = problem.sheets.ends, row[logged.FORCE_1], len(named)
+    follows = (ends[:, LOW] < travel) & (travel < ends[:, HIGH])
+    for m in range(count):
+        follows[int(named[m, logged.CELL])] = False
     rows = np.zeros((count + np.sum(follows), logged.MOVER_COLUMNS))
     rows[:count] = named
-    for i in range(len(travel)):
-        if not follows[i]:
-            continue
+    for i in np.flatnonzero(follows):
         piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
         rows[count, logged.CELL], rows[count, logged.PIECE] = (
             i,
