@@ -15,15 +15,12 @@ _CLOSE = 1e-15
 
 @kernel
 def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats) -> None:
-    """Forces across cells, (N,) within their bounds, that pull the blocks as little as can be.
-
-    The force x_i accelerates the block inside cell i by +x_i/M and that outside by -x_i/M; Σ M ü²
-    is least (Gauss's principle), so a cell accelerates only at its bounds: a taut string through
-    them over the masses laid end to end. Impulses and jumps of speed obey the same. `extra` is
-    added to each acceleration [m/s²] or speed [m/s], `loose` is 1/M or 0, `out` begins as a guess.
-
-    Source: Gauss 1829; as contact problems, Moreau 1966.
-    """
+    """Forces across cells, (N,) within their bounds, that pull the blocks as little as can be."""
+    # The force x_i accelerates the block inside cell i by +x_i/M and that outside by -x_i/M; Σ M ü²
+    # is least (Gauss's principle), so a cell accelerates only at its bounds: a taut string through
+    # them over the masses laid end to end. Impulses and jumps of speed obey the same. `extra` is
+    # added to each acceleration [m/s²] or speed [m/s], `loose` is 1/M or 0, `out` begins as a
+    # guess. Source: Gauss 1829; as contact problems, Moreau 1966.
     n = len(low)
     for i in range(n):
         out[i] = min(max(out[i], low[i]), high[i])
@@ -67,10 +64,8 @@ def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
 
 @kernel
 def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
-    """Speeds (N,) after cells hit stops where bounds are infinite, in place, by their `bounce`.
-
-    Source: Newton's law of restitution; for several blows at once Moreau 1988.
-    """
+    """Speeds (N,) after cells hit stops where bounds are infinite, in place, by their `bounce`."""
+    # Source: Newton's law of restitution; for several blows at once Moreau 1988.
     impulse, jump = np.zeros(len(speed)), np.empty(len(speed))
     taut(low, high, (1.0 + bounce) * speed, loose, 0.0, impulse)
     rates(impulse, loose, 0.0, jump)
@@ -176,11 +171,9 @@ def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floa
 
 @kernel
 def stride(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats) -> bool:
-    """A step of length h [s], extrapolated to order COLUMNS; False where it is too long.
-
-    `out` (2k + 1,) are ways, speeds and damped energy, `error` what the last column added.
-    Source: Deuflhard 1985; as an L-stable method it takes blocks without mass to speak of as well.
-    """
+    """A step of length h [s], extrapolated to order COLUMNS; False where it is too long."""
+    # `out` (2k + 1,) are ways, speeds and damped energy, `error` what the last column added.
+    # Source: Deuflhard 1985; an L-stable method also takes blocks without mass to speak of.
     table = np.empty((COLUMNS, len(out)))
     for j in range(COLUMNS):
         if not _march(problem, leg, h, j + 1, table[j]):

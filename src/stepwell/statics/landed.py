@@ -165,10 +165,8 @@ def landings(
     events: list[Event],
     tried: tuple[float, int, int],
 ) -> Iterator[Landing]:
-    """Whether each snap lands where it does for the (ratio, samples, seed) that are tried.
-
-    `events` has those that follow at once one by one.
-    """
+    """Whether each snap lands where it does for the (ratio, samples, seed) that are tried."""
+    # `events` has those that follow at once one by one.
     ratio, samples, seed = tried
     for found in snaps:
         passed, events = events[: found.rows], events[found.rows :]
@@ -199,10 +197,8 @@ def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
 def _sampled(
     chain: Chain, problem: DrivenChain, snap: Snap, corners: Floats, factors: Floats
 ) -> tuple[int, int, tuple[Elsewhere, ...]]:
-    """With how many corners and samples it comes to rest, and every other place where.
-
-    Other places are looked for again with a fine flow, and count if found; shares are of samples.
-    """
+    """With how many corners and samples it comes to rest, and every other place where."""
+    # Other places are looked for again with a fine flow, and count if found; shares are of samples.
     tried = np.concatenate([corners, factors])
     landed = land_all(problem, snap.start, tried, COARSE)
     places = [(snap.travel, snap.sheet)]
@@ -241,10 +237,8 @@ def _sampled(
 def _least_apart(
     chain: Chain, problem: DrivenChain, snap: Snap, factors: Floats, place: Place
 ) -> tuple[Floats, Place] | None:
-    """Factors as alike as will do that lead to a place, the least 1, and the place found again.
-
-    Cells that keep still have the least unless they have a say after all, having come back.
-    """
+    """Factors as alike as will do that lead to a place, the least 1, and the place found again."""
+    # Cells that keep still have the least unless they have a say after all, having come back.
     given = factors / np.min(factors)
     moves = (place[0] != snap.start.travel) | (place[1] != snap.start.sheet)
     plain = np.where(moves, given, 1.0)

@@ -205,10 +205,8 @@ def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float
 
 
 def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple[float, float]]:
-    """Where a full cycle begins, and the drives between which it goes.
-
-    Stops end a rigid actuator's; any other goes a little beyond all forces at which a cell leaves.
-    """
+    """Where a full cycle begins, and the drives between which it goes."""
+    # Stops end a rigid actuator's; others go a little beyond all forces at which a cell leaves.
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
         low, high = ends_of(problem.sheets)
@@ -311,10 +309,8 @@ def starting_configuration(
     start: str | Configuration | Sequence[float] | None,
     drive: float,
 ) -> Configuration:
-    """Where a start is: a state such as "010", a place, travels on first sheets, or none.
-
-    Raises ValueError where the chain does not have it, or does not stand there at `drive`.
-    """
+    """Where a start is: a state such as "010", a place, travels on first sheets, or none."""
+    # Raises ValueError where the chain does not have it, or does not stand there at `drive`.
     if start is None or isinstance(start, str):
         return place_at(chain, problem, chain.first_state if start is None else start, drive)
     given, sheets = start if isinstance(start, Configuration) else (start, (0,) * len(chain))
@@ -389,10 +385,8 @@ def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
 def stand_at(
     problem: DrivenChain, state: State, sheets: Ints, drive: float
 ) -> tuple[bool, bool, int, float]:
-    """Let all cells rest, free where nothing holds them; whether they balance, and stably.
-
-    Then how many of the free ones have a falling force, and the force of the actuator.
-    """
+    """Let all cells rest, free where nothing holds them; whether they balance, and stably."""
+    # Then how many of the free ones have a falling force, and the force of the actuator.
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     alpha, beta, travel = problem.alpha, problem.beta, state.travel
     stand_all_on(laws, problem.sheets, pieces, sheets)

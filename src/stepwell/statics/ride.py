@@ -247,11 +247,9 @@ def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) 
 def _broken(
     problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, out: Floats
 ) -> float:
-    """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
-
-    A cell past its end, in travels; past a kink of its law; turning against friction, of the
-    fastest speed; held and no longer able to be, of the largest force.
-    """
+    """How far the place that a step leads to is past what it takes for granted, or 0 or less."""
+    # A cell past its end, in travels; past a kink of its law; turning against friction, of the
+    # fastest speed; held and no longer able to be, of the largest force.
     k, worst, before, fast = len(leg.cells), -1.0, 0.0, 0.0
     force = np.empty(k)
     for m in range(k):
@@ -519,11 +517,8 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
 
 @entry()
 def ride(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
-    """Let the chain move on; GOES_ON, RESTS or STUCK.
-
-    `history` (rows, 1 + 2N) takes time, travels and speeds after each step, NaN where none was
-    done.
-    """
+    """Let the chain move on; GOES_ON, RESTS or STUCK."""
+    # `history` (rows, 1 + 2N) takes time, travels and speeds after each step, or stays NaN.
     n = len(motion.travel)
     slots = 1
     for i in range(n):

@@ -32,11 +32,9 @@ WORTH_SORTING = 16
 
 @leaf
 def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
-    """Whether the leader, giving travel back up to `reach`, always pulls harder: proved.
-
-    On [a, b] its pull at a is above the other's at b, or their difference, whose second derivative
-    is bounded, cannot sag to zero.
-    """
+    """Whether the leader, giving travel back up to `reach`, always pulls harder: proved."""
+    # On [a, b] its pull at a is above the other's at b, or their difference, whose second
+    # derivative is bounded, cannot sag to zero.
     bend = most_bend(leader) + most_bend(other)
     a, width = 0.0, 0.25 * reach
     strong, weak = force_at(leader, full)[0], force_at(other, full)[0]

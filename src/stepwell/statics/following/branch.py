@@ -24,11 +24,9 @@ def inverse_slope(problem: DrivenChain, cell: int, piece: int, travel: float) ->
 
 @leaf
 def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: float) -> float:
-    """Least stiffness [N/m] of cells with slopes κ and weights 1 at fixed drive, or inf.
-
-    With slopes m κ and weights m it is the least rate of decay. The eigenvalues solve β/α² + Σ
-    w_i/(κ_i - μ) = 0, a function that rises between two κ, so the least one is bracketed.
-    """
+    """Least stiffness [N/m] of cells with slopes κ and weights 1 at fixed drive, or inf."""
+    # With slopes m κ and weights m it is the least rate of decay. The eigenvalues solve β/α² + Σ
+    # w_i/(κ_i - μ) = 0, a function that rises between two κ, so the least one is bracketed.
     moving = len(slopes)
     if moving == 0:
         return np.inf
@@ -80,11 +78,8 @@ def compliance(problem: DrivenChain, movers: Movers, force: float) -> float:
 
 @leaf
 def first_fold(problem: DrivenChain, movers: Movers, begin: float, end: float) -> float:
-    """First force on the way at which dU/dλ = α Σ 1/κ_i + β reaches 0; NaN where there is none.
-
-    κ is monotone on a piece, so end values bound it: intervals are dismissed by proof, not by a
-    step.
-    """
+    """First force on the way at which dU/dλ = α Σ 1/κ_i + β reaches 0; NaN where there is none."""
+    # κ is monotone on a piece, so its ends bound it: intervals are dismissed by proof, not by steps.
     tolerance = 1e-15 * problem.scale
     one, two = problem.spare.stack[0], problem.spare.stack[1]
     one[0], two[0] = begin, end
@@ -118,10 +113,8 @@ def point_at(
     out: Floats,
     joints: bool,
 ) -> float:
-    """The λ between `begin` and `end` at which a branch has U = `drive`; travels into `out`.
-
-    With `joints` the movers pass on to the pieces that their branches go on with.
-    """
+    """The λ between `begin` and `end` at which a branch has U = `drive`; travels into `out`."""
+    # With `joints` the movers pass on to the pieces that their branches go on with.
     low, high, force = begin, end, end
     # The same answer whatever was there.
     out[:] = np.nan

@@ -38,11 +38,8 @@ _SEEN, _ON, _NAMED = st.MODES, st.SHEETS, st.WAS_ON
 def certify(
     problem: DrivenChain, travel: Floats, force: float, movers: Movers
 ) -> tuple[float, float]:
-    """Worst violation of equilibrium by any cell [N], and least stiffness of what can move [N/m].
-
-    At a kink the smaller of two counts, unless a cell slides: that one cannot give way to the
-    other.
-    """
+    """Worst violation of equilibrium by any cell [N], least stiffness of what can move [N/m]."""
+    # At a kink the smaller of two counts, unless a cell slides, which cannot give way to the other.
     # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     ends, spare, worst, free, slides = problem.sheets.ends, problem.spare, 0.0, 0, False
@@ -99,14 +96,12 @@ def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float
 def audit(
     problem: DrivenChain, log: logged.Log, start: Floats, sheets: Ints
 ) -> tuple[int, int, float]:
-    """The first segment of a log that breaks a promise, or -1; which one; by how much.
-
-    At the end of a segment all cells are in equilibrium; on a smooth one a moving cell stores what
-    the forces at its ends and middle allow, being convex or concave there; a snap sets energy free,
-    and the last of several at one drive ends in a stable place. Where cells follow the force
-    without rows, all are looked at and added up at the last such segment and at about 8 before it,
-    else those with rows.
-    """
+    """The first segment of a log that breaks a promise, or -1; which one; by how much."""
+    # At the end of a segment all cells are in equilibrium; on a smooth one a moving cell stores
+    # what the forces at its ends and middle allow, being convex or concave there; a snap sets
+    # energy free, and the last of several at one drive ends in a stable place. Where cells follow
+    # the force without rows, all are looked at and added up at the last such segment and at about 8
+    # before it, else those with rows.
     # One function: every segment updates the same marks, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends

@@ -132,10 +132,8 @@ def _softest(problem: DrivenChain, movers: Movers, one: Floats, two: Floats) -> 
 def _first_return(
     problem: DrivenChain, movers: Movers, ends: tuple[float, float], goal: float, direction: int
 ) -> tuple[float, float, float]:
-    """First λ between `ends` at which U is back at `goal` from beyond it, or NaN.
-
-    Then the travel of the cell that falls, and how far from the goal U turns on the way [drive].
-    """
+    """First λ between `ends` at which U is back at `goal` from beyond it, or NaN."""
+    # Then the travel of the cell that falls, and how far from the goal U turns on the way [drive].
     count = len(movers.cell)
     spare = problem.spare
     a_places, b_places = spare.number[st.FAR_PLACE, :count], spare.number[st.PLACE, :count]
@@ -186,10 +184,8 @@ class FallEnd(NamedTuple):
 def land_after(
     problem: DrivenChain, state: State, rising: Rising, falling: Falling, floor: float, drive: float
 ) -> FallEnd:
-    """The first equilibrium on the way of a falling cell, down to its floor.
-
-    Where one is found the rising cells are on the pieces that they have there.
-    """
+    """The first equilibrium on the way of a falling cell, down to its floor."""
+    # Where one is found the rising cells are on the pieces that they have there.
     # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
     j, p, travel, force, d, _ = falling

@@ -210,10 +210,8 @@ def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
 def unstable_direction(
     slopes: Floats, mobility: Floats, alpha: float, beta: float, leader: int, out: Floats
 ) -> None:
-    """The direction out of an equilibrium that has lost its stability, largest entry 1, into `out`.
-
-    Of several with the least rate κ m, to rounding, `leader` moves one way and the rest the other.
-    """
+    """The direction out of an equilibrium that has become unstable, largest entry 1, into `out`."""
+    # Of several with the least rate κ m, `leader` moves one way and the rest the other way.
     rates, count = slopes, len(slopes)
     for i in range(count):
         rates[i] *= mobility[i]
@@ -238,11 +236,8 @@ def unstable_direction(
 def _smooth_rates(
     actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int, row: int
 ) -> float:
-    """Rates at the travels of `_TRIAL` into `row`, which holds the forces there; λ.
-
-    As if there were no stops, for a step needs a smooth field; `actuator` is α, β, drive, Σ s of
-    others.
-    """
+    """Rates at the travels of `_TRIAL` into `row`, which holds the forces there; λ."""
+    # Without stops: a step needs a smooth field. `actuator` is α, β, drive and Σ s of all others.
     alpha, beta, drive, still = actuator
     for j in range(m):
         cell[row, j] += where[_SENSE, j] * cell[_FRICTION, j]
@@ -449,10 +444,8 @@ def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> f
 
 @leaf
 def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float, float]:
-    """The first cell at an end of its sheet about the end of the last step, or -1; how long before.
-
-    Negative where it is soon after; and by what share of travel going back along the rates is off.
-    """
+    """The cell first at an end of its sheet about when the last step ends, or -1; how long ago."""
+    # Negative where it is soon after; and by what share of travel going back along the rates is off.
     first, ago, bend = -1, -0.01 * h, 0.0
     for j in range(m):
         rate = cell[_NEXT_RATE, j]
@@ -474,12 +467,10 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
 def _passed(
     problem: DrivenChain, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
 ) -> tuple[float, int]:
-    """How long the last step should have been to end with its first event, or h; the cell, or -1.
-
-    Events are ends of sheets, cells that start and cells that halt. A step may end after one where
-    that is at most `late` of a travel and no force above `most`; `levels` are λ at its begin and
-    end.
-    """
+    """How long the last step should be to end with its first event, or h; the cell, or -1."""
+    # Events are ends of sheets, cells that start and cells that halt. A step may end after one
+    # where that is at most `late` of a travel and no force above `most`; `levels` are λ at its
+    # begin and end.
     # One function: every event narrows the same bracket, a handful of locals.
     cell, where, m = at.cell, at.where, at.used[0]
     level, following = levels
@@ -547,10 +538,8 @@ def _passed(
 
 @leaf
 def _carry_error(problem: DrivenChain, at: Flow, h: float, stopped: int) -> float:
-    """Take the error of the travels through a linearised step, adding its own; the largest [m].
-
-    What only means earlier or later on the same way is none: it is taken out along the rates.
-    """
+    """Take the error of the travels through a linearised step, adding its own; the largest [m]."""
+    # What only means earlier or later on the same way is none: it is taken out along the rates.
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     total, moving, frozen, follows = 0.0, 0.0, 0.0, 0.0
     for j in range(m):
@@ -728,12 +717,10 @@ def _set_senses(at: Flow, shared: float) -> None:
 def flow(
     problem: DrivenChain, state: State, drive: float, shared: float, accuracy: float, rubbed: Floats
 ) -> tuple[bool, float, bool]:
-    """Follow the flow to rest, travels in place: whether it settled, λ, and whether by a tie.
-
-    A linearly implicit pair of orders 4 and 3, for one slow direction among many fast ones; each
-    event ends a step. The last stretch is Newton's, so the integration only decides which
-    equilibrium it is. `rubbed` (N,) gathers the way of every cell.
-    """
+    """Follow the flow to rest, travels in place: whether it settled, λ, and whether by a tie."""
+    # A linearly implicit pair of orders 4 and 3, for one slow direction among many fast ones; each
+    # event ends a step. The last stretch is Newton's, so the integration only decides which
+    # equilibrium it is. `rubbed` (N,) gathers the way of every cell.
     # One function: a step changes some fifteen locals of the integrator.
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta

@@ -40,10 +40,8 @@ _LONGEST_WAIT = 15
 @entry()
 @leaf
 def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) -> int:
-    """Drive the chain through `turning`, writing every segment to the log; how it ended.
-
-    Where the log is full it goes on from there when called with a longer one.
-    """
+    """Drive the chain through `turning`, writing every segment to the log; how it ended."""
+    # Where the log is full it goes on from there when called with a longer one.
     # One function: the loop of a stroke keeps its counts as locals; steps are functions.
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[st.GOES]
     slack = drive_slack(problem)

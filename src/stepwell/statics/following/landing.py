@@ -89,10 +89,8 @@ def _balance(
     bias: float,
     ends: tuple[float, float, float, float],
 ) -> tuple[float, float, float]:
-    """Where a pull that only falls is balanced between two shifts, and pull and resistance there.
-
-    The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
-    """
+    """Where a pull that only falls is balanced between two shifts; pull and resistance there."""
+    # The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     a, b, at_a, at_b = ends
     size, stays, x = problem.laws.full[line.forth if line.forth >= 0 else line.back], 0, b
     for step in range(200):
@@ -132,10 +130,8 @@ def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, flo
 def land(
     problem: DrivenChain, line: SnapLine, start: float, bias: float
 ) -> tuple[int, float, float]:
-    """Outcome, shift x and λ of a snap along a line; `bias` is a force that helps the motion.
-
-    JOINED where the flow leaves the range of λ in which all other cells keep still.
-    """
+    """Outcome, shift x and λ of a snap along a line; `bias` is a force that helps the motion."""
+    # JOINED where the flow leaves the range of λ in which all other cells keep still.
     # One function: it goes from piece to piece with arrays that are taken out once.
     pieces, ends, effort = problem.pieces, problem.sheets.ends, problem.effort
     forth, back, from_forth, from_back = line.forth, line.back, line.from_forth, line.from_back

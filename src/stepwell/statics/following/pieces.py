@@ -191,10 +191,8 @@ def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
 def _root(
     laws: Laws, cell: int, picked: Ints, order: int, ends: tuple[float, float, float, float]
 ) -> float:
-    """The sign change of F, κ or dκ/ds between two travels; `ends` are these and the values there.
-
-    The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
-    """
+    """The sign change of F, κ or dκ/ds between two travels; `ends` are these and what is there."""
+    # The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     a, b, fa, fb = ends
     falls, stays, last = fa < 0.0, 0, a
     for step in range(200):

@@ -317,9 +317,7 @@ def travel_at_force(problem: DrivenChain, state: State, i: int, force: float) ->
 
 @leaf
 def stroke_at(problem: DrivenChain, state: State, rising: Rising, force: float) -> float:
-    """Σ s of all cells but the leader at λ between two joints [m]; puts those of curved force
-    there.
-    """
+    """Σ s of all cells but the leader at λ between two joints [m]; curved ones are put there."""
     total = sum_of(rising, COMPLIANCE) * force + sum_of(rising, OFFSET)
     laws, pieces, travel = problem.laws, problem.pieces, state.travel
     for k in range(rising.counts[0]):

@@ -27,13 +27,11 @@ def goes_one_way(problem: DrivenChain, start: Start, landing: Floats, ratio: flo
 def _goes_one_way(
     problem: DrivenChain, start: Start, state: State, landing: Floats, ratio: float
 ) -> bool:
-    """The same, with room for a state and with mobilities to be written to.
-
-    Under a force no cell feels another one. Else only λ decides whether another cell joins: a
-    spring's, or between what one of the pair pulls and the other resists, nearer to the more mobile
-    one's. So it is enough to look at the leader `ratio` times faster and slower: in between λ is in
-    between.
-    """
+    """The same, with room for a state and with mobilities to be written to."""
+    # Under a force no cell feels another one. Else only λ decides whether another cell joins: a
+    # spring's, or between what one of the pair pulls and the other resists, nearer to the more
+    # mobile one's. So it is enough to look at the leader `ratio` times faster and slower: in
+    # between λ is in between.
     if problem.alpha == 0.0:
         return True
     given, full = problem.mobility[start.leader], problem.laws.full
@@ -102,10 +100,8 @@ def lands_only_at(
 
 @entry(0.3, "problem.mobility")
 def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
-    """Whether it is proved that energy suffices for no other place of rest than the (N,) landing.
-
-    Then the snap lands there for all mobilities, and with any masses and dampers.
-    """
+    """Whether it is proved that energy suffices for no other place of rest than the landing."""
+    # Then the snap lands there for all mobilities, and with any masses and dampers.
     if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
         return False
     stand_all_on(problem.laws, problem.sheets, problem.pieces, start.sheet)

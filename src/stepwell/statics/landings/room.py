@@ -92,11 +92,9 @@ def leads_on(problem: DrivenChain, room: Room) -> bool:
 
 @kernel
 def room_of(problem: DrivenChain, start: Start, within: Room) -> Room:
-    """The room of overdamped flow, for all mobilities, within one that it is known not to leave.
-
-    λ stays between the forces of the moving cells, friction added, and a cell short of where it
-    holds the largest λ: the smallest room that is closed under both is never left.
-    """
+    """The room of overdamped flow, for all mobilities, within one that it is known not to leave."""
+    # λ stays between the forces of the moving cells, friction added, and a cell short of where it
+    # holds the largest λ: the smallest room that is closed under both is never left.
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
     n, slip = len(start.travel), CLOSE_FORCE * problem.scale
     room = Room(within.low.copy(), within.high.copy(), within.stops.copy(), within.force.copy())
@@ -196,10 +194,8 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 
 @kernel
 def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
-    """Take off a room what the chain cannot come to without more energy than at the start.
-
-    Each cell is given the cheapest that all others can do at that drive, in steps that add up.
-    """
+    """Take off a room what the chain cannot come to without more energy than at the start."""
+    # Each cell is given the cheapest that all others can do at that drive, in steps that add up.
     # One function: each cell needs the energies of all others, made once.
     moving = np.flatnonzero(room.high > room.low)
     m, level = len(moving), start.force

@@ -84,11 +84,9 @@ def _land(problem: DrivenChain, state: State, direction: int, accuracy: float) -
 
 
 def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
-    """(n, N) factors of the mobilities at the ends of their range: 1 or `ratio` for each cell.
-
-    All 2^N - 2 for up to five cells. Else each of `cells` fast alone and slow alone, which is what
-    mostly decides, and as many at random as make 32.
-    """
+    """(n, N) factors of the mobilities at the ends of their range: 1 or `ratio` for each cell."""
+    # All 2^N - 2 for up to five cells. Else each of `cells` fast alone and slow alone, which is
+    # what mostly decides, and as many at random as make 32.
     if 2**count <= _MOST_CORNERS:
         numbers = range(1, 2**count - 1)
         every = np.array([[bool(n >> k & 1) for k in range(count)] for n in numbers], bool)

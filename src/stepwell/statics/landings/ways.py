@@ -125,11 +125,8 @@ def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float
 
 @kernel
 def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
-    """Whether some point of a box takes no more energy than the start.
-
-    A constant force taken off each cell and given to the drive changes no sum; near λ it bounds
-    well.
-    """
+    """Whether some point of a box takes no more energy than the start."""
+    # A force taken off each cell and given to the drive changes no sum; one near λ bounds it well.
     node, level = grid.node, start.force
     low, high = 0.0, 0.0
     for d in range(len(at)):
@@ -163,10 +160,8 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
 def _can_leave(
     problem: DrivenChain, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
-    """Whether the flow can leave a box through its upper or lower face on an axis.
-
-    Cell i rises where Σ m_j (F_i - F_j) < 0: the largest F_j, and most mobility to those that pull.
-    """
+    """Whether the flow can leave a box through its upper or lower face on an axis."""
+    # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities of what pulls it.
     node, slip = grid.node, CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
@@ -250,9 +245,7 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 def keeps_off(
     problem: DrivenChain, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
-    """Whether no way leads to (C, 2, N) places, for mobilities within a ratio; inf: by energy
-    alone.
-    """
+    """Whether no way leads to (C, 2, N) places for mobilities within a ratio; inf: by energy."""
     # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
     seen, begun = np.zeros(boxes, np.int64), np.zeros(boxes, np.int64)
