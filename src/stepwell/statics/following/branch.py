@@ -79,7 +79,7 @@ def compliance(problem: DrivenChain, movers: Movers, force: float) -> float:
 @leaf
 def first_fold(problem: DrivenChain, movers: Movers, begin: float, end: float) -> float:
     """First force on the way at which dU/dλ = α Σ 1/κ_i + β reaches 0; NaN where there is none."""
-    # κ is monotone on a piece, so its ends bound it: intervals are dismissed by proof, not by steps.
+    # κ is monotone on a piece, so its ends bound it: intervals are dismissed by proof, not step.
     tolerance = 1e-15 * problem.scale
     one, two = problem.spare.stack[0], problem.spare.stack[1]
     one[0], two[0] = begin, end

@@ -39,7 +39,7 @@ def certify(
     problem: DrivenChain, travel: Floats, force: float, movers: Movers
 ) -> tuple[float, float]:
     """Worst violation of equilibrium by any cell [N], least stiffness of what can move [N/m]."""
-    # At a kink the smaller of two counts, unless a cell slides, which cannot give way to the other.
+    # At a kink the smaller of two counts, unless a cell slides: it cannot give way to the other.
     # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     ends, spare, worst, free, slides = problem.sheets.ends, problem.spare, 0.0, 0, False

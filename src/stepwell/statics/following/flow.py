@@ -445,7 +445,7 @@ def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> f
 @leaf
 def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float, float]:
     """The cell first at an end of its sheet about when the last step ends, or -1; how long ago."""
-    # Negative where it is soon after; and by what share of travel going back along the rates is off.
+    # Negative where soon after; and by what share of travel going back along the rates is off.
     first, ago, bend = -1, -0.01 * h, 0.0
     for j in range(m):
         rate = cell[_NEXT_RATE, j]

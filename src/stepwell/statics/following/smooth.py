@@ -264,7 +264,7 @@ def _first_to_arrive(
     problem: DrivenChain, state: State, movers: Movers, toward: int, direction: int
 ) -> tuple[float, int, bool]:
     """Distance of λ to the first end of a piece, the mover that comes there, if in company."""
-    # Cells that come to their tops together tie, for only one can go on. A leader and one that gives
+    # Cells that come to their tops together tie: only one can go on. A leader and one that gives
     # way can reach their bottoms together, if alike: there both forces rise with the drive.
     # One function: both senses compare movers with the first that arrives.
     pieces, rank, force, ends = problem.pieces, problem.rank, state.force[0], problem.sheets.ends

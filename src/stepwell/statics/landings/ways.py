@@ -126,7 +126,7 @@ def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float
 @kernel
 def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
     """Whether some point of a box takes no more energy than the start."""
-    # A force taken off each cell and given to the drive changes no sum; one near λ bounds it well.
+    # A force taken off each cell and given to the drive changes no sum; one near λ bounds well.
     node, level = grid.node, start.force
     low, high = 0.0, 0.0
     for d in range(len(at)):
@@ -161,7 +161,7 @@ def _can_leave(
     problem: DrivenChain, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis."""
-    # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities of what pulls it.
+    # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities that pull it.
     node, slip = grid.node, CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
