@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -247,26 +247,14 @@ def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -
             f"{amount(float(motion.book[ride.TIME]), 's')}: too little takes its energy. Give "
             f"every cell some damping [{unit}]."
         )
-    sheet = tuple(sheets_of(problem.sheets).tolist())
-    freed = math.fsum(_given(chain, problem, snap, body, motion.travel, sheet))
-    return _Ride(motion, sheet, np.concatenate(parts), freed)
-
-
-def _given(
-    chain: Chain,
-    problem: DrivenChain,
-    snap: Snap,
-    body: ride.Inertias,
-    travel: Floats,
-    sheet: tuple[int, ...],
-) -> Iterator[float]:
-    """Energy that each cell, the actuator and the push on the leader give [J]."""
-    start = snap.start
-    for i, cell in enumerate(chain.cells):
-        yield float(cell.energy_at(start.travel[i], int(start.sheet[i])))
-        yield -float(cell.energy_at(travel[i], sheet[i]))
+    sheet, travel = tuple(sheets_of(problem.sheets).tolist()), motion.travel
+    ends = zip(chain.cells, start.travel, start.sheet.tolist(), travel, sheet, strict=True)
+    # What each cell, the actuator and the push on the leader give.
+    freed: list[float] = []
+    for cell, s, on, there, to in ends:
+        freed += float(cell.energy_at(s, on)), -float(cell.energy_at(there, to))
     if problem.beta > 0.0:
         way = math.fsum(travel - start.travel)
-        yield way * (start.force - 0.5 * problem.alpha / problem.beta * way)
-    leader = start.leader
-    yield body.push * float(travel[leader] - start.travel[leader])
+        freed.append(way * (start.force - 0.5 * problem.alpha / problem.beta * way))
+    freed.append(body.push * float(travel[start.leader] - start.travel[start.leader]))
+    return _Ride(motion, sheet, np.concatenate(parts), math.fsum(freed))

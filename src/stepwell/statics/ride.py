@@ -128,43 +128,36 @@ def _bounds(
 
 
 @kernel
-def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> int:
-    """Find which cells move from here on, after cells that leave their sheets; how many."""
+def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> None:
+    """Find which cells move from here on, after cells that leave their sheets."""
     # One function: bounds, forces and gains of a pass are in arrays made once.
-    n = len(motion.travel)
+    n, speed, friction = len(motion.travel), motion.speed, problem.laws.friction
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    end, count = _lambda(problem, body, motion.travel), 0
+    end, jumps = _lambda(problem, body, motion.travel), True
     for _ in range(100):
+        if not jumps:
+            return
         for i in range(n):
             low[i], high[i] = _bounds(problem, body, motion, i, rows)
-            if motion.speed[i] != 0.0:
-                rub = problem.laws.friction[i]
+            if speed[i] != 0.0:
                 value = _force(problem, body, i, motion.travel[i], rows)
-                value += body.damping[i] * motion.speed[i]
-                low[i] = high[i] = value + (rub if motion.speed[i] > 0.0 else -rub)
+                value += body.damping[i] * speed[i]
+                low[i] = high[i] = value + np.sign(speed[i]) * friction[i]
             force[i] = min(max(0.0, low[i]), high[i])
         taut(low, high, np.zeros(n), body.loose, end, force)
         rates(force, body.loose, end, gain)
-        jumps, count = False, 0
+        jumps = False
         for i in range(n):
-            motion.moving[i], motion.sense[i] = 0, 0
-            inner = body.loose[i - 1] if i > 0 else 0.0
-            least = 0.1 * _SLIP * problem.scale * (inner + body.loose[i])
-            heading = 0
-            if motion.speed[i] != 0.0:
-                heading = 1 if motion.speed[i] > 0.0 else -1
-            elif abs(gain[i]) > least:
-                heading = 1 if gain[i] > 0.0 else -1
+            inner, heading = body.loose[i - 1] if i > 0 else 0.0, int(np.sign(speed[i]))
+            if heading == 0 and abs(gain[i]) > 0.1 * _SLIP * problem.scale * (
+                inner + body.loose[i]
+            ):
+                heading = int(np.sign(gain[i]))
             if heading != 0 and _jump(problem, motion, i, heading, rows):
                 jumps = True
-            free = low[i] == high[i] and problem.laws.friction[i] == 0.0
-            if heading != 0 or free:
-                motion.moving[i] = 1
-                motion.sense[i] = heading if problem.laws.friction[i] > 0.0 else 0
-                count += 1
-        if not jumps:
-            return count
-    return count
+            free = low[i] == high[i] and friction[i] == 0.0
+            motion.moving[i] = heading != 0 or free
+            motion.sense[i] = heading if friction[i] > 0.0 else 0
 
 
 @kernel
@@ -186,8 +179,8 @@ def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows:
 
 
 @kernel
-def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> bool:
-    """Let cells that run into their stops strike them; whether any does."""
+def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
+    """Let cells that run into their stops strike them."""
     n, speed = len(motion.travel), motion.speed
     low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
     energy = _NONE * problem.scale * np.min(problem.laws.full)
@@ -199,19 +192,18 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> bool:
             if stop * speed[i] > 0.0:
                 strikes = True
                 bounce[i] = body.restitution if abs(speed[i]) > little else 0.0
-    if strikes:
-        before, was = kinetic(body.mass, body.loose, speed), speed.copy()
+    if not strikes:
+        return
+    before, was, keeps = kinetic(body.mass, body.loose, speed), speed.copy(), False
+    blow(low, high, bounce, body.loose, speed)
+    for i in range(n):
+        if low[i] < high[i] and abs(speed[i]) <= little:
+            # Or stops would rattle for ever, on what rounding feeds them.
+            low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
+    if keeps:
+        speed[:] = was
         blow(low, high, bounce, body.loose, speed)
-        keeps = False
-        for i in range(n):
-            if low[i] < high[i] and abs(speed[i]) <= little:
-                # Or stops would rattle for ever, on what rounding feeds them.
-                low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
-        if keeps:
-            speed[:] = was
-            blow(low, high, bounce, body.loose, speed)
-        motion.book[STRUCK] += before - kinetic(body.mass, body.loose, speed)
-    return strikes
+    motion.book[STRUCK] += before - kinetic(body.mass, body.loose, speed)
 
 
 @kernel
@@ -443,8 +435,7 @@ def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Free
 def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
     """Newton to the equilibrium of the moving cells near by; whether there is a stable one."""
     k = len(leg.cells)
-    force, pull, still = np.empty(k), np.zeros(k), np.zeros(k)
-    place = leg.begin.copy()
+    force, pull, still, place = np.empty(k), np.zeros(k), np.zeros(k), leg.begin.copy()
     way[:] = 0.0
     for _ in range(40):
         before = 0.0
@@ -474,8 +465,7 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
     """Bring to rest what has nothing left to lose, to the last trifle; whether it is so."""
     book, k = motion.book, len(leg.cells)
-    lost = _lost(book)
-    left = kinetic(body.mass, body.loose, motion.speed)
+    lost, left = _lost(book), kinetic(body.mass, body.loose, motion.speed)
     if leg.free == 0:
         return True
     if left > _SPENT * lost or lost <= 0.0:
@@ -487,8 +477,7 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
     before, trifle = 0.0, left
     for m in range(k):
         i, at = leg.cells[m], begin[m]
-        to = at + (way[m] - before)
-        before = way[m]
+        to, before = at + (way[m] - before), way[m]
         pick_rows(problem.laws, i, at, leg.room)
         trifle += stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
         pick_rows(problem.laws, i, to, leg.room)
@@ -498,18 +487,15 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
     if trifle > _SPENT * lost:
         look(problem, leg)
         return False
-    for m in range(k):
-        if leg.cells[m] == body.leader:
-            leg.offset[m] += body.push
     exact = np.empty(k)
+    for m in range(k):
+        leg.offset[m] += body.push if leg.cells[m] == body.leader else 0.0
     if _settle(problem, leg, exact):
         way[:] = exact
     before = 0.0
     for m in range(k):
-        i, here = leg.cells[m], way[m] - before
-        motion.travel[i] = begin[m] + here
-        motion.speed[i] = 0.0
-        before = way[m]
+        i, here, before = leg.cells[m], way[m] - before, way[m]
+        motion.travel[i], motion.speed[i] = begin[m] + here, 0.0
         book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * here
     book[DAMPED] += max(trifle, 0.0)
     return True
@@ -519,8 +505,7 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
 def ride(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
     """Let the chain move on; GOES_ON, RESTS or STUCK."""
     # `history` (rows, 1 + 2N) takes time, travels and speeds after each step, or stays NaN.
-    n = len(motion.travel)
-    slots = 1
+    n, slots = len(motion.travel), 1
     for i in range(n):
         slots = max(slots, problem.laws.band_first[i + 1] - problem.laws.band_first[i] + 1)
     rows = np.full(slots, -1, np.int64)

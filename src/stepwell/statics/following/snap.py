@@ -81,7 +81,7 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
 def _moved_by(
     problem: DrivenChain, state: State, begun: Begin, trigger: int
 ) -> tuple[int, float, float]:
-    """List the cells that a snap moved: how many or -1; what they released and friction took [J]."""
+    """List the cells that a snap moved: how many or -1; energy released and taken by friction."""
     laws, pieces, sheets, spare = problem.laws, problem.pieces, problem.sheets, problem.spare
     moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
     for i in range(len(state.travel)):
