@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from itertools import chain as flatten
 from typing import NamedTuple
 
 import numpy as np
@@ -81,12 +80,10 @@ def problem_of(
             f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
             f"often to follow: smooth its table, or look for a band whose ends nearly meet."
         )
-    effort = np.array([0, UNLIMITED])
-    rank = _ranks(len(chain), prefer)
-    scale = force_scale(laws, sheets, pieces)
+    scale, rank = force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
     weights, mobility = drive_weights(chain), mobilities_of(chain.cells)
-    room = spare_room(len(chain))
-    return DrivenChain(laws, sheets, pieces, *weights, scale, rank, mobility, effort, room)
+    room = np.array([0, UNLIMITED]), spare_room(len(chain))
+    return DrivenChain(laws, sheets, pieces, *weights, scale, rank, mobility, *room)
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
@@ -200,8 +197,7 @@ def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float
 
     Raises StaticsError for a force that turns too often to follow.
     """
-    _, (low, high) = full_range(chain, problem or problem_of(chain))
-    return low, high
+    return full_range(chain, problem or problem_of(chain))[1]
 
 
 def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple[float, float]]:
@@ -209,21 +205,16 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
     # Stops end a rigid actuator's; others go a little beyond all forces at which a cell leaves.
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
-        low, high = ends_of(problem.sheets)
-        begin = _place(
-            np.array([cell.low for cell in chain.cells]), [own[0] for own in chain.stretches]
-        )
+        (low, high), first = ends_of(problem.sheets), [own[0] for own in chain.stretches]
+        begin = _place(np.array([cell.low for cell in chain.cells]), first)
         if problem.beta == 0:
             return begin, (low, high)
         # A force below which no cell leaves 0, and one above which none leaves 1.
         forces = np.concatenate([pieces.force_left, pieces.force_right])
         rub, margin = float(np.max(laws.friction)), 0.01 * problem.scale
         least, most = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
-        reach = problem.alpha * high
-        return begin, (problem.beta * least, reach + problem.beta * most)
-    forces = np.fromiter(
-        flatten.from_iterable([cell.switching_range for cell in chain.cells]), float
-    )
+        return begin, (problem.beta * least, problem.alpha * high + problem.beta * most)
+    forces = np.array([cell.switching_range for cell in chain.cells], float)
     forces = forces[np.isfinite(forces)]
     if not forces.size:
         own = of_curve(problem.sheets, pieces)
@@ -277,8 +268,7 @@ def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[
 def _at(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
-    numbers = np.fromiter(flatten.from_iterable(stretches), float).reshape(-1, 3)
-    travels_between(*problem[:3], numbers, force, found)
+    travels_between(*problem[:3], np.array(stretches, float), force, found)
     return found
 
 
@@ -319,9 +309,8 @@ def starting_configuration(
         raise InputError(f"start has shape {travels.shape}: must be ({len(chain)},) travels [m].")
     laws, (unit, factor) = problem.laws, told_in(chain.measure.travel_unit)
     counts = [1 if isinstance(cell, Cell) else len(cell.sheets) for cell in chain.cells]
-    if len(sheets) != len(chain) or any(
-        not 0 <= k < n for k, n in zip(sheets, counts, strict=True)
-    ):
+    named = len(sheets) == len(chain)
+    if not named or any(not 0 <= k < n for k, n in zip(sheets, counts, strict=True)):
         raise InputError(
             f"start.sheet = {sheets!r}: must name one sheet a cell, counted from 0, of as many as "
             f"its curve has: {', '.join(map(str, counts))}."
@@ -329,8 +318,7 @@ def starting_configuration(
     table, now = problem.sheets.table, problem.sheets.now
     low, high = table[table[now, FIRST].astype(int) + np.array(sheets), LOW : HIGH + 1].T
     slip = 1e-9 * laws.full
-    ends = zip(chain.names, travels, low, high, slip, strict=True)
-    for name, s, least, most, near in ends:
+    for name, s, least, most, near in zip(chain.names, travels, low, high, slip, strict=True):
         if not least - near <= s <= most + near:
             raise InputError(
                 f"start: {name} at {s * factor:.6g} {unit}: must be between {least * factor:.6g} "

@@ -148,10 +148,9 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
         rates(force, body.loose, end, gain)
         jumps = False
         for i in range(n):
-            inner, heading = body.loose[i - 1] if i > 0 else 0.0, int(np.sign(speed[i]))
-            if heading == 0 and abs(gain[i]) > 0.1 * _SLIP * problem.scale * (
-                inner + body.loose[i]
-            ):
+            loose, heading = body.loose[i], int(np.sign(speed[i]))
+            loose += body.loose[i - 1] if i > 0 else 0.0
+            if heading == 0 and abs(gain[i]) > 0.1 * _SLIP * problem.scale * loose:
                 heading = int(np.sign(gain[i]))
             if heading != 0 and _jump(problem, motion, i, heading, rows):
                 jumps = True
