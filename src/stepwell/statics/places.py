@@ -145,21 +145,15 @@ def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Co
         # Whoever begins there is told what does not balance.
         return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
 
-    def gap(travel: Floats, force: float) -> float:
-        return _drive(problem, travel, force) - drive
-
-    first, last = _at(problem, stretches, low), _at(problem, stretches, high)
-    below, above = gap(first, low), gap(last, high)
-    slip = problem.alpha * 1e-9 * chain.full_stroke + problem.beta * 1e-9 * problem.scale
-    if below > slip or above < -slip:
-        _refuse_drive(chain, state, drive, drive + below, drive + above)
-
     def look(force: float) -> _Look:
         travel = _at(problem, stretches, force)
-        return _Look(force, travel, gap(travel, force))
+        return _Look(force, travel, _drive(problem, travel, force) - drive)
 
-    travel = _closed(look, _Look(low, first, below), _Look(high, last, above), 1e-3 * slip)
-    return _place(travel, stretches)
+    first, last = look(low), look(high)
+    slip = problem.alpha * 1e-9 * chain.full_stroke + problem.beta * 1e-9 * problem.scale
+    if first.gap > slip or last.gap < -slip:
+        _refuse_drive(chain, state, drive, drive + first.gap, drive + last.gap)
+    return _place(_closed(look, first, last, 1e-3 * slip), stretches)
 
 
 class _Look(NamedTuple):
@@ -182,10 +176,7 @@ def _closed(look: Callable[[float], _Look], low: _Look, high: _Look, slip: float
             if not low.force < force < high.force:
                 break
         here = look(force)
-        if here.gap <= 0.0:
-            low = here
-        if here.gap >= 0.0:
-            high = here
+        low, high = here if here.gap <= 0.0 else low, here if here.gap >= 0.0 else high
     # Where a force is constant it does not give the travel: what is left of the drive does.
     gaps = high.gap - low.gap
     share = min(max(-low.gap / gaps, 0.0), 1.0) if high.gap > low.gap else 0.0
