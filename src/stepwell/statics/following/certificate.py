@@ -9,6 +9,7 @@ from stepwell.kernels import entry, kernel, leaf, overspent, record
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, largest, law, smallest, stored, summed
 from stepwell.statics.following import log as logged, state as st
 from stepwell.statics.following.branch import inverse_slope, point_at, smallest_eigenvalue
+from stepwell.statics.following.log import Pair
 from stepwell.statics.following.pieces import (
     find_piece,
     invert,
@@ -35,9 +36,7 @@ _SEEN, _ON, _NAMED = st.MODES, st.SHEETS, st.WAS_ON
 
 
 @leaf
-def certify(
-    problem: DrivenChain, travel: Floats, force: float, movers: Movers
-) -> tuple[float, float]:
+def certify(problem: DrivenChain, travel: Floats, force: float, movers: Movers) -> Pair:
     """Worst violation of equilibrium by any cell [N], least stiffness of what can move [N/m]."""
     # At a kink the smaller of two counts, unless a cell slides: it cannot give way to the other.
     # One function: one pass over the cells finds the worst force and all slopes.
@@ -180,9 +179,7 @@ def _rising_piece(problem: DrivenChain, i: int) -> int:
 
 
 @leaf
-def _goes(
-    problem: DrivenChain, i: int, piece: int, way: tuple[float, float], force: float
-) -> tuple[float, float]:
+def _goes(problem: DrivenChain, i: int, piece: int, way: Pair, force: float) -> Pair:
     """Let a cell go on its way; its miss of `force` there [N], and of what it should store [J]."""
     laws, pieces, (begin, end) = problem.laws, problem.pieces, way
     number, whole = problem.spare.number, problem.spare.whole

@@ -28,6 +28,9 @@ NEAR_FORCE, NEAR_TRAVEL, ERROR = range(15, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 
+# Two numbers that belong together, mostly of a beginning and an end.
+Pair = tuple[float, float]
+
 
 @record
 class Log(NamedTuple):
@@ -54,9 +57,7 @@ def longer(log: Log) -> Log:
 
 
 @leaf
-def add_row(
-    log: Log, kind: int, direction: int, drive: tuple[float, float], force: tuple[float, float]
-) -> None:
+def add_row(log: Log, kind: int, direction: int, drive: Pair, force: Pair) -> None:
     """Append the row of a segment that no cell sets off and in which none tie."""
     k = log.used[0]
     row = log.segments[k]

@@ -8,7 +8,7 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following import log as logged
-from stepwell.statics.following.log import add_mover, add_row
+from stepwell.statics.following.log import Pair, add_mover, add_row
 from stepwell.statics.following.pieces import (
     Pieces,
     find_piece,
@@ -164,12 +164,7 @@ def movers_of(problem: DrivenChain, state: State, goes: Ints) -> Movers:
 
 @leaf
 def write_row(
-    state: State,
-    kind: int,
-    direction: int,
-    drive: tuple[float, float],
-    force: tuple[float, float],
-    heat: tuple[float, float],
+    state: State, kind: int, direction: int, drive: Pair, force: Pair, heat: Pair
 ) -> None:
     """Append a segment without movers, and forget its tie; `heat` is released and rubbed energy."""
     log = state.log
@@ -191,7 +186,7 @@ def write(
     kind: int,
     begun: Begin,
     movers: Movers,
-    heat: tuple[float, float],
+    heat: Pair,
     drive: float,
 ) -> None:
     """Append the segment that ends here at `drive`, with a row for every mover."""
@@ -269,7 +264,7 @@ def hold(problem: DrivenChain, state: State, i: int) -> None:
 
 
 @leaf
-def held_range(problem: DrivenChain, state: State) -> tuple[float, float]:
+def held_range(problem: DrivenChain, state: State) -> Pair:
     """The forces λ at which every held cell stays."""
     friction, ends = problem.laws.friction, problem.sheets.ends
     mode, travel, at_rest = state.mode, state.travel, state.at_rest

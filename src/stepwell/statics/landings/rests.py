@@ -12,6 +12,7 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism import law
+from stepwell.statics.following.log import Pair
 from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room
@@ -41,12 +42,7 @@ class Stretches(NamedTuple):
 
 @kernel
 def _add(
-    out: Stretches,
-    r: int,
-    sign: int,
-    pieces: tuple[int, int],
-    travel: tuple[float, float],
-    force: tuple[float, float],
+    out: Stretches, r: int, sign: int, pieces: tuple[int, int], travel: Pair, force: Pair
 ) -> int:
     """Write branch r; how many there are then."""
     out.sign[r], out.first[r], out.last[r] = sign, pieces[0], pieces[1]
@@ -106,7 +102,7 @@ def _travel_at(problem: DrivenChain, branches: Stretches, i: int, r: int, force:
 @kernel
 def _compliance(
     problem: DrivenChain, room: Room, branches: Stretches, i: int, r: int, low: float, high: float
-) -> tuple[float, float]:
+) -> Pair:
     """Least and largest 1/κ of cell i between two travels of branch r; 0 where a stop holds it."""
     if branches.low[r] == branches.high[r]:
         return 0.0, 0.0
@@ -146,7 +142,7 @@ def _slip(problem: DrivenChain) -> float:
 
 
 @kernel
-def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> tuple[float, float]:
+def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> Pair:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
     branches, choice, box = search.branches, search.choice, search.box
     least, most, slip = 0.0, 0.0, CLOSE_FORCE * problem.scale
@@ -162,7 +158,7 @@ def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> 
 
 
 @kernel
-def _stability(problem: DrivenChain, room: Room, search: RestSearch) -> tuple[float, float]:
+def _stability(problem: DrivenChain, room: Room, search: RestSearch) -> Pair:
     """Least and largest α Σ 1/κ + β in the box."""
     branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
     least, most = problem.beta, problem.beta
@@ -205,9 +201,7 @@ def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
 
 
 @kernel
-def _excess(
-    problem: DrivenChain, start: Start, search: RestSearch, force: float
-) -> tuple[float, float]:
+def _excess(problem: DrivenChain, start: Start, search: RestSearch, force: float) -> Pair:
     """Least and largest α Σ s + β λ of the choice under one λ, less the drive."""
     least, most = _span(problem, search, force, force)
     rest = problem.beta * force - start.drive
@@ -252,9 +246,7 @@ def _one_place(
 
 
 @kernel
-def _places(
-    problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: tuple[float, float]
-) -> bool:
+def _places(problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: Pair) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
     alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
     counts, lows, highs = search.counts, np.empty(256), np.empty(256)
