@@ -225,7 +225,7 @@ def test_tens_of_thousands_of_cells_cycle_in_sorted_order(monkeypatch):
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])
     path = chain.cycle().path
     assert np.all(path.end == 0)
-    assert int(np.sum(path._rows[:, 0] == 3)) == 2 * (len(x) - 1)
+    assert int(np.sum(path._log.segments[:, 0] == 3)) == 2 * (len(x) - 1)
 
 
 def test_a_compliant_actuator_tells_position_from_stroke():

@@ -185,7 +185,7 @@ def segments_of(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
     """Every segment of a log in order; `problem` is asked for where cells follow without a row."""
-    rows, now = log.segments[: log.used[0]].tolist(), np.array(start)
+    rows, now = log.segments.tolist(), np.array(start)
     for k, row in enumerate(rows):
         movers = log.movers[log.first[k] : log.first[k + 1]]
         if row[logged.FOLLOW]:
@@ -221,7 +221,7 @@ def phase_changes(
     begin = [
         _phase(own, *at) for own, at in zip(stretches, zip(sheets, start, strict=True), strict=True)
     ]
-    movers = log.movers[: log.used[1]]
+    movers = log.movers
     cells = movers[:, logged.CELL].astype(int)
     order = np.argsort(cells, kind="stable")
     phases = np.full(len(cells), TRANSIT)
@@ -237,7 +237,7 @@ def phase_changes(
             own[(own == TRANSIT) & (sheet == on) & (low <= travel) & (travel <= high)] = phase
         phases[rows] = own
         before[rows] = [begin[cell], *own[:-1].tolist()]
-    segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first[: log.used[0] + 1]))
+    segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first))
     changes: dict[int, list[tuple[int, int]]] = {}
     for row in np.flatnonzero(phases != before).tolist():
         changes.setdefault(int(segment[row]), []).append((int(cells[row]), int(phases[row])))

@@ -157,10 +157,6 @@ class Path(base.ByValue, base.Drawn):
         """
         return self._samples.stability
 
-    @property
-    def _rows(self) -> base.Floats:
-        return self._log.segments[: self._log.used[0]]
-
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
@@ -175,7 +171,7 @@ class Path(base.ByValue, base.Drawn):
     def degenerate(self) -> tuple[Tie, ...]:
         """Where two outcomes were closer than the tolerance, with advice; empty if nowhere."""
         ties: list[Tie] = []
-        for row in self._rows[self._rows[:, logged.TIE_A] >= 0]:
+        for row in self._log.segments[self._log.segments[:, logged.TIE_A] >= 0]:
             cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
             drive, force = float(row[logged.DRIVE_1]), float(row[logged.FORCE_1])
             drifts = int(row[logged.KIND]) == logged.DRIFT
@@ -266,12 +262,12 @@ class Path(base.ByValue, base.Drawn):
     @property
     def released(self) -> float:
         """Energy turned into heat by snaps [J]."""
-        return float(np.sum(self._rows[:, logged.RELEASED]))
+        return float(np.sum(self._log.segments[:, logged.RELEASED]))
 
     @property
     def friction_work(self) -> float:
         """Energy taken by friction [J]."""
-        return float(np.sum(self._rows[:, logged.RUBBED]))
+        return float(np.sum(self._log.segments[:, logged.RUBBED]))
 
     @property
     def dissipated(self) -> float:
@@ -307,37 +303,35 @@ class Path(base.ByValue, base.Drawn):
     @property
     def end_force(self) -> float:
         """Actuator force at the end [N]."""
-        return float(self._rows[-1, logged.FORCE_1]) if len(self._rows) else self._start_force
+        rows = self._log.segments
+        return float(rows[-1, logged.FORCE_1]) if len(rows) else self._start_force
 
     @property
     def peak_force(self) -> float:
         """Largest actuator force in size on the way [N], with its sign."""
         # λ is monotone between events, so it peaks at an end of a segment.
-        ends = self._rows[:, [logged.FORCE_0, logged.FORCE_1]]
+        ends = self._log.segments[:, [logged.FORCE_0, logged.FORCE_1]]
         forces = np.append(ends, self._start_force)
         return float(forces[np.argmax(np.abs(forces))])
 
     @cached_property
     def end(self) -> base.Floats:
         """(N,) travels at the end [m]."""
-        travels = np.array(self.start)
-        movers = self._log.movers[: self._log.used[1]]
-        # Later rows overwrite earlier ones: NumPy assigns in order.
-        travels[movers[:, logged.CELL].astype(int)] = movers[:, logged.TRAVEL_1]
-        return travels
-
-    @cached_property
-    def end_sheet(self) -> tuple[int, ...]:
-        """(N,) sheets of the cells' curves at the end."""
-        sheets = np.array(self.start_sheet)
-        movers = self._log.movers[: self._log.used[1]]
-        sheets[movers[:, logged.CELL].astype(int)] = movers[:, logged.SHEET_1].astype(int)
-        return tuple(sheets.tolist())
+        return np.array(self.end_configuration.travel)
 
     @property
+    def end_sheet(self) -> tuple[int, ...]:
+        """(N,) sheets of the cells' curves at the end."""
+        return self.end_configuration.sheet
+
+    @cached_property
     def end_configuration(self) -> Configuration:
         """Where the cells stand at the end: another path can start there."""
-        return Configuration(tuple(self.end.tolist()), self.end_sheet)
+        travels, sheets, movers = np.array(self.start), np.array(self.start_sheet), self._log.movers
+        cells = movers[:, logged.CELL].astype(int)
+        # Later rows overwrite earlier ones: NumPy assigns in order.
+        travels[cells], sheets[cells] = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
+        return Configuration(tuple(travels.tolist()), tuple(sheets.tolist()))
 
     def resampled(self, points: int) -> "Path":
         """The same path with `points` samples on each smooth branch, 2 or more."""
@@ -396,7 +390,7 @@ class Path(base.ByValue, base.Drawn):
         return base.in_measure(schema, measure)
 
     def __repr__(self):
-        snaps = int(np.sum(self._rows[:, logged.KIND] == logged.SNAP))
+        snaps = int(np.sum(self._log.segments[:, logged.KIND] == logged.SNAP))
         drive = base.Quantity("drive", base.told_in(self.chain.drive_unit)[0])
         turns = " → ".join(f"{t * drive.factor:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
