@@ -65,15 +65,14 @@ class Path(base.ByValue, base.Drawn):
     @cached_property
     def _samples(self) -> certificate.Samples:
         problem = self._problem
-        size, cells = int(certificate.count_samples(self._log, self.points)), len(self.chain)
-        samples = certificate.room_for_samples(size, cells)
+        samples = certificate.room_for_samples(self._log, self.points, len(self.chain))
         start = np.array(self.start), np.array(self.start_sheet), self._start_force
 
         def fill(effort: base.Ints) -> int:
             limited = problem._replace(effort=effort)
             return certificate.sample(limited, self._log, *start, self.points, samples)
 
-        used = watched(fill, long=size > _MANY)
+        used = watched(fill, long=len(samples.drive) > _MANY)
         samples = certificate.Samples._make(values[:used] for values in samples)
         worst = int(np.argmax(samples.residual))
         by = float(samples.residual[worst])

@@ -6,7 +6,7 @@ from time import process_time
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Ints, Measure, told_in
+from stepwell.base import Floats, InputError, Measure, told_in
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics import outcome, places, sorted_cycle
@@ -114,14 +114,7 @@ def _follow_from(
     if status != st.DONE:
         status = st.STALLED if status == st.LOG_FULL else status
         outcome.refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
-    _audited(chain, problem, state.log, start.travel, sheets)
-    return _as_path(chain, problem, turning, place, float(start.force[0]), state.log)
-
-
-def _audited(
-    chain: Chain, problem: DrivenChain, log: logged.Log, travel: Floats, sheets: Ints
-) -> None:
-    """Check the segments of a run that began at these travels; StaticsError where one is wrong."""
+    log, travel = state.log, start.travel
     broken, promise, by = watched(
         lambda effort: certificate.audit(problem._replace(effort=effort), log, travel, sheets),
         long=int(log.used[0]) > _MANY_SEGMENTS,
@@ -129,6 +122,7 @@ def _audited(
     if promise != certificate.KEPT:
         drive = float(log.segments[broken, logged.DRIVE_1])
         outcome.refuse_broken(promise, chain, drive, by, problem.scale)
+    return _as_path(chain, problem, turning, place, float(start.force[0]), log)
 
 
 def _involved(state: State) -> list[int]:

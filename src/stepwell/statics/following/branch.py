@@ -56,7 +56,7 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
 
 
 @leaf
-def _highest(problem: DrivenChain, movers: Movers, one: float, two: float) -> tuple[float, float]:
+def compliance(problem: DrivenChain, movers: Movers, one: float, two: float) -> tuple[float, float]:
     """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     bound = end = beta + alpha * movers.soft
@@ -68,12 +68,6 @@ def _highest(problem: DrivenChain, movers: Movers, one: float, two: float) -> tu
         bound += alpha * max(inverse_slope(problem, cell, piece, at_one), soft)
         end += alpha * soft
     return (np.inf if np.isnan(bound) else bound), end
-
-
-@leaf
-def compliance(problem: DrivenChain, movers: Movers, force: float) -> float:
-    """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
-    return _highest(problem, movers, force, force)[1]
 
 
 @leaf
@@ -89,7 +83,7 @@ def first_fold(problem: DrivenChain, movers: Movers, begin: float, end: float) -
         a, b = one[waiting], two[waiting]
         if overspent(problem.effort, 60 * len(movers.cell)):
             break
-        bound, at_b = _highest(problem, movers, a, b)
+        bound, at_b = compliance(problem, movers, a, b)
         if bound < 0.0:
             continue
         middle = 0.5 * (a + b)

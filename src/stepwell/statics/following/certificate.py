@@ -243,23 +243,16 @@ class Samples(NamedTuple):
     stability: Floats  # (n,) [N/m]
 
 
-def room_for_samples(size: int, cells: int) -> Samples:
-    """Room for so many samples."""
+def room_for_samples(log: logged.Log, points: int, cells: int) -> Samples:
+    """Room for the samples of a log, with so many on every smooth branch."""
+    kinds = log.segments[:, logged.KIND]
+    ends = np.where(kinds == logged.SNAP, 1, np.where(kinds == logged.HOLD, 2, points))
+    size = 1 + int(np.sum(ends))
     drive, force, residual, stability = np.empty((4, size))
     branch, snap_after, direction = np.zeros((3, size), np.int64)
     travel, sheet = np.empty((size, cells)), np.zeros((size, cells), np.int64)
     whole = branch, snap_after, direction
     return Samples(drive, travel, sheet, force, *whole, residual, stability)
-
-
-@entry()
-def count_samples(log: logged.Log, points: int) -> int:
-    """How many samples `sample` will write."""
-    total = 1
-    for k in range(log.used[0]):
-        kind = int(log.segments[k, logged.KIND])
-        total += 1 if kind == logged.SNAP else (points if kind != logged.HOLD else 2)
-    return total
 
 
 @entry(1e-4, "samples.travel")

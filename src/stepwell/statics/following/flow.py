@@ -257,14 +257,6 @@ def _smooth_rates(
 
 
 @leaf
-def _set_pivots(cell: Floats, where: Ints, m: int, h: float) -> None:
-    """1 / (1 + h m κ) of the moving cells, and 0 of the others, for the solutions of a step."""
-    for j in range(m):
-        pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
-        cell[_PIVOT, j] = 1.0 / pivot if where[_SENSE, j] != 0 else 0.0
-
-
-@leaf
 def _solve(
     alpha: float, beta: float, cell: Floats, where: Ints, m: int, h: float, row: int, out: int
 ) -> None:
@@ -298,7 +290,9 @@ def _step(problem: DrivenChain, at: Flow, h: float) -> None:
     """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m]."""
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     actuator = (alpha, beta, at.drive, at.still[_STILL])
-    _set_pivots(cell, where, m, _GAMMA * h)
+    for j in range(m):
+        pivot = 1.0 + _GAMMA * h * cell[_MOBILITY, j] * cell[_SLOPE, j]
+        cell[_PIVOT, j] = 1.0 / pivot if where[_SENSE, j] != 0 else 0.0
     _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
     for j in range(m):
         cell[_TRIAL, j] = cell[_TRAVEL, j] + h * _A21 * cell[_X1, j]

@@ -340,12 +340,6 @@ def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
 
 
 @leaf
-def count_from_here(rising: Rising) -> None:
-    """Set what the cells of straight force have stored to 0."""
-    rising.sums[STORED] = rising.sums[STORED + 1] = 0.0
-
-
-@leaf
 def count_work(rising: Rising, before: float, after: float) -> None:
     """Count what the cells of straight force store while λ goes from one value to another."""
     soft = sum_of(rising, COMPLIANCE)

@@ -20,9 +20,9 @@ from stepwell.statics.following.rising import (
     END_UP,
     JOINT_DOWN,
     JOINT_UP,
+    STORED,
     Rising,
     clear,
-    count_from_here,
     energy_in,
     first_key,
     is_held,
@@ -353,7 +353,7 @@ def advance(
         decided, floor = floor_of(problem, rising, falling)
         if not decided:
             break
-        count_from_here(rising)
+        rising.sums[STORED] = rising.sums[STORED + 1] = 0.0
         stroke_at(problem, state, rising, force)
         before = energy_in(problem, state, rising)
         before += stored(laws, leader, pieces.picked[piece], travel)

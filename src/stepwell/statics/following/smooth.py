@@ -87,7 +87,7 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
     movers = movers_of(problem, state, goes)
     if _turn_here(problem, state, movers.cell):
         level = state.force[0] - direction * BLUNT * problem.scale
-        total = compliance(problem, movers, level)
+        total = compliance(problem, movers, level, level)[1]
     if total < 0.0:
         return AGAINST, leader
     goes[:] = 0
