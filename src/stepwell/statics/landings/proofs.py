@@ -67,7 +67,7 @@ def lands_only_at(
     laws, n = problem.laws, len(landing)
     places = np.empty((_MOST_PLACES, 2, n))
     found = places_of_rest(problem, room, start, places)
-    here, others = False, 0
+    here, others, more = False, 0, 10.0 * _KNOWN * problem.scale * np.max(laws.full)
     for c in range(found):
         low, high = places[c, 0], places[c, 1]
         same, known = True, True
@@ -75,14 +75,10 @@ def lands_only_at(
             near = SAME * laws.full[i]
             same = same and low[i] >= landing[i] - near and high[i] <= landing[i] + near
             known = known and high[i] - low[i] <= _KNOWN * laws.full[i]
-        if same:
-            here = True
+        here = here or same
+        # Where there is more energy than at the start the chain does not come.
+        if same or (known and energy_of(problem, start, 0.5 * (low + high)) > more):
             continue
-        if known:
-            # Where there is more energy than at the start the chain does not come.
-            more = 10.0 * _KNOWN * problem.scale * np.max(laws.full)
-            if energy_of(problem, start, 0.5 * (low + high)) > more:
-                continue
         places[others] = places[c]
         others += 1
     if found < 0 or not here:
@@ -91,9 +87,8 @@ def lands_only_at(
         return True
     for most in (_COARSE, _FINE):
         grid = grid_of(problem, room, start, most)
-        if boxes_of(grid) > 4 * most:
-            continue
-        if keeps_off(problem, room, start, grid, places[:others], ratio):
+        small = boxes_of(grid) <= 4 * most
+        if small and keeps_off(problem, room, start, grid, places[:others], ratio):
             return True
     return False
 

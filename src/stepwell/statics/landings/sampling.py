@@ -33,17 +33,15 @@ def land_all(
 ) -> Landings:
     """Where a snap lands with its mobilities times each row of (n, N) factors."""
     count, n = factors.shape
-    found = Landings(
-        np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
-    )
-    state = room_for(n)
-    own = problem._replace(mobility=problem.mobility.copy())
-    watched(
-        lambda effort: _land_all(
-            own._replace(effort=effort), start, state, factors, accuracy, found
-        ),
-        long=factors.size > _MANY,
-    )
+    sheet, settled = np.zeros((count, n), np.int64), np.zeros(count, np.int64)
+    found = Landings(np.empty((count, n)), sheet, settled)
+    state, own = room_for(n), problem._replace(mobility=problem.mobility.copy())
+
+    def land(effort: Ints) -> int:
+        limited = own._replace(effort=effort)
+        return _land_all(limited, start, state, factors, accuracy, found)
+
+    watched(land, long=factors.size > _MANY)
     return found
 
 

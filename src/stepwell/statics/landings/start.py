@@ -47,9 +47,7 @@ def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints)
         if pending is not None and not (snaps and _goes_on(problem, row, now)):
             yield pending
             pending = None
-        start = None
-        if snaps and pending is None:
-            start = _start(problem, log, k, now, on)
+        start = _start(log, k, now, on) if snaps and pending is None else None
         movers = moved(problem, log, k, now)
         cells = movers[:, logged.CELL].astype(int)
         now[cells], on[cells] = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
@@ -74,39 +72,20 @@ def _inside(problem: DrivenChain, cell: int, travel: float) -> bool:
     return bool(free and ends[cell, BEFORE] < travel < ends[cell, BEYOND])
 
 
-def _start(problem: DrivenChain, log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
-    n, row = len(travel), log.segments[k]
+def _start(log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
+    n, row, last = len(travel), log.segments[k], log.segments[k - 1]
     leader, heading = int(row[logged.LEADER]), int(row[logged.HEADING])
-    direction, cause, force = (
-        int(row[logged.DIRECTION]),
-        int(row[logged.CAUSE]),
-        row[logged.FORCE_0],
-    )
+    direction, cause = int(row[logged.DIRECTION]), int(row[logged.CAUSE])
     sense, piece = np.zeros(n, np.int64), np.full(n, -1)
-    last = log.segments[k - 1] if k > 0 else None
-    if (
-        last is not None
-        and int(last[logged.KIND]) in (logged.MOVE, logged.DRIFT)
-        and int(last[logged.DIRECTION]) == direction
-    ):
+    moved_on = k > 0 and int(last[logged.KIND]) in (logged.MOVE, logged.DRIFT)
+    if moved_on and int(last[logged.DIRECTION]) == direction:
         movers = log.movers[log.first[k - 1] : log.first[k]]
         cells = movers[:, logged.CELL].astype(int)
-        piece[cells] = movers[:, logged.PIECE]
-        sense[cells] = np.sign(movers[:, logged.OFFSET])
+        piece[cells], sense[cells] = movers[:, logged.PIECE], np.sign(movers[:, logged.OFFSET])
     if cause in (logged.RELEASE, logged.KINK):
         sense[leader] = heading
-    return Start(
-        travel.copy(),
-        sheet.copy(),
-        float(force),
-        float(row[logged.DRIVE_0]),
-        leader,
-        heading,
-        direction,
-        cause,
-        sense,
-        piece,
-    )
+    where = travel.copy(), sheet.copy(), float(row[logged.FORCE_0]), float(row[logged.DRIVE_0])
+    return Start(*where, leader, heading, direction, cause, sense, piece)
 
 
 def room_for(cells: int) -> State:
@@ -131,8 +110,7 @@ def stand_before(problem: DrivenChain, start: Start, state: State) -> None:
         else:
             hold(problem, state, i)
             continue
-        goes_on = i == start.leader and start.cause in (logged.RELEASE, logged.KINK)
-        if goes_on:
+        if i == start.leader and start.cause in (logged.RELEASE, logged.KINK):
             state.piece[i] = find_piece(pieces, i, travel, start.heading)
         elif piece >= 0 and pieces.left[piece] <= travel <= pieces.right[piece]:
             state.piece[i] = piece
