@@ -89,11 +89,8 @@ class Event(ByValue):
             f"cell {c + 1} {a * factor:.4g}→{b * factor:.4g} {unit}"
             for c, a, b in zip(self.cells, self.before, self.after, strict=True)
         )
-        what = (
-            f", releases {to_unit(self.released, 'mJ'):.4g} mJ"
-            if self.kind is EventKind.SNAP
-            else ""
-        )
+        what = f", releases {to_unit(self.released, 'mJ'):.4g} mJ"
+        what = what if self.kind is EventKind.SNAP else ""
         way = "loading" if self.direction > 0 else "unloading"
         return f"{self.kind.name} at {number(self.stroke * factor)} {unit} {way}: {moves}{what}"
 
@@ -115,8 +112,7 @@ class Tie(ByValue):
     def __str__(self):
         return self.advice
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 class SegmentKind(Enum):
@@ -133,15 +129,10 @@ class Segment(ByValue):
 
     Attributes:
         kind: what happens.
-        direction: +1 while the drive rises, -1 while it falls.
         drive: (2,) actuator position [m] at both ends, or its force [N] under force control.
         force: (2,) actuator force λ at both ends [N].
-        cells: (m,) the cells that move.
-        before, after: (m,) their travels [m].
-        sheets_before, sheets_after: (m,) on which sheets of their curves.
-        released: energy turned into heat by a snap [J].
-        tie: whether another outcome was closer than the tolerance.
         cause: why it snapped; None where it did not.
+        direction, cells, before, after, sheets_before, sheets_after, released, tie: as for `Event`.
         distance_force, distance_travel, error, decided: of a snap, as for `Event`.
     """
 
@@ -162,8 +153,7 @@ class Segment(ByValue):
     error: float = 0.0
     decided: Decided | None = None
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 # A drift moves cells of constant force.

@@ -49,8 +49,7 @@ class History(ByValue):
     travel: Floats
     speed: Floats
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 @dataclass(frozen=True, slots=True, eq=False)

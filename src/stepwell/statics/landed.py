@@ -59,8 +59,7 @@ class Elsewhere(ByValue):
     state: str
     share: float
 
-    def __repr__(self):
-        return brief(self)
+    __repr__ = brief
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -221,17 +220,12 @@ def _sampled(
         if again is not None:
             extreme, random = extreme + hits[k][0], random + hits[k][1]
             found.append((hits[k][1], *again))
-    elsewhere = tuple(
-        Elsewhere(
-            tuple(mobility.tolist()),
-            tuple(place[0].tolist()),
-            tuple(place[1].tolist()),
-            state_of(chain, *place),
-            count / random if random else 0.0,
-        )
-        for count, mobility, place in sorted(found, key=lambda one: -one[0])
-    )
-    return extreme, random, elsewhere
+    elsewhere: list[Elsewhere] = []
+    for count, mobility, place in sorted(found, key=lambda one: -one[0]):
+        where = tuple(place[0].tolist()), tuple(place[1].tolist()), state_of(chain, *place)
+        share = count / random if random else 0.0
+        elsewhere.append(Elsewhere(tuple(mobility.tolist()), *where, share))
+    return extreme, random, tuple(elsewhere)
 
 
 def _least_apart(

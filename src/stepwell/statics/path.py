@@ -344,11 +344,8 @@ class Path(base.ByValue, base.Drawn):
         import xarray
 
         schema = [replace(q, name=q.attribute) for q in self._schema]
-        return xarray.Dataset(
-            base.variables(schema, self, "sample"),
-            {"cell": list(self.chain.names)},
-            {"title": self.chain.title or "path"},
-        )
+        cells, title = {"cell": list(self.chain.names)}, {"title": self.chain.title or "path"}
+        return xarray.Dataset(base.variables(schema, self, "sample"), cells, title)
 
     def to_csv(self, file: str | File) -> None:
         """Write all samples as CSV, units in the column names (of travel: mm, N, mJ, N/m)."""
@@ -369,13 +366,11 @@ class Path(base.ByValue, base.Drawn):
         volume = measure is base.Measure.VOLUME
         outermost = "sum over the cells" if volume else "displacement of the outermost block"
         folds = any(len(element.laws) > 1 for element in self.chain.elements)
-        sheet = base.Quantity(
-            "sheet", doc="on which sheet of its curve each cell is", dims=("cell",)
-        )
+        each = "on which sheet of its curve each cell is"
+        sheet = base.Quantity("sheet", doc=each, dims=("cell",))
+        drive = base.told_in(self.chain.drive_unit)[0]
         schema = (
-            base.Quantity(
-                "drive", base.told_in(self.chain.drive_unit)[0], doc="actuator coordinate"
-            ),
+            base.Quantity("drive", drive, doc="actuator coordinate"),
             base.Quantity("stroke", "mm", doc=outermost),
             base.Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
             *([sheet] if folds else []),
