@@ -112,7 +112,8 @@ class Tie(ByValue):
     def __str__(self):
         return self.advice
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 class SegmentKind(Enum):
@@ -153,7 +154,8 @@ class Segment(ByValue):
     error: float = 0.0
     decided: Decided | None = None
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 # A drift moves cells of constant force.

@@ -49,7 +49,8 @@ class History(ByValue):
     travel: Floats
     speed: Floats
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

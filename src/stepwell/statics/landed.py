@@ -59,7 +59,8 @@ class Elsewhere(ByValue):
     state: str
     share: float
 
-    __repr__ = brief
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -104,7 +104,7 @@ def _turn_here(problem: DrivenChain, state: State, cells: Ints) -> bool:
         if travel == pieces.left[piece] or travel == pieces.right[piece]:
             slope = law(laws, i, pieces.picked[piece], travel)[1]
             if abs(slope) * laws.full[i] < 1e-5 * problem.scale:
-                leads = leads or pieces.sign[piece] < 0
+                leads = leads or bool(pieces.sign[piece] < 0)
                 others += pieces.sign[piece] >= 0
     return leads and others > 0
 
@@ -358,7 +358,7 @@ def _places_at(
         return
     for m in range(len(out)):
         on = movers.piece[m]
-        there = _end_of(pieces, on, toward * pieces.sign[on])
+        there = _end_of(pieces, on, toward * int(pieces.sign[on]))
         # Alike cells arrive together, but for rounding.
         alike = abs(out[m] - there) <= 1e-15 * laws.full[movers.cell[m]]
         near = _until_end(pieces, movers, m, force, toward) <= event.within

@@ -194,7 +194,8 @@ def write(
     write_row(state, kind, begun.direction, (begun.drive, drive), force, heat)
     for j in range(len(movers.cell)):
         i = movers.cell[j]
-        add_mover(log, i, movers.piece[j], movers.offset[j], begun.travel[i], state.travel[i])
+        before, after = float(begun.travel[i]), float(state.travel[i])
+        add_mover(log, i, movers.piece[j], movers.offset[j], before, after)
         mover = log.movers[log.used[1] - 1]
         mover[logged.SHEET_0], mover[logged.SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
 
@@ -212,7 +213,9 @@ def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floa
         follows[int(named[m, logged.CELL])] = False
     rows = np.zeros((count + np.sum(follows), logged.MOVER_COLUMNS))
     rows[:count] = named
-    for i in np.flatnonzero(follows):
+    for i in range(len(travel)):
+        if not follows[i]:
+            continue
         piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
         rows[count, logged.CELL], rows[count, logged.PIECE] = (
             i,

@@ -113,7 +113,7 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
 @kernel
 def boxes_of(grid: Grid) -> int:
     """How many boxes a grid has."""
-    return np.prod(grid.cuts)
+    return int(np.prod(grid.cuts))
 
 
 @kernel
