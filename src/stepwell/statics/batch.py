@@ -392,7 +392,6 @@ def _phase_at(designs: Designs, phases: Floats, cell: int, sheet: int, travel: f
 def _read(
     designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, found: Floats
 ) -> None:
-    """Read off the log what is visited, and what is found out on the way."""
     log, travel = work.state.log, work.state.travel
     code = _first_state(designs, work)
     if code < 0:

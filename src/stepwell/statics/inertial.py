@@ -195,7 +195,6 @@ def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Pl
 
 
 def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> ride.Inertias:
-    """Masses and dampers as the integration takes them."""
     masses, damping, restitution = inertia
     mass_unit, damping_unit = _UNITS[chain.measure]
     n = len(chain)

@@ -181,7 +181,6 @@ def landings(
 
 
 def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
-    """What proves that a snap lands where it does, the cheapest first."""
     start, landing = snap.start, snap.travel
     if goes_one_way(problem, start, landing, ratio):
         return Proof.FREEDOM

@@ -53,7 +53,6 @@ def refuse_failure(
 
 
 def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
-    """The cells involved, and all that are like one of them."""
     ends = [
         np.array([force for phase in own for force in (phase.force_low, phase.force_high)])
         for own in chain.phases
@@ -151,7 +150,6 @@ def _drive(chain: Chain, drive: float) -> str:
 
 
 def _nudge(chain: Chain, index: int) -> str:
-    """What sets two outcomes of a cell apart."""
     if isinstance(chain.cells[index], Element):
         return f"Scale the forces of {chain.names[index]} by a percent or more"
     return f"Move an anchor of {chain.names[index]} by 0.1 mm or more"

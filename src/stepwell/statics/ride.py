@@ -104,7 +104,6 @@ def _stops(problem: DrivenChain, cell: int, travel: float) -> int:
 
 @kernel
 def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows: Ints) -> float:
-    """Force of a cell less the push on it [N]."""
     pick_rows(problem.laws, cell, travel, rows)
     force = law(problem.laws, cell, rows, travel)[0]
     return force - body.push if cell == body.leader else force
@@ -179,7 +178,6 @@ def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows:
 
 @kernel
 def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
-    """Let cells that run into their stops strike them."""
     n, speed = len(motion.travel), motion.speed
     low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
     energy = _NONE * problem.scale * np.min(problem.laws.full)

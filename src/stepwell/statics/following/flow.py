@@ -71,7 +71,6 @@ class Flow(NamedTuple):
 
 @leaf
 def _begin(problem: DrivenChain, state: State, drive: float) -> Flow:
-    """The flow as it begins, with all cells in it that do not rest."""
     spare, mode = problem.spare, state.mode
     counts = spare.counts
     cell, where = spare.number[OF_FLOW:], spare.whole[WHOLES_OF_FLOW:]
@@ -100,7 +99,6 @@ def _join(problem: DrivenChain, state: State, at: Flow, i: int) -> None:
 
 @leaf
 def _stand(problem: DrivenChain, at: Flow, j: int) -> None:
-    """See on which sheet and piece a cell in the flow stands."""
     i, cell, ends = at.where[_CELL, j], at.cell, problem.sheets.ends
     cell[_LEAST, j], cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
     cell[_BEFORE, j], cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]

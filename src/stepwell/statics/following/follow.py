@@ -10,7 +10,7 @@ from stepwell.base import Floats
 from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following import state as st
-from stepwell.statics.following.log import FOLD, has_room
+from stepwell.statics.following.log import FOLD
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.rising import Rising
 from stepwell.statics.following.series import advance, is_regular
@@ -87,7 +87,8 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
             if overspent(effort, 10 * n):
                 status = st.GAVE_UP
                 break
-            if not has_room(state.log, n):
+            (rows, movers), log = state.log.used, state.log
+            if rows == len(log.segments) or movers + n > len(log.movers):
                 return st.LOG_FULL
             choice, leader = choose(problem, state, direction, goes)
             if choice == FLAT and join_flat(problem, state, direction):

@@ -81,13 +81,6 @@ def add_mover(log: Log, cell: int, piece: int, offset: float, before: float, aft
     log.first[log.used[0]] = m + 1
 
 
-@leaf
-def has_room(log: Log, cells: int) -> bool:
-    """Whether one more segment fits, even if so many cells move in it."""
-    used, movers = log.used
-    return used < len(log.segments) and movers + cells <= len(log.movers)
-
-
 def written(log: Log) -> Log:
     """A log without the room that was not used, so that two logs of one motion are equal."""
     segments, movers = log.used.tolist()

@@ -168,7 +168,6 @@ def is_straight(laws: Laws, pieces: Pieces, cell: int, piece: int) -> bool:
 
 @leaf
 def _count_in(problem: DrivenChain, rising: Rising, piece: int, sign: float) -> None:
-    """Add a straight piece to the sums, or take it out."""
     soft, offset = _line(problem, piece)
     _add(rising.sums, COMPLIANCE, sign * soft)
     _add(rising.sums, OFFSET, sign * offset)

@@ -105,7 +105,7 @@ def _turn_here(problem: DrivenChain, state: State, cells: Ints) -> bool:
             slope = law(laws, i, pieces.picked[piece], travel)[1]
             if abs(slope) * laws.full[i] < 1e-5 * problem.scale:
                 leads = leads or bool(pieces.sign[piece] < 0)
-                others += pieces.sign[piece] >= 0
+                others += int(pieces.sign[piece] >= 0)
     return leads and others > 0
 
 
