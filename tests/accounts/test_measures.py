@@ -13,7 +13,7 @@ from accounts.forms import SCALES, folded, forms, mixed, pair, shown
 from stepwell.accounts import account
 from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.head import Shape
-from stepwell.accounts.parts import Level, RecordTable
+from stepwell.accounts.parts import RecordTable
 from stepwell.accounts.yields import tolerance_schema
 from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, record, told_in
 from stepwell.design import Run
@@ -208,7 +208,7 @@ def test_the_smallest_changes_are_reported_by_what_they_change():
     for kind, label in (("force_scale", "% in pressure"), ("friction", "% in friction")):
         least = min(one.distance for one in margin.changes if one.parameter == kind)
         assert f"{number(least * 100)} {label}" in words
-    (table,) = margin_section(margin).within(Level.TERMINAL)
+    ((table,),) = margin_section(margin).values()
     assert isinstance(table, RecordTable) and callable(table.rows)
     columns, rows = [*table.columns], table.rows()
     ways = [columns[3].cell(row) for row in rows]

@@ -14,8 +14,8 @@ import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
 from stepwell.accounts.chain import cell_schema
-from stepwell.accounts.head import Shape
-from stepwell.accounts.parts import Level, RecordTable, Row
+from stepwell.accounts.head import Row, Shape
+from stepwell.accounts.parts import Level, RecordTable
 from stepwell.base import (
     Column,
     Measure,
@@ -73,8 +73,8 @@ def test_json_terminal_card_and_page_have_the_same_numbers_in_the_same_units(kin
         assert text in " ".join(words_of_page.split())
         assert fact.level > Level.TERMINAL or text in " ".join(screen.replace(" → ", ">").split())
         assert fact.level > Level.CARD or text[:900] in " ".join(words_of_card.split())
-    for section in found.sections:
-        for table in section.within(Level.TERMINAL):
+    for _, parts in found.within(Level.TERMINAL):
+        for table in parts:
             if isinstance(table, RecordTable) and (rows := found.rows(table)):
                 _same(table, rows, screen, made, small if table.level is Level.CARD else None)
 

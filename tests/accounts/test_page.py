@@ -11,7 +11,7 @@ import stepwell as sw
 from accounts.forms import plain
 from stepwell import reports
 from stepwell.accounts import Account, FigurePair, account, card, page
-from stepwell.accounts.parts import Level, Picture, RecordTable, Section, Warned
+from stepwell.accounts.parts import Level, Picture, RecordTable, Warned
 from stepwell.accounts.rendering.page import MOST_ROWS, Image
 from stepwell.accounts.words import assumptions
 from stepwell.base import Quantity
@@ -83,13 +83,13 @@ def written(run, tmp_path_factory):
 def _rows(count: int) -> Account:
     rows = [{"what": str(k)} for k in range(count)]
     table = RecordTable([Quantity("what", head="what")], lambda: rows, more="things")
-    return Account(None, "Many", sections=[Section("All of them", table)])
+    return Account(None, "Many", sections={"All of them": table})
 
 
 @pytest.mark.slow
 def test_a_page_has_its_sections_in_order_and_the_answer_first(run, written):
     made, found = Page(written), account(run)
-    headings = [section.heading for section in found.sections]
+    headings = list(found.sections)
     assert [one for one in headings if one in made.headings] == made.headings
     assert {"Switches and snaps", "Cells, innermost first", "Motion", "Assumptions"} <= set(
         made.headings
@@ -117,8 +117,8 @@ def test_nothing_is_fetched_or_run_but_the_replay_in_a_frame_of_its_own(written)
 def test_every_figure_is_a_whole_picture_with_its_caption(run, written):
     captions = [
         part.caption
-        for section in account(run).sections
-        for part in section.within(Level.PAGE)
+        for _, parts in account(run).within(Level.PAGE)
+        for part in parts
         if isinstance(part, Picture)
     ]
     images = Page(written).images
@@ -131,7 +131,7 @@ def test_every_figure_is_a_whole_picture_with_its_caption(run, written):
 
 def test_a_wide_figure_has_another_form_for_phones():
     wide, narrow = Image("data:wide", 700, 300), Image("data:narrow", 321, 500)
-    found = Account(None, "One", sections=[Section("Figure", Picture("it", "A figure"))])
+    found = Account(None, "One", sections={"Figure": Picture("it", "A figure")})
     made = Page(page(found, {"it": FigurePair(wide, narrow)}))
     assert {"data:wide", "data:narrow"} <= set(made.links)
     assert "(max-width:" in page(found, {"it": FigurePair(wide, narrow)})
@@ -160,7 +160,7 @@ def test_no_text_of_a_user_becomes_markup():
     outer = Cell(Band((-0.010, 0.0), (0.020, 0.0)), name='"><img src=x>')
     found = account(Chain((cell, outer), title=evil).cycle())
     found = replace(found, warnings=[Warned(evil, evil, [evil])])
-    found = replace(found, sections=[*found.sections, Section(evil, Picture("it", evil))])
+    found = replace(found, sections={**found.sections, evil: Picture("it", evil)})
     made = Page(page(found, {"it": FigurePair(Image("data:image", 10, 10))}))
     assert "script" not in made.tags
     assert [image["alt"] for image in made.images] == [evil]

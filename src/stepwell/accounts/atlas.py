@@ -1,18 +1,16 @@
 """An atlas: the graphs of a space of designs, how often they occur, how surely they are built."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from operator import itemgetter
+from typing import Any, NamedTuple
 
-from stepwell.accounts.head import About
-from stepwell.accounts.parts import Account, Fact, Level, Picture, RecordTable, Section, Text
+from stepwell.accounts.head import About, keys, recorded
+from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.study import VARIED
-from stepwell.base import Quantity, Schema, amount, counted, number, quantities, record, told_in
-
-if TYPE_CHECKING:
-    from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
+from stepwell.base import Quantity, Schema, amount, counted, number, read_off, told_in
+from stepwell.design import parameter
+from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
 # Rows of the table on a terminal.
 _ROWS = 15
@@ -27,8 +25,6 @@ class _Drawn(NamedTuple):
     @property
     def values(self) -> list[float]:
         """What the space varies, of that design, in the order and the units of `space`."""
-        from stepwell.design import parameter
-
         chain, names = self.of.chain, [axis.name for axis in self.atlas.axes]
         values = (parameter(self.atlas.chain, name).value(chain) for name in names)
         factors = (_told(self.atlas, name)[1] for name in names)
@@ -44,8 +40,6 @@ class _Bordering(NamedTuple):
 
 
 def _space(found: Atlas) -> list[Varied]:
-    from stepwell.studies import Varied
-
     axes = ((axis, *_told(found, axis.name)) for axis in found.axes)
     return [
         Varied(axis.name, unit, axis.low * factor, axis.high * factor)
@@ -55,8 +49,6 @@ def _space(found: Atlas) -> list[Varied]:
 
 def _told(found: Atlas, name: str) -> tuple[str, float]:
     """The unit in which a parameter is reported, and how many of it make one in SI."""
-    from stepwell.design import parameter
-
     unit = parameter(found.chain, name).unit
     return ("", 1.0) if unit == "1" else told_in(unit)
 
@@ -65,68 +57,48 @@ def _drawn(found: Atlas, designs: Sequence[Machine | Cycling]) -> list[_Drawn]:
     return [_Drawn(found, one) for one in designs]
 
 
-def _unseen_at_most(found: Atlas) -> float | None:
-    return None if found.unseen is None else found.unseen.high
-
-
-def _shares(name: str, read: str) -> Schema:
+def _share(name: str, read: str) -> Schema:
     """A fraction of the designs with its interval."""
-    return (
-        Quantity(name, "percent", read=f"{read}.share"),
-        Quantity(f"{name}_low", "percent", read=f"{read}.low"),
-        Quantity(f"{name}_high", "percent", read=f"{read}.high"),
-    )
+    ends = {name: "share", f"{name}_low": "low", f"{name}_high": "high"}
+    return tuple(Quantity(end, "percent", read=f"{read}.{what}") for end, what in ends.items())
 
 
-def _of(name: str, holds: Any = None, read: str = "") -> Quantity:
-    return Quantity(name, read=f"of.{read or name}", holds=holds)
-
-
-_TOLERANCES: Schema = quantities(anchor="mm", stiffness="percent", rest_length="percent")
+_GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
 _SAMPLED: Schema = (
-    *quantities(asked=int, failed=int),
-    Quantity(
-        "graphs",
-        read=lambda found: list(found.machines.items()),
-        holds=[
-            (
-                Quantity("name", read=lambda one: one[0]),
-                Quantity("designs", read=lambda one: one[1], holds=int),
-            )
-        ],
-    ),
+    *keys(asked=int, failed=int),
+    Quantity("graphs", read=lambda found: list(found.machines.items()), holds=[_GRAPH]),
 )
 # What machines and cycles have of the most robust design that was drawn of them.
-_DRAWN: Schema = (
-    Quantity("gap", "percent", read="of.gap"),
-    _of("design", int),
-    Quantity("values", holds=[float]),
-)
+_DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
 _MACHINE: Schema = (
-    _of("name"),
-    _of("cycle"),
-    _of("designs", int, "share.times"),
-    *_shares("share", "of.share"),
-    *_shares("yield", "of.kept"),
+    *read_off(
+        (
+            *keys(name=str, cycle=str, designs=(int, "share.times")),
+            *_share("share", "share"),
+            *_share("yield", "kept"),
+        ),
+        "of",
+    ),
     *_DRAWN,
-    _of("agrees", bool),
-    *(_of(name, int) for name in ("states", "reached", "snaps", "sub_loops")),
-    _of("remembers", bool),
-    *(_of(name, int) for name in ("scrambled", "counts", "counts_by_hand", "gardens", "latches")),
+    *read_off(
+        (
+            *keys(agrees=bool, states=int, reached=int, snaps=int, sub_loops=int, remembers=bool),
+            *keys(scrambled=int, counts=int, counts_by_hand=int, gardens=int, latches=int),
+        ),
+        "of",
+    ),
 )
 _CYCLE: Schema = (
-    _of("sequence"),
-    _of("designs", int, "share.times"),
-    *_shares("share", "of.share"),
+    *keys(sequence=(str, "of.sequence"), designs=(int, "of.share.times")),
+    *_share("share", "of.share"),
     *_DRAWN,
 )
 _BORDER: Schema = (
-    _of("machine"),
-    _of("parameter"),
+    *keys(machine=(str, "of.machine"), parameter=(str, "of.parameter")),
     Quantity("unit", read=lambda one: one.unit or "1"),
     Quantity("at", read=lambda one: one.of.value * one.factor, holds=float),
     Quantity("step", read=lambda one: one.of.step * one.factor, holds=float),
-    _of("beyond"),
+    Quantity("beyond", read="of.beyond"),
 )
 
 
@@ -139,17 +111,13 @@ def _back(one: Machine) -> str:
     )
 
 
-def _reached(one: Machine) -> str:
-    return f"{one.reached} of {one.states}"
-
-
 # The tables of machines and of cycles.
 _MACHINES: Schema = (
     Quantity("name", head="name"),
     Quantity("back", head="back", read=_back),
     Quantity("share", "percent", "fraction", read="share.share"),
     Quantity("yield", "percent", "yield", read="kept.share"),
-    Quantity("reached", head="reached", read=_reached, left=False),
+    Quantity("reached", head="reached", read=lambda m: f"{m.reached} of {m.states}", left=False),
     Quantity("memory", head="memory"),
 )
 _CYCLES: Schema = (
@@ -160,18 +128,14 @@ _CYCLES: Schema = (
 
 # What is reported of an atlas.
 ATLAS: Schema = (
-    Quantity("title", read="chain.title"),
-    Quantity("cells", read=lambda found: len(found.chain), holds=int),
-    Quantity("drive"),
-    Quantity("space", read=_space, holds=[VARIED]),
-    *(Quantity(name, holds=int) for name in ("designs", "told", "not_proved", "ties", "wakes")),
-    Quantity("tolerances", holds=_TOLERANCES),
-    Quantity("graphs", read=lambda found: len(found.machines), holds=int),
-    *quantities(possible=int | None, space_proved=bool, whole=bool),
-    Quantity("unseen_at_most", "percent", read=_unseen_at_most),
-    *quantities(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
-    Quantity("cycles", read=lambda found: _drawn(found, found.cycles), holds=[_CYCLE]),
-    Quantity("borders", holds=[_BORDER]),
+    *keys(title=(str, "chain.title"), cells=(int, lambda found: len(found.chain)), drive=str),
+    *keys(space=([VARIED], _space), designs=int, told=int, not_proved=int, ties=int, wakes=int),
+    *keys(tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
+    *keys(graphs=(int, lambda found: len(found.machines)), possible=int | None),
+    *keys(space_proved=bool, whole=bool),
+    Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
+    *keys(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
+    *keys(cycles=([_CYCLE], lambda found: _drawn(found, found.cycles)), borders=[_BORDER]),
 )
 
 
@@ -197,51 +161,33 @@ def atlas_account(
     if query:
         matching = counted(len(shown), "machine") if shown else "no machine"
         answer = f"{query}: {matching} of this atlas"
+    given: dict[str, Any] = {
+        "machines": _drawn(found, shown),
+        "borders": [_Bordering(one, *_told(found, one.parameter)) for one in borders],
+    }
+    rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(found))
+    full = recorded(_CYCLES, found.cycles)
+    evenly = "All designs were drawn evenly between these ends."
+    inner = "The inner cell is the first."
     return Account(
         found,
         found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}",
         "atlas/1",
         ATLAS,
         answer=answer,
-        seed=found.seed,
-        packages=("zarr",),
-        given={
-            "machines": _drawn(found, shown),
-            "borders": [_Bordering(one, *_told(found, one.parameter)) for one in borders],
-        },
         facts=() if query else _facts(found),
-        sections=(
-            Section(
-                "Machines, highest yield first" if query else "Machines, most frequent first",
+        sections={
+            f"Machines, {'highest yield' if query else 'most frequent'} first": (
                 Picture("machines", "The most frequent machines, their fractions and yields"),
-                RecordTable(
-                    _MACHINES,
-                    lambda: [record(_MACHINES, one) for one in shown],
-                    most=_ROWS,
-                    more="machines",
-                    level=Level.CARD,
-                ),
+                RecordTable(_MACHINES, rows, most=_ROWS, more="machines", level=CARD),
             ),
-            Section("Columns of the table", Text(_defined(found) if shown else "", Level.CARD)),
-            Section(
-                "Full cycles",
-                RecordTable(
-                    _CYCLES,
-                    lambda: [record(_CYCLES, one) for one in found.cycles],
-                    "The inner cell is the first.",
-                    level=Level.PAGE,
-                ),
-            ),
-            Section(
-                "Varied parameters",
-                RecordTable(
-                    VARIED,
-                    lambda: [record(VARIED, one) for one in _space(found)],
-                    "All designs were drawn evenly between these ends.",
-                    level=Level.PAGE,
-                ),
-            ),
-        ),
+            "Columns of the table": Text(_defined(found) if shown else "", CARD),
+            "Full cycles": RecordTable(_CYCLES, full, inner, level=PAGE),
+            "Varied parameters": RecordTable(VARIED, space, evenly, level=PAGE),
+        },
+        seed=found.seed,
+        packages=["zarr"],
+        given=given,
     )
 
 

@@ -1,12 +1,11 @@
 """A chain, its cells and its actuator."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from stepwell.accounts.head import About, Shape, of_class
-from stepwell.accounts.parts import Account, Fact, Level, RecordTable, Section
+from stepwell.accounts.head import About, Shape, of_class, recorded
+from stepwell.accounts.parts import CARD, PAGE, Account, Fact, RecordTable, Sections
 from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
 from stepwell.mechanism import Cell, Chain, Element
@@ -24,12 +23,8 @@ def named(chain: Chain) -> list[Named]:
     return [Named(name, cell) for name, cell in zip(chain.names, chain.cells, strict=True)]
 
 
-_ENDS = {
-    (True, True): "both",
-    (True, False): "at the low end",
-    (False, True): "at the high end",
-    (False, False): "none",
-}
+# By whether it stops at the low and at the high end.
+_ENDS = ("none", "at the high end"), ("at the low end", "both")
 
 
 def force_scale(cell: Cell) -> float:
@@ -39,11 +34,8 @@ def force_scale(cell: Cell) -> float:
 
 def actuator_schema(shape: Shape) -> Schema:
     """What the actuator prescribes, and its stiffness."""
-    schema = (
-        Quantity("control", read=_control),
-        Quantity("stiffness", "N/m", read="actuator_stiffness"),
-    )
-    return in_measure(schema, shape.measure)
+    stiffness = Quantity("stiffness", "N/m", read="actuator_stiffness")
+    return in_measure((Quantity("control", read=_control), stiffness), shape.measure)
 
 
 def _control(chain: Chain) -> str:
@@ -88,37 +80,29 @@ _LEVER: Schema = (
 _MOBILITY = Quantity("mobility", head="mobility", holds=float, left=False)
 
 
+def _count(name: str, read: Any, head: str = "") -> Quantity:
+    return Quantity(name, head=head, read=read, holds=int, left=False)
+
+
+def _forces(name: str, head: str, read: Any) -> Quantity:
+    return Quantity(name, "N", head, read, holds=[float])
+
+
 def _element(shape: Shape) -> Schema:
     return (
         Quantity("name", head="cell"),
-        Quantity(
-            "phases", head="phases", read=lambda cell: len(cell.phases), holds=int, left=False
-        ),
-        Quantity(
+        _count("phases", lambda cell: len(cell.phases), "phases"),
+        _count(
             "sheets",
-            head="sheets" if shape.folds else "",
-            read=lambda cell: len(cell.laws) if isinstance(cell, Element) else 1,
-            holds=int,
-            left=False,
+            lambda cell: len(cell.laws) if isinstance(cell, Element) else 1,
+            "sheets" if shape.folds else "",
         ),
-        Quantity(
-            "force_up",
-            "N",
-            "up at",
-            lambda cell: [one.force_high for one in cell.phases[:-1]],
-            holds=[float],
-        ),
-        Quantity(
-            "force_down",
-            "N",
-            "down at",
-            lambda cell: [one.force_low for one in cell.phases[1:]],
-            holds=[float],
-        ),
+        _forces("force_up", "up at", lambda cell: [one.force_high for one in cell.phases[:-1]]),
+        _forces("force_down", "down at", lambda cell: [one.force_low for one in cell.phases[1:]]),
         Quantity("travel_low", "mm", "from", "low"),
         Quantity("travel_high", "mm", "to", "high"),
         Quantity("full_travel", "mm"),
-        Quantity("stopped", head="stops", form=lambda ends: _ENDS[*ends], holds=[bool]),
+        Quantity("stopped", head="stops", form=lambda at: _ENDS[at[0]][at[1]], holds=[bool]),
         _MOBILITY,
         Quantity("error_band", "N", "±", lambda cell: getattr(cell, "error_band", 0.0)),
         Quantity("bistable", read="is_bistable", holds=bool),
@@ -133,15 +117,14 @@ def _stable(cell: Cell | Element) -> list[int]:
 
 def cell_columns(schema: Schema, chain: Chain) -> Columns:
     """The columns of a table of cells, without those that have the same in every row."""
-    useless = set[str]()
-    if len({cell.mobility for cell in chain.cells}) == 1:
-        useless.add("mobility")
-    if not any(element.error_band for element in chain.elements):
-        useless.add("error_band")
-    return [quantity for quantity in schema if quantity.name not in useless]
+    useful = {
+        "mobility": len({cell.mobility for cell in chain.cells}) > 1,
+        "error_band": any(element.error_band for element in chain.elements),
+    }
+    return [quantity for quantity in schema if useful.get(quantity.name, True)]
 
 
-def cell_section(chain: Chain) -> Section:
+def cell_section(chain: Chain) -> Sections:
     """The cells of a chain, and the bands of those that have levers."""
     schema = cell_schema(Shape.of(chain))
     about = (
@@ -157,27 +140,23 @@ def cell_section(chain: Chain) -> Section:
         )
         if any(element.error_band for element in chain.elements):
             about += " ±: the largest deviation of measured points from the curve."
-    cells = RecordTable(
-        cell_columns(schema, chain),
-        lambda: [record(schema, one) for one in named(chain)],
-        about,
-        more="cells",
-        level=Level.CARD,
-    )
-    return Section("Cells, innermost first", cells, band_table(chain))
+    rows = recorded(schema, named(chain))
+    cells = RecordTable(cell_columns(schema, chain), rows, about, more="cells", level=CARD)
+    return {"Cells, innermost first": (cells, band_table(chain))}
 
 
-def band_table(chain: Chain, level: Level = Level.PAGE) -> RecordTable:
+def band_table(chain: Chain) -> RecordTable:
     """The bands of all cells with levers."""
-    bands = [
+    about = "Bands: p is the anchor on the inner block, q on the outer block."
+    rows = [
         (name, band) for name, cell in named(chain) if isinstance(cell, Cell) for band in cell.bands
     ]
     return RecordTable(
         BAND,
-        lambda: [record(BAND, band, name=name) for name, band in bands],
-        "Bands: p is the anchor on the inner block, q on the outer block.",
+        lambda: [record(BAND, band, name=name) for name, band in rows],
+        about,
         more="bands",
-        level=level,
+        level=PAGE,
     )
 
 
@@ -194,9 +173,9 @@ BAND: Schema = (
 )
 
 
-def _fact(quantity: Quantity, found: Mapping[str, Any]) -> Fact:
-    label = quantity.head or quantity.name.replace("_", " ")
-    return Fact(label, with_sign(quantity, found[quantity.key]))
+def label_of(quantity: Quantity) -> str:
+    """The label of a fact that is one number of a record."""
+    return quantity.head or quantity.name.replace("_", " ")
 
 
 def with_sign(quantity: Quantity, value: Any) -> str:
@@ -209,25 +188,19 @@ def chain_account(value: Chain, about: About) -> Account:
     """What a notebook shows of a chain."""
     title = value.title or f"Chain of {counted(len(value), 'cell')}"
     origin = f"{cells_of(value)}. {actuator_words(value)}"
-    return Account(value, title=title, origin=origin, sections=[cell_section(value)])
+    return Account(value, title, origin=origin, sections=cell_section(value))
 
 
 def cell_account(value: Cell | Element, about: About) -> Account:
     """What a notebook shows of a cell."""
     chain = Chain([value])
-    (one,) = named(chain)
     schema = cell_schema(Shape.of(chain))[1:]
-    found = record(schema, one)
-    facts = [_fact(q, found) for q in schema if q.head]
+    found = record(schema, named(chain)[0])
+    facts = [Fact(label_of(q), with_sign(q, found[q.key])) for q in schema if q.head]
     if isinstance(value, Cell):
-        bands = Section("Bands", band_table(chain, Level.CARD))
-        return Account(value, title=f"Cell {value.name}".strip(), facts=facts, sections=[bands])
-    phases = counted(len(value.phases), "phase")
-    words = value.measure
-    return Account(
-        value,
-        title=f"Element {value.name}".strip(),
-        origin=f"{phases}: stretches of {words.travel} that are stable under a constant "
-        f"{words.force}.",
-        facts=facts,
-    )
+        bands = {"Bands": replace(band_table(chain), level=CARD)}
+        return Account(value, f"Cell {value.name}".strip(), facts=facts, sections=bands)
+    phases, words = counted(len(value.phases), "phase"), value.measure
+    stable = f"stretches of {words.travel} that are stable under a constant {words.force}"
+    title = f"Element {value.name}".strip()
+    return Account(value, title, origin=f"{phases}: {stable}.", facts=facts)

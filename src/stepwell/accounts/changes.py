@@ -1,19 +1,14 @@
 """The smallest changes after which a chain does something else."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stepwell import base, mechanism
-from stepwell.accounts.head import About, Shape
-from stepwell.accounts.parts import Account, Level, Part, RecordTable, Section
+from stepwell.accounts.head import About, Shape, keys, recorded
+from stepwell.accounts.parts import CARD, Account, Part, RecordTable, Sections
 from stepwell.base import Quantity
-from stepwell.design import LONGEST_FOLLOWED
-
-if TYPE_CHECKING:
-    from stepwell.design import Change, Margin
+from stepwell.design import LONGEST_FOLLOWED, Change, Margin
 
 # A displacement [m] and a fraction of this size are no change.
 _NO_MOVE, _NO_CHANGE = 1e-9, 1e-11
@@ -24,24 +19,22 @@ _MOST_LETTERS = 60
 def change_schema(shape: Shape) -> base.Schema:
     """A change of an anchor in mm, or of a number in percent; the other unit has null."""
     anchors = (
-        Quantity("distance", "mm", read=lambda one: one.distance if _of_anchor(one) else None),
-        Quantity(
-            "move",
-            "mm",
-            read=lambda one: one.move if _of_anchor(one) else None,
-            holds=[float],
-            missing=True,
-        ),
+        Quantity("distance", "mm", read=_of("distance", True)),
+        Quantity("move", "mm", read=_of("move", True), holds=[float], missing=True),
     )
     return (
         Quantity("cell", holds=int),
         Quantity("parameter", head="what"),
         Quantity("method"),
         *(anchors if shape.levers else ()),
-        Quantity("distance", "percent", read=lambda one: None if _of_anchor(one) else one.distance),
-        Quantity("move", "percent", read=lambda one: None if _of_anchor(one) else one.move),
+        Quantity("distance", "percent", read=_of("distance", False)),
+        Quantity("move", "percent", read=_of("move", False)),
         Quantity("becomes", head="sequence past it", read=_becomes, missing=True),
     )
+
+
+def _of(name: str, anchor: bool) -> Any:
+    return lambda change: getattr(change, name) if _of_anchor(change) is anchor else None
 
 
 def _of_anchor(change: Change) -> bool:
@@ -53,21 +46,16 @@ def _becomes(change: Change) -> str | None:
     return change.becomes or None if len(change.chain) <= LONGEST_FOLLOWED else None
 
 
-def part_words(parameter: str, measure: base.Measure) -> str:
+def _part(parameter: str, measure: base.Measure) -> str:
     """What of a cell is changed, in a word or two."""
-    return {
-        "anchor": "anchor q",
-        "stiffness": "stiffness",
-        "force_scale": f"{measure.force}s",
-        "travel_scale": f"{measure.travel}s",
-        "friction": "friction",
-    }[parameter]
+    scales = {"force_scale": f"{measure.force}s", "travel_scale": f"{measure.travel}s"}
+    return {"anchor": "anchor q", **scales}.get(parameter, parameter)
 
 
 def critical_words(change: Change) -> str:
     """The change that breaks a design first, and what the design does past it."""
     chain, part = change.chain, change.parameter
-    name, what = chain.names[change.cell], part_words(part, chain.measure)
+    name, what = chain.names[change.cell], _part(part, chain.measure)
     if change.distance < (_NO_MOVE if _of_anchor(change) else _NO_CHANGE):
         return "any change at all decides what it does"
     if isinstance(change.move, tuple):
@@ -92,7 +80,7 @@ def _sides(x: float, y: float) -> str:
 
 def margin_schema(shape: Shape) -> base.Schema:
     """What is reported of a robustness margin."""
-    return base.quantities(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
+    return keys(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
 
 
 def margin_words(margin: Margin) -> str:
@@ -120,34 +108,25 @@ def margin_words(margin: Margin) -> str:
     return f"no other sequence within {base.amount(margin.reach, 'm')} of any anchor"
 
 
-def margin_section(margin: Margin, *parts: Part) -> Section:
+def margin_section(margin: Margin, *parts: Part) -> Sections:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
-    chain = margin.chain
-    shape = Shape.of(chain)
-    schema = change_schema(shape)
+    shape = Shape.of(margin.chain)
     near = sorted(margin.changes, key=lambda change: change.distance)
-    how = (
-        "exact: every change is in closed form"
-        if margin.method == "exact"
-        else f"searched with the engine. {margin.resolution}"
-    )
+    exact = margin.method == "exact"
+    searched = f"searched with the engine. {margin.resolution}"
+    how = "exact: every change is in closed form" if exact else searched
     reach = f"; anchors were moved by up to {base.amount(margin.reach, 'm')}" * shape.levers
     gap = (
         f" The smallest gap between two F0 or two F1 is {base.number(margin.gap)} times k r of the "
         f"innermost cell."
-        if math.isfinite(margin.gap)
-        else ""
-    )
-    table = RecordTable(
-        _columns(chain, near),
-        lambda: [base.record(schema, change) for change in near],
+    ) * math.isfinite(margin.gap)
+    about = (
         f"The smallest change of one thing at a time that gives another sequence ({how})"
-        f"{reach}.{gap}",
-        more="changes",
-        level=Level.CARD,
+        f"{reach}.{gap}"
     )
-    heading = "Margin: the smallest change of one thing that gives another sequence"
-    return Section(heading, *parts, table)
+    rows = recorded(change_schema(shape), near)
+    table = RecordTable(_columns(margin.chain, near), rows, about, more="changes", level=CARD)
+    return {"Margin: the smallest change of one thing that gives another sequence": (*parts, table)}
 
 
 def _columns(chain: mechanism.Chain, changes: Sequence[Change]) -> base.Columns:
@@ -170,7 +149,7 @@ def _columns(chain: mechanism.Chain, changes: Sequence[Change]) -> base.Columns:
         by, part = f"by {base.signed(change['move_percent'])} %", change["parameter"]
         if part == "friction":
             return f"{by} of the largest {measure.force}"
-        return f"{'k' if part == 'stiffness' else part_words(part, measure)} {by}"
+        return f"{'k' if part == 'stiffness' else _part(part, measure)} {by}"
 
     _, what, *_, past = change_schema(Shape.of(chain))
     becomes = len(chain) <= LONGEST_FOLLOWED and any(change.becomes for change in changes)
@@ -184,12 +163,7 @@ def _columns(chain: mechanism.Chain, changes: Sequence[Change]) -> base.Columns:
 
 
 def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
-    """The smallest changes after which a chain does something else, in a sentence.
-
-    Args:
-        margin: of the chain.
-        tied: whether the chain stands on the boundary already.
-    """
+    """The smallest changes after which a chain, which may be `tied` already, does another thing."""
     if tied and all(change.distance < _NO_MOVE for change in margin.changes):
         return "It stands between two sequences: any change at all decides which it takes."
     near = sorted(margin.changes, key=lambda change: change.distance)
@@ -197,13 +171,11 @@ def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
     # An anchor and a number do not compare: the nearest of both is reported.
     kinds = {_of_anchor(change): change for change in reversed(near)}
     nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
-    if not nearest:
-        anchors = any(_of_anchor(change) for change in margin.changes)
-        reach = (
-            f" of an anchor within {base.amount(margin.reach, 'm')}, and none" if anchors else ""
-        )
-        return f"No change{reach} of one number alone makes it do anything else."
-    return f"It would go {', or '.join(map(_instead, nearest))}."
+    if nearest:
+        return f"It would go {', or '.join(map(_instead, nearest))}."
+    anchors = any(_of_anchor(change) for change in margin.changes)
+    reach = f" of an anchor within {base.amount(margin.reach, 'm')}, and none" * anchors
+    return f"No change{reach} of one number alone makes it do anything else."
 
 
 def _instead(change: Change) -> str:
@@ -230,10 +202,5 @@ def _changed(change: Change) -> str:
 def margin_account(margin: Margin, about: About) -> Account:
     """What a notebook shows of a margin."""
     method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
-    return Account(
-        margin,
-        "Robustness margin",
-        answer=margin_words(margin),
-        origin=method,
-        sections=[margin_section(margin)],
-    )
+    answer, sections = margin_words(margin), margin_section(margin)
+    return Account(margin, "Robustness margin", origin=method, answer=answer, sections=sections)

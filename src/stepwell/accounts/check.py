@@ -1,18 +1,12 @@
 """A verdict on a design: whether the real one reproduces its target, and what breaks it."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from stepwell import base
 from stepwell.accounts import changes, yields
-from stepwell.accounts.head import CALIBRATED, About, Shape
-from stepwell.accounts.parts import Account, Fact, Picture, Replay, Section, Warned
+from stepwell.accounts.head import CALIBRATED, About, Shape, keys
+from stepwell.accounts.parts import Account, Fact, Replay, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, tie_notes
 from stepwell.base import Quantity
-
-if TYPE_CHECKING:
-    from stepwell.design import Check, Measurement
+from stepwell.design import Check, Measurement
 
 # What a measurement is of, in words, and the unit of its tolerance.
 _MEASURED = {
@@ -28,26 +22,20 @@ _MEASURED = {
 
 def check_schema(shape: Shape) -> base.Schema:
     """What is reported of a verdict."""
+    measured = base.in_measure(_measurement(shape), shape.measure)
     return (
-        Quantity("title", read="chain.title"),
-        Quantity("cells", read="chain.names", holds=[str]),
+        *yields.CHAIN,
         Quantity("verdict", read=lambda found: str(found.verdict)),
-        *base.quantities(reason=str, target=str, does=str, does_it=bool),
+        *keys(reason=str, target=str, does=str, does_it=bool),
         *base.read_off(yields.counted_schema(shape), "yield_"),
         Quantity("killer", holds=changes.change_schema(shape), missing=True),
-        *base.in_measure(_ACTUATOR, shape.measure),
-        Quantity("pull", "g", read=_mass),
-        Quantity("oddities", holds=[str]),
-        Quantity(
-            "measure", holds=base.in_measure(_measurement(shape), shape.measure), missing=True
-        ),
-        Quantity("ties", holds=[str], read=_ties),
-        Quantity("calibrated", holds=CALIBRATED, missing=True),
+        *base.in_measure(keys(peak_force="N", dissipated="mJ"), shape.measure),
+        *keys(pull=("g", _mass), oddities=[str]),
+        Quantity("measure", holds=measured, missing=True),
+        *keys(ties=([str], lambda found: tie_notes(found.path.degenerate, found.chain))),
+        CALIBRATED,
         Quantity("assumptions", read="yield_.assumptions"),
     )
-
-
-_ACTUATOR: base.Schema = base.quantities(peak_force="N", dissipated="mJ")
 
 
 def _mass(found: Check) -> float | None:
@@ -56,18 +44,13 @@ def _mass(found: Check) -> float | None:
     return abs(found.peak_force) / base.GRAVITY if is_force else None
 
 
-def _ties(found: Check) -> list[str]:
-    return tie_notes(found.path.degenerate, found.chain)
-
-
 def _measurement(shape: Shape) -> base.Schema:
     """A measurement whose tolerance is in one of these units; the others have null."""
     units = ("mm", "percent", "N") if shape.levers else ("percent", "N")
     return (
-        *base.quantities(cell=int, what=str),
+        *keys(cell=int, what=str),
         *(_tolerance(when, unit) for when in ("now", "then") for unit in units),
-        Quantity("share_before", read="before", holds=float),
-        Quantity("share_after", read="after", holds=float),
+        *keys(share_before=(float, "before"), share_after=(float, "after")),
     )
 
 
@@ -81,6 +64,16 @@ def _tolerance(when: str, unit: str) -> Quantity:
 def check_account(found: Check, about: About) -> Account:
     """What is reported of a verdict."""
     chain = found.chain
+    facts = (
+        Fact("Target", found.target),
+        Fact("Reproduces", "" if found.does_it else found.does),
+        Fact("Yield", yields.yield_words(found.yield_)),
+        Fact("Samples", yields.sample_words(found.yield_)),
+        Fact("Critical change", _critical(found)),
+        Fact("Actuator", _actuator_words(found)),
+        Fact("Measure next", _measurement_words(found)),
+    )
+    odd = Warned("Out of the ordinary", "", found.oddities)
     return Account(
         found,
         chain.title or "A design",
@@ -89,29 +82,14 @@ def check_account(found: Check, about: About) -> Account:
         origin=f"{cells_of(chain)}.",
         answer=f"{found.verdict}: {found.reason}",
         seed=found.yield_.seed,
-        facts=(
-            Fact("Target", found.target),
-            Fact("Reproduces", "" if found.does_it else found.does),
-            Fact("Yield", yields.yield_words(found.yield_)),
-            Fact("Samples", yields.sample_words(found.yield_)),
-            Fact("Critical change", _critical(found)),
-            Fact("Actuator", _actuator_words(found)),
-            Fact("Measure next", _measurement_words(found)),
-        ),
-        warnings=(
-            Warned("Out of the ordinary", "", found.oddities),
-            degenerate(found.path.degenerate, chain),
-        ),
-        sections=(
-            Section(
-                "Outcomes of the samples",
-                Picture("yield", yields.OUTCOMES),
-                Picture("force-plane", yields.FORCE_PLANE),
-            ),
-            Section("Motion", Replay(found.target)),
-            calibration(about),
-            assumed(chain, found.yield_.assumptions),
-        ),
+        facts=facts,
+        warnings=(odd, degenerate(found.path.degenerate, chain)),
+        sections={
+            "Outcomes of the samples": yields.PICTURES,
+            "Motion": Replay(found.target),
+            **calibration(about),
+            **assumed(chain, found.yield_.assumptions),
+        },
     )
 
 

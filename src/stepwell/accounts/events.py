@@ -1,25 +1,20 @@
 """Switches and snaps of a chain, and whether snaps land there for other mobilities."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from operator import itemgetter
+from typing import Any, NamedTuple
 
 from stepwell import base, mechanism
-from stepwell.accounts.head import About, Shape
-from stepwell.accounts.parts import Account, Level, RecordTable, Section, Text
+from stepwell.accounts.head import About, Shape, keys, recorded
+from stepwell.accounts.parts import CARD, PAGE, Account, RecordTable, Sections, Text
 from stepwell.base import Column, Quantity
-from stepwell.statics import Cause
-
-if TYPE_CHECKING:
-    from stepwell.statics import Event, Landing
+from stepwell.statics import Cause, Event, Landing
 
 NOT_CHECKED = "not checked for other mobilities"
 
 
 def event_schema(shape: Shape) -> base.Schema:
     """What is reported of a switch or a snap."""
-    sheets = base.quantities(sheets_before=[int], sheets_after=[int])
     schema = (
         Quantity("kind", head="event"),
         Quantity("cause"),
@@ -29,23 +24,17 @@ def event_schema(shape: Shape) -> base.Schema:
         Quantity("cells", holds=[int]),
         Quantity("before", "mm", holds=[float]),
         Quantity("after", "mm", holds=[float]),
-        *(sheets if shape.folds else ()),
+        *(keys(sheets_before=[int], sheets_after=[int]) if shape.folds else ()),
         Quantity("force_before", "N", "force before"),
         Quantity("force_after", "N", "force after"),
         Quantity("released", "mJ", "released"),
-        *base.quantities(
-            arrivals=[(Quantity("cell", holds=int, read=lambda one: one[0]), _STATE)],
-            tie=bool,
-            distance_force="N",
-            distance_travel="mm",
-            error="mm",
-            decided=str | None,
-        ),
+        Quantity("arrivals", holds=[_ARRIVAL]),
+        *keys(tie=bool, distance_force="N", distance_travel="mm", error="mm", decided=str | None),
     )
     return base.in_measure(schema, shape.measure)
 
 
-_STATE = Quantity("state", read=lambda one: one[1], holds=int)
+_ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
 
 
 def way(event: Any) -> str:
@@ -66,61 +55,50 @@ def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[
         return None
     found: list[Landed] = []
     for landing in landings:
-        found.append(
-            Landed(events.index(landing.event, found[-1].event + 1 if found else 0), landing)
-        )
+        after = found[-1].event + 1 if found else 0
+        found.append(Landed(events.index(landing.event, after), landing))
     return found
 
 
 def landing_schema(shape: Shape) -> base.Schema:
     """What is known of the landing of a snap; it is read from `Landed`."""
-    return (
-        Quantity("event", holds=int),
-        Quantity("holds", read="landing.holds", holds=bool),
-        Quantity("ratio", read="landing.ratio", holds=float),
-        Quantity("proof", read="landing.proof", missing=True),
-        Quantity("corners", read="landing.corners", holds=int),
-        Quantity("samples", read="landing.samples", holds=int),
-        Quantity("bound", read="landing.bound", holds=float),
-        Quantity("elsewhere", read="landing.elsewhere", holds=[_elsewhere(shape)]),
-    )
+    known = keys(holds=bool, ratio=float, proof=str | None, corners=int, samples=int, bound=float)
+    elsewhere = Quantity("elsewhere", holds=[_elsewhere(shape)])
+    return (*keys(event=int), *base.read_off((*known, elsewhere), "landing"))
 
 
 def _elsewhere(shape: Shape) -> base.Schema:
     schema = (
         Quantity("state", head="in state"),
         Quantity("travel", "mm", holds=[float]),
-        *base.quantities(mobility=[float], share=float),
-        *((Quantity("sheet", holds=[int]),) if shape.folds else ()),
+        *keys(mobility=[float], share=float),
+        *(keys(sheet=[int]) if shape.folds else ()),
     )
     return base.in_measure(schema, shape.measure)
 
 
 def event_section(
     chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
-) -> Section:
+) -> Sections:
     """Switches and snaps as a table, and the other places where snaps may land."""
-    measure, shape = chain.measure, Shape.of(chain)
-    schema = event_schema(shape)
+    measure = chain.measure
     arriving = "in another phase" if chain.elements else "at a stop"
     words = landing_words(landings)
     table = RecordTable(
         _columns(chain),
-        lambda: [base.record(schema, event) for event in events],
+        recorded(event_schema(Shape.of(chain)), events),
         f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
         f"{measure.stroke.capitalize()}s are exact, not read off a grid.",
         wide=[Column("cause", lambda event: Cause[event["cause"].upper()].value)],
         more="switches and snaps",
-        level=Level.CARD,
+        level=CARD,
     )
-    return Section(
-        "Switches and snaps", table, Text(f"Landings: {words}." if words else "", Level.PAGE)
-    )
+    return {"Switches and snaps": (table, Text(f"Landings: {words}." if words else "", PAGE))}
 
 
 def elsewhere_section(
     chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
-) -> Section:
+) -> Sections:
     """Every other place where a snap lands for other mobilities of the cells."""
     shape = Shape.of(chain)
     event, place = event_schema(shape), _elsewhere(shape)
@@ -144,9 +122,7 @@ def elsewhere_section(
         "The same snaps with other mobilities of the cells: the other landings, the mobilities "
         "nearest to those given that were found to lead there, and the fraction of the samples."
     )
-    return Section(
-        "Landings that other mobilities of the cells change", RecordTable(columns, rows, about)
-    )
+    return {"Landings that other mobilities of the cells change": RecordTable(columns, rows, about)}
 
 
 def _columns(chain: mechanism.Chain) -> base.Columns:
@@ -193,9 +169,8 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     ratios = f"for mobility ratios up to {base.number(landings[0].ratio)}"
     if not holding:
         return f"no landing holds {ratios}"
-    many = (
-        "all hold" if len(holding) == len(landings) else f"{len(holding)} of {len(landings)} hold"
-    )
+    all_hold = len(holding) == len(landings)
+    many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
     return f"{many if landings[1:] else 'holds'} {ratios}: {_held_by(holding)}"
 
 
@@ -207,9 +182,9 @@ def _held_by(holding: Sequence[Landing]) -> str:
     proved = len(holding) - len(sampled)
     most = base.percent_at_most(max(one.bound for one in sampled))
     least = min(one.samples for one in sampled)
-    many = f"in {len(sampled)} " if holding[1:] else ""
-    each = " each" if sampled[1:] else ""
-    return (f"{proved} proved, " if proved else "") + (
+    many = (f"{proved} proved, " if proved else "") + f"in {len(sampled)} " * (len(holding) > 1)
+    each = " each" * (len(sampled) > 1)
+    return (
         f"{many}at most {most} of mobilities lead elsewhere "
         f"(95 % confidence, {least} samples{each})"
     )
@@ -218,18 +193,16 @@ def _held_by(holding: Sequence[Landing]) -> str:
 def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
     """Factors on the given mobilities in words, such as "outer is 7 times faster"."""
     least, most = min(mobility), max(mobility)
-    fast = [name for name, factor in zip(names, mobility, strict=True) if factor > least]
-    slow = [name for name, factor in zip(names, mobility, strict=True) if factor < most]
+    named = list(zip(names, mobility, strict=True))
+    fast = [name for name, factor in named if factor > least]
+    slow = [name for name, factor in named if factor < most]
     times = f"{base.number(most / least, 3)} times"
     # Cells between the fastest and the slowest are on both lists.
     if len(fast) == 1:
         return f"{fast[0]} is {times} faster"
     if len(slow) == 1:
         return f"{slow[0]} is {times} slower"
-    factors = (
-        f"{name} {base.number(x / least, 3)}" for name, x in zip(names, mobility, strict=True)
-    )
-    return f"as fast as {', '.join(factors)}"
+    return "as fast as " + ", ".join(f"{name} {base.number(x / least, 3)}" for name, x in named)
 
 
 def event_account(value: Event, about: About) -> Account:

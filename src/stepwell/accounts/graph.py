@@ -1,19 +1,16 @@
 """Transition graphs: loops, memory, scrambling, latches; of the largest ones, a walk."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from operator import itemgetter
+from typing import Any
 
-from stepwell.accounts.head import About, Shape
-from stepwell.accounts.parts import Account, Fact, RecordTable, Section, Text
+from stepwell.accounts.events import way
+from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.parts import Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, listed, tie_notes
-from stepwell.base import Column, Columns, Quantity, Schema, quantities
-
-if TYPE_CHECKING:
-    from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
-
+from stepwell.base import Column, Columns, Quantity, Schema, read_off
+from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
 
 # Letters of the longest sequence that a card spells out.
 _MOST_LETTERS = 1000
@@ -22,35 +19,31 @@ _MOST_LETTERS = 1000
 def graph_schema(shape: Shape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
-    loop = (*quantities(up=[str], down=[str]), Quantity("low", unit), Quantity("high", unit))
+    loop = keys(up=[str], down=[str], low=unit, high=unit)
+    counted = keys(accumulators=[_accumulator(unit)], accumulators_all=(bool, "exhaustive"))
+    reading = (
+        *keys(branches=int, main_loop=loop, sub_loop_count=int),
+        Quantity("sub_loops", holds=[loop], missing=True),
+        Quantity("garden_of_eden", holds=[str], missing=True),
+        *keys(unreachable=[str], return_point_memory=_memory(unit), scrambling=[_SCRAMBLING]),
+        *read_off(counted, "counting"),
+        *keys(latches=[_latch(unit)]),
+    )
     return (
         Quantity("title", read=lambda graph: graph.chain.title if graph.chain else ""),
-        Quantity("actuator"),
-        Quantity("cells", read="names", holds=[str]),
-        Quantity("method"),
-        Quantity("vertices", read=lambda graph: len(graph.nodes.vertices), holds=int),
-        Quantity("nodes", read=len, holds=int),
-        Quantity("branches", read="reading.branches", holds=int),
-        Quantity("main_loop", read="reading.main_loop", holds=loop),
-        Quantity("sub_loop_count", read="reading.sub_loop_count", holds=int),
-        Quantity("sub_loops", read="reading.sub_loops", holds=[loop], missing=True),
-        Quantity("garden_of_eden", read="reading.garden_of_eden", holds=[str], missing=True),
-        Quantity("unreachable", read="reading.unreachable", holds=[str]),
-        Quantity("return_point_memory", read="reading.return_point_memory", holds=_memory(unit)),
-        Quantity("scrambling", read="reading.scrambling", holds=[_SCRAMBLING]),
-        Quantity("accumulators", read="reading.counting.accumulators", holds=[_accumulator(unit)]),
-        Quantity("accumulators_all", read="reading.counting.exhaustive", holds=bool),
-        Quantity("latches", read="reading.latches", holds=[_latch(unit)]),
-        Quantity("ties", read=lambda graph: tie_notes(graph.ties, graph.chain), holds=[str]),
+        *keys(actuator=str, cells=([str], "names"), method=str),
+        *keys(vertices=(int, lambda graph: len(graph.nodes.vertices)), nodes=(int, len)),
+        *read_off(reading, "reading"),
+        _TIES,
     )
 
 
-_DIRECTION = Quantity("direction", read=lambda one: "loading" if one.direction > 0 else "unloading")
+_TIES = Quantity("ties", read=lambda graph: tie_notes(graph.ties, graph.chain), holds=[str])
+_DIRECTION = Quantity("direction", read=way)
 _SCRAMBLING: Schema = (
-    Quantity("first_two", read="cells", holds=[int]),
+    *keys(first_two=([int], "cells")),
     _DIRECTION,
-    Quantity("in_order_from", read="i_first"),
-    Quantity("in_other_order_from", read="j_first"),
+    *keys(in_order_from=(str, "i_first"), in_other_order_from=(str, "j_first")),
     Quantity("by_hand", read=lambda pair: not pair.reachable, holds=bool),
 )
 
@@ -58,38 +51,34 @@ _SCRAMBLING: Schema = (
 def _memory(unit: str) -> Schema:
     """Whether turning points are remembered, and turning points with which they are not."""
 
-    def of(name: str):
+    def of(name: str) -> Any:
         return lambda memory: memory.witness and getattr(memory.witness, name)
 
     return (
         Quantity("holds", holds=bool),
         Quantity("turning_points", unit, read=of("turns"), holds=[float], missing=True),
-        Quantity("first", read=of("first"), missing=True),
-        Quantity("later", read=of("later"), missing=True),
+        *keys(first=(str | None, of("first")), later=(str | None, of("later"))),
     )
 
 
 def _accumulator(unit: str) -> Schema:
     """Cycles that take two or more until they repeat."""
     return (
-        *quantities(states=[str], transient=int, period=int),
+        *keys(states=[str], transient=int, period=int),
         _DIRECTION,
-        Quantity("low", unit),
-        Quantity("high", unit),
-        Quantity("slack", unit),
-        Quantity("set_by_hand", read="by_hand", holds=bool),
+        *keys(low=unit, high=unit, slack=unit, set_by_hand=(bool, "by_hand")),
         Quantity("turning_points", unit, read="turns", holds=[float]),
     )
 
 
 def _latch(unit: str) -> Schema:
     ways = (
-        Quantity("from", read=lambda way: way[0]),
-        Quantity("to", read=lambda way: way[1]),
+        Quantity("from", read=itemgetter(0)),
+        Quantity("to", read=itemgetter(1)),
         Quantity("direction", read=lambda way: _DIRECTION.of(way[2])),
         Quantity("drive", unit, read=lambda way: way[2].drive),
     )
-    return Quantity("left", read="nodes", holds=[str]), Quantity("ways", holds=[ways])
+    return keys(left=([str], "nodes"), ways=[ways])
 
 
 def shape_of(graph: TransitionGraph | ImplicitGraph) -> Shape:
@@ -108,7 +97,7 @@ def sequence_account(value: Sequence, about: About) -> Account:
 
 def implicit_graph_account(value: ImplicitGraph, about: About) -> Account:
     """What a notebook shows of a graph whose states are not listed."""
-    facts = [Fact(name, text) for name, text in value.facts.items()]
+    facts = [Fact(*one) for one in value.facts.items()]
     return Account(value, _title(value), answer=value.summary, facts=facts)
 
 
@@ -124,18 +113,13 @@ def _title(graph: TransitionGraph | ImplicitGraph) -> str:
 
 def graph_account(value: TransitionGraph, about: About) -> Account:
     """What is reported of a graph."""
-    chain, reading = value.chain, value.reading
     counts = f"{len(value)} nodes, {value.transition_count} transitions."
-    return Account(
-        value,
-        _title(value),
-        "graph/2",
-        graph_schema(shape_of(value)),
-        answer=reading.summary,
-        facts=[Fact(name, text) for name, text in reading.facts.items()],
-        warnings=[degenerate(value.ties, chain)],
-        sections=[Section("Nodes", Text(counts))],
-    )
+    title, schema = _title(value), graph_schema(shape_of(value))
+    answer = value.reading.summary
+    facts = [Fact(*one) for one in value.reading.facts.items()]
+    sections = {"Nodes": Text(counts)}
+    warnings = [degenerate(value.ties, value.chain)]
+    return Account(value, title, "graph/2", schema, answer, facts, sections, warnings)
 
 
 _FEW = 4  # cells of a row
@@ -145,67 +129,55 @@ _PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "12345678
 
 def implicit_graph_schema(shape: Shape) -> Schema:
     """What is reported of a walk."""
-    way = (
-        Quantity("to", read=lambda way: way[0]),
+    to = (
+        Quantity("to", read=itemgetter(0)),
         Quantity("kind", read=lambda way: way[1].kind.name.lower()),
         Quantity("drive", shape.drive, read=lambda way: way[1].drive),
         Quantity("cells", read=lambda way: way[1].cells, holds=[int]),
         Quantity("released", "mJ", read=lambda way: way[1].released),
     )
     step = (
-        Quantity("label", read="node.label"),
+        *keys(label=(str, "node.label")),
         Quantity("low", shape.drive, "from", read="node.low"),
         Quantity("high", shape.drive, "to", read="node.high"),
-        Quantity("up", holds=way, missing=True),
-        Quantity("down", holds=way, missing=True),
+        Quantity("up", holds=to, missing=True),
+        Quantity("down", holds=to, missing=True),
     )
-    counts = {
-        "vertices": "vertex_count",
-        "transitions": "transition_count",
-        "reached": "reached_count",
-        "sub_loop_count": "sub_loop_count",
-        "garden_of_eden_count": "garden_count",
-    }
+    graph = (
+        *keys(title=(str, "chain.title"), actuator=str, cells=([str], "names"), method=str),
+        *keys(vertices=_count("vertex_count"), transitions=_count("transition_count")),
+        *keys(reached=_count("reached_count"), sub_loop_count=_count("sub_loop_count")),
+        *keys(garden_of_eden_count=_count("garden_count")),
+    )
     return (
-        Quantity("title", read="graph.chain.title"),
-        Quantity("actuator", read="graph.actuator"),
-        Quantity("cells", read="graph.names", holds=[str]),
-        Quantity("method", read="graph.method"),
-        *(
-            Quantity(name, read=partial(_count, attribute), holds=int, missing=True)
-            for name, attribute in counts.items()
-        ),
-        Quantity("start"),
-        Quantity("walk", read="steps", holds=[step]),
-        Quantity("walk_whole", read="whole", holds=bool),
-        Quantity("ties", read=lambda one: tie_notes(one.graph.ties, one.graph.chain), holds=[str]),
+        *read_off(graph, "graph"),
+        *keys(start=str, walk=([step], "steps"), walk_whole=(bool, "whole")),
+        *read_off((_TIES,), "graph"),
     )
 
 
-def _count(attribute: str, walked: Walked) -> int | None:
-    count = getattr(walked.graph, attribute)
-    # Python writes no whole number of more than 4300 digits.
-    return None if count is None or count.bit_length() > 14_000 else count
+def _count(attribute: str) -> tuple[Any, Any]:
+    def counted(graph: ImplicitGraph) -> int | None:
+        count = getattr(graph, attribute)
+        # Python writes no whole number of more than 4300 digits.
+        return None if count is None or count.bit_length() > 14_000 else count
+
+    return int | None, counted
 
 
 def walked_account(walked: Walked, about: About) -> Account:
     """What is reported of a walk."""
     graph, count = walked.graph, "all" if walked.whole else "the first"
-    readable = len(graph.names) <= LONGEST_IN_A_LINE
     begin = walked.start
-    if not readable:
+    if len(graph.names) > LONGEST_IN_A_LINE:
         begin = "all cells at 0" if walked.start == graph.zero else "the start"
     heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, those near by first"
-    return Account(
-        walked,
-        graph.chain.title or "Transition graph",
-        "implicit_graph/2",
-        implicit_graph_schema(shape_of(graph)),
-        answer=graph.summary,
-        facts=[Fact(name, text) for name, text in graph.facts.items()],
-        warnings=[degenerate(graph.ties, graph.chain)],
-        sections=[Section(heading, RecordTable(_walked_columns(walked), "walk", more="nodes"))],
-    )
+    title, schema = graph.chain.title or "Transition graph", implicit_graph_schema(shape_of(graph))
+    answer = graph.summary
+    facts = [Fact(*one) for one in graph.facts.items()]
+    sections = {heading: RecordTable(_walked_columns(walked), "walk", more="nodes")}
+    warnings = [degenerate(graph.ties, graph.chain)]
+    return Account(walked, title, "implicit_graph/2", schema, answer, facts, sections, warnings)
 
 
 def _walked_columns(walked: Walked) -> Columns:

@@ -4,19 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import Measure, Quantity, Schema, __version__, quantities, told_in, versions
+from stepwell.base import (
+    Measure,
+    Quantity,
+    Schema,
+    __version__,
+    quantities,
+    record,
+    told_in,
+    versions,
+)
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
     from stepwell.robot import Robot
 
+Row = Mapping[str, Any]
+
+
+def recorded(schema: Schema, values: Iterable[Any]) -> Callable[[], list[Row]]:
+    """What makes the rows of a table: the records of some values."""
+    return lambda: [record(schema, value) for value in values]
+
+
+def keys(**given: Any) -> tuple[Quantity, ...]:
+    """Quantities in no table, as `base.quantities` makes them; of a pair the second is `read`."""
+    pairs = {
+        name: one if isinstance(one, tuple) and not isinstance(one[0], Quantity) else (one, "")
+        for name, one in given.items()
+    }
+    plain = quantities(**{name: holds for name, (holds, _) in pairs.items()})
+    return tuple(replace(one, read=pairs[one.name][1]) for one in plain)
+
 
 # The first name of every JSON Schema, and those of what was computed, see `head`.
 BARE: Schema = (Quantity("stepwell"),)
-HEAD: Schema = (*BARE, *quantities(versions={str: str}, design_sha256=str | None, seed=int | None))
+HEAD: Schema = (*BARE, *keys(versions={str: str}, design_sha256=str | None, seed=int | None))
 
 
 @dataclass(frozen=True)
@@ -38,8 +65,10 @@ class Calibrated:
     scatter: float
 
 
-CALIBRATED: Schema = quantities(
-    data=str, data_sha256={str: str}, law=str, summary=[str], scatter="percent"
+CALIBRATED = Quantity(
+    "calibrated",
+    holds=keys(data=str, data_sha256={str: str}, law=str, summary=[str], scatter="percent"),
+    missing=True,
 )
 
 
@@ -81,8 +110,8 @@ def head(
         packages: that took part, besides NumPy, SciPy and Numba.
 
     Returns:
-        `schema`, `stepwell`, `versions`, `design_sha256` (None of a design that no file can
-        hold) and `seed`.
+        `schema`, `stepwell`, `versions`, `design_sha256` (None if no file can hold the design) and
+        `seed`.
     """
     from stepwell.files import digest, dumps
 
@@ -100,21 +129,13 @@ def head(
 
 
 class Shape(NamedTuple):
-    """A kind of chain: in all chains of a shape the same names are in a record.
-
-    Args:
-        measure: what travel and force are.
-        force_driven: whether the actuator prescribes the force.
-        levers: whether it has cells with levers and bands.
-        elements: whether it has elements.
-        folds: whether the curve of an element folds back.
-    """
+    """A kind of chain: in all chains of a shape the same names are in a record."""
 
     measure: Measure = Measure.TRAVEL
-    force_driven: bool = False
+    force_driven: bool = False  # Whether the actuator prescribes the force.
     levers: bool = True
     elements: bool = False
-    folds: bool = False
+    folds: bool = False  # Whether the curve of an element folds back.
 
     @property
     def drive(self) -> str:
@@ -125,14 +146,9 @@ class Shape(NamedTuple):
     @classmethod
     def of(cls, chain: Chain) -> Shape:
         """The shape of a chain."""
-        elements = chain.elements
-        return cls(
-            chain.measure,
-            chain.actuator_stiffness == 0,
-            len(elements) < len(chain),
-            bool(elements),
-            any(len(element.laws) > 1 for element in elements),
-        )
+        found, force_driven = chain.elements, chain.actuator_stiffness == 0
+        folds = any(len(element.laws) > 1 for element in found)
+        return cls(chain.measure, force_driven, len(found) < len(chain), bool(found), folds)
 
 
 def shapes() -> Iterable[Shape]:
@@ -141,14 +157,13 @@ def shapes() -> Iterable[Shape]:
         kinds = [(False, True, False), (False, True, True)]
         if measure is Measure.TRAVEL:
             kinds += [(True, False, False), (True, True, False), (True, True, True)]
-        for levers, elements, folds in kinds:
-            yield Shape(measure, force_driven, levers, elements, folds)
+        yield from (Shape(measure, force_driven, *kind) for kind in kinds)
 
 
 def of_class(kind: type, schema: Iterable[Quantity]) -> Schema:
     """The same quantities, None of a value of another class."""
 
-    def read(quantity: Quantity) -> Callable[[Any], Any]:
-        return lambda value: quantity.of(value) if isinstance(value, kind) else None
+    def read(value: Any, quantity: Quantity) -> Any:
+        return quantity.of(value) if isinstance(value, kind) else None
 
-    return tuple(replace(one, read=read(one), missing=True) for one in schema)
+    return tuple(replace(q, read=partial(read, quantity=q), missing=True) for q in schema)

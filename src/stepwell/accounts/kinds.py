@@ -10,59 +10,53 @@ from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
 from stepwell.base import InputError, of_kind
 
-# The account of a class: the file in this folder, and the function in it.
-ACCOUNTS: dict[str, str] = {
-    "Arena": "robot:arena_account",
-    "AsBuilt": "lab.as_built:as_built_account",
-    "Atlas": "atlas:atlas_account",
-    "BandFit": "lab.band:band_account",
-    "BandTest": "lab.band:band_test_account",
-    "Batch": "lab.read:batch_account",
-    "Calibration": "lab.calibrate:calibration_account",
-    "Cell": "chain:cell_account",
-    "CellTest": "lab.compare:series_account",
-    "Chain": "chain:chain_account",
-    "Check": "check:check_account",
-    "Comparison": "lab.compare:comparison_account",
-    "Convergence": "study:convergence_account",
-    "Cycle": "run:cycle_account",
-    "Design": "design:design_account",
-    "Element": "chain:cell_account",
-    "Event": "events:event_account",
-    "ImplicitGraph": "graph:implicit_graph_account",
-    "Impossible": "design:impossible_account",
-    "Installation": "package:installation_account",
-    "Landing": "events:landing_account",
-    "MapView": "map:map_account",
-    "Margin": "changes:margin_account",
-    "Maze": "walks:maze_account",
-    "MemoryReading": "graph:reading_account",
-    "PairTest": "lab.compare:series_account",
-    "Path": "run:path_account",
-    "Prediction": "robot:prediction_account",
-    "Presets": "package:presets_account",
-    "Program": "program:program_account",
-    "Recording": "lab.read:recording_account",
-    "Reprogramming": "design:reprogramming_account",
-    "Robot": "robot:robot_account",
-    "Robustness": "design:robustness_account",
-    "Run": "run:run_account",
-    "Sequence": "graph:sequence_account",
-    "Status": "study:study_account",
-    "Survival": "yields:survival_account",
-    "Sweep": "study:sweep_account",
-    "TransitionGraph": "graph:graph_account",
-    "Unreachable": "program:unreachable_account",
-    "Verdicts": "package:verdicts_account",
-    "Walk": "walks:walk_account",
-    "Walked": "graph:walked_account",
-    "Yield": "yields:yield_account",
+# The function of each class, in the file that has its account.
+_ACCOUNTS = {
+    "atlas": {"Atlas": "atlas"},
+    "chain": {"Cell": "cell", "Chain": "chain", "Element": "cell"},
+    "changes": {"Margin": "margin"},
+    "check": {"Check": "check"},
+    "design": {
+        "Design": "design",
+        "Impossible": "impossible",
+        "Reprogramming": "reprogramming",
+        "Robustness": "robustness",
+    },
+    "events": {"Event": "event", "Landing": "landing"},
+    "graph": {
+        "ImplicitGraph": "implicit_graph",
+        "MemoryReading": "reading",
+        "Sequence": "sequence",
+        "TransitionGraph": "graph",
+        "Walked": "walked",
+    },
+    "lab.as_built": {"AsBuilt": "as_built"},
+    "lab.band": {"BandFit": "band", "BandTest": "band_test"},
+    "lab.calibrate": {"Calibration": "calibration"},
+    "lab.compare": {"CellTest": "series", "Comparison": "comparison", "PairTest": "series"},
+    "lab.read": {"Batch": "batch", "Recording": "recording"},
+    "map": {"MapView": "map"},
+    "package": {"Installation": "installation", "Presets": "presets", "Verdicts": "verdicts"},
+    "program": {"Program": "program", "Unreachable": "unreachable"},
+    "robot": {"Arena": "arena", "Prediction": "prediction", "Robot": "robot"},
+    "run": {"Cycle": "cycle", "Path": "path", "Run": "run"},
+    "study": {"Status": "study"},
+    "walks": {"Convergence": "convergence", "Maze": "maze", "Sweep": "sweep", "Walk": "walk"},
+    "yields": {"Survival": "survival", "Yield": "yield"},
 }
+# The account of a class: the file in this folder, and the function in it.
+ACCOUNTS: dict[str, str] = dict(
+    sorted(
+        (name, f"{file}:{of}_account")
+        for file, functions in _ACCOUNTS.items()
+        for name, of in functions.items()
+    )
+)
 # The schema of a kind of record, with the version of its names; some are functions of a `Shape`.
 KINDS: dict[str, str] = {
     "atlas/1": "atlas:ATLAS",
     "check/2": "check:check_schema",
-    "convergence/1": "study:CONVERGENCE",
+    "convergence/1": "walks:CONVERGENCE",
     "design/2": "design:design_schema",
     "doctor/1": "package:DOCTOR",
     "folder/1": "package:FOLDER",
@@ -83,7 +77,7 @@ KINDS: dict[str, str] = {
     "run/2": "run:run_schema",
     "study/1": "study:STUDY",
     "survival/2": "yields:survival_schema",
-    "sweep/1": "study:SWEEP",
+    "sweep/1": "walks:SWEEP",
     "walk/1": "walks:WALK",
     "yield/2": "yields:yield_schema",
 }

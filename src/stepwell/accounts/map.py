@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.accounts.head import About
-from stepwell.accounts.parts import Account, Fact, Level, Picture, RecordTable, Section, Text
+from stepwell.accounts.head import About, keys
+from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Text
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
 
@@ -24,22 +25,27 @@ class _Axis(NamedTuple):
     design: float | None
 
 
-def _in_unit(axis: _Axis, value: float | None) -> float | None:
-    return None if value is None else value * told_in(str(axis.values.attrs["units"]))[1]
+def _in_unit(at: Callable[[_Axis], float | None]) -> Any:
+    """A place on an axis in the unit of the axis."""
+
+    def read(axis: _Axis) -> float | None:
+        value = at(axis)
+        return None if value is None else float(value) * told_in(axis.values.attrs["units"])[1]
+
+    return read
 
 
 _AXIS: Schema = (
     Quantity("parameter", read=lambda axis: str(axis.values.attrs["long_name"])),
     Quantity("unit", read=lambda axis: told_in(str(axis.values.attrs["units"]))[0]),
-    Quantity("from", read=lambda axis: _in_unit(axis, float(axis.values[0])), holds=float),
-    Quantity("to", read=lambda axis: _in_unit(axis, float(axis.values[-1])), holds=float),
+    Quantity("from", read=_in_unit(lambda axis: axis.values[0]), holds=float),
+    Quantity("to", read=_in_unit(lambda axis: axis.values[-1]), holds=float),
     Quantity("count", read=lambda axis: len(axis.values), holds=int),
-    Quantity("design", read=lambda axis: _in_unit(axis, axis.design), holds=float),
+    Quantity("design", read=_in_unit(lambda axis: axis.design), holds=float),
 )
 _BOUNDARY: Schema = (
     Quantity("changes", head="what changes"),
-    Quantity("kind", read=lambda one: one.kind.name.lower()),
-    Quantity("between", read="sequences", holds=[str]),
+    *keys(kind=(str, lambda one: one.kind.name.lower()), between=([str], "sequences")),
     Quantity("method", head="method"),
     Quantity("error_of_axes", read="error", holds=float),
     Quantity("points", head="points", read=lambda one: len(one.points), holds=int, left=False),
@@ -51,12 +57,16 @@ def _axis(view: MapView, name: str) -> _Axis:
     return _Axis(view.dataset[name], None if design is None else design["xy".index(name)])
 
 
-def _attribute(name: str) -> Any:
-    return lambda view: int(view.dataset.attrs[name])
+def _attribute(name: str, of: type = int) -> Any:
+    return of, lambda view: of(view.dataset.attrs[name])
 
 
-def _mean(field: xarray.DataArray) -> float:
-    return float(np.mean(field.to_numpy()))
+def _monostable(view: MapView) -> float:
+    return float(np.mean(view.dataset["monostable"].to_numpy()))
+
+
+def _degenerate(view: MapView) -> int:
+    return int(np.sum(view.dataset["degenerate"].to_numpy()))
 
 
 def _pathways(view: MapView) -> dict[str, float] | None:
@@ -72,23 +82,14 @@ def shares(field: xarray.DataArray) -> dict[str, float]:
 
 # What is reported of a map.
 MAP: Schema = (
-    Quantity("title", read=lambda view: str(view.dataset.attrs["title"])),
-    Quantity("across", read=lambda view: _axis(view, "x"), holds=_AXIS),
-    Quantity("up", read=lambda view: _axis(view, "y"), holds=_AXIS),
+    *keys(title=_attribute("title", str), across=(_AXIS, lambda view: _axis(view, "x"))),
+    *keys(up=(_AXIS, lambda view: _axis(view, "y"))),
     Quantity("shares", read=lambda view: shares(view.dataset["sequence"]), holds={str: float}),
     Quantity("pathway_shares", read=_pathways, holds={str: float}, missing=True),
-    Quantity("moved_cell", read=lambda view: str(view.dataset.attrs["moved_cell"])),
-    Quantity(
-        "monostable_fraction", read=lambda view: _mean(view.dataset["monostable"]), holds=float
-    ),
-    Quantity(
-        "degenerate_designs",
-        read=lambda view: int(np.sum(view.dataset["degenerate"].to_numpy())),
-        holds=int,
-    ),
-    Quantity("closed_form_designs", read=_attribute("closed_form_designs"), holds=int),
-    Quantity("engine_designs", read=_attribute("engine_designs"), holds=int),
-    Quantity("boundaries", holds=[_BOUNDARY]),
+    *keys(moved_cell=_attribute("moved_cell", str), monostable_fraction=(float, _monostable)),
+    *keys(degenerate_designs=(int, _degenerate)),
+    *keys(closed_form_designs=_attribute("closed_form_designs")),
+    *keys(engine_designs=_attribute("engine_designs"), boundaries=[_BOUNDARY]),
 )
 
 
@@ -107,41 +108,25 @@ def map_account(view: MapView, about: About) -> Account:
         answer = f"{counted(len(rows), 'sequence')}: {largest} on {most} of the map"
     labels = {pathway.value: pathway.label for pathway in Pathway}
     columns = [
-        *(
-            [Column("pathway", lambda row: labels.get(row["sequence"], ""))]
-            if "pathway" in data
-            else []
-        ),
+        Column("pathway", lambda row: labels.get(row["sequence"], "")),
         Quantity("sequence", head="sequence"),
         Column("share of the map", lambda row: percent(row["share"]), True),
-    ]
-    by_share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=Level.CARD)
-    return Account(
-        view,
-        str(data.attrs["title"]) or "Map",
-        "map/3",
-        MAP,
-        answer=answer,
-        facts=[
-            Fact("Across", _axis_words(_axis(view, "x"))),
-            Fact("Up", _axis_words(_axis(view, "y"))),
-        ],
-        sections=(
-            Section("Map", Picture("map", "Sequence at each point of the map")),
-            Section("Sequences", by_share),
-            Section(
-                "Boundaries",
-                RecordTable(
-                    (*_BOUNDARY, Column("within", _error)),
-                    "boundaries",
-                    "The curves between the sequences.",
-                    most=None,
-                    more="curves",
-                ),
-            ),
-            Section("Method", Text(_method(view))),
-        ),
-    )
+    ][0 if "pathway" in data else 1 :]
+    share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD)
+    about = "The curves between the sequences."
+    curves = (*_BOUNDARY, Column("within", _error))
+    title = str(data.attrs["title"]) or "Map"
+    facts = [Fact(label, _axis_words(_axis(view, name))) for label, name in _AXES]
+    sections = {
+        "Map": Picture("map", "Sequence at each point of the map"),
+        "Sequences": share,
+        "Boundaries": RecordTable(curves, "boundaries", about, most=None),
+        "Method": Text(_method(view)),
+    }
+    return Account(view, title, "map/3", MAP, answer, facts, sections)
+
+
+_AXES = ("Across", "x"), ("Up", "y")
 
 
 def _axis_words(axis: _Axis) -> str:
@@ -159,9 +144,9 @@ def _error(boundary: Any) -> str:
 
 
 def _method(view: MapView) -> str:
-    notes, alone = view.dataset.attrs, _mean(view.dataset["monostable"])
+    notes = view.dataset.attrs
     return (
-        f"Monostable: {notes['moved_cell']} on {percent(alone)} of the map. "
+        f"Monostable: {notes['moved_cell']} on {percent(_monostable(view))} of the map. "
         f"{notes['closed_form_designs']} designs in closed form, {notes['engine_designs']} by the "
-        f"engine; {int(np.sum(view.dataset['degenerate'].to_numpy()))} are on a boundary."
+        f"engine; {_degenerate(view)} are on a boundary."
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable
+from dataclasses import replace
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from stepwell import base
-from stepwell.accounts.head import About
-from stepwell.accounts.parts import Account, Fact, Level, RecordTable, Section, Verbatim
+from stepwell.accounts.head import About, Row, keys, recorded
+from stepwell.accounts.parts import CARD, Account, Fact, RecordTable, Verbatim
 from stepwell.base import Quantity, Schema
 
 if TYPE_CHECKING:
@@ -20,16 +22,12 @@ _PACKAGE: Schema = (
     Quantity("version", head="version", none="missing", missing=True),
 )
 _NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="used for")
-_EXTRA: Schema = (
-    _NAME,
-    _USED_FOR,
-    *base.quantities(present=bool, versions={str: str}, install=str),
-)
-_HERE = base.Column("installed", lambda row: _versions(row))
-_KERNELS: Schema = (
-    Quantity("folder", read=lambda kept: str(kept.folder)),
-    *base.quantities(writable=bool, compiled=int),
-    Quantity("size_MB", read=lambda kept: kept.size / 1e6, holds=float),
+_EXTRA: Schema = (_NAME, _USED_FOR, *keys(present=bool, versions={str: str}, install=str))
+_KERNELS = keys(
+    folder=(str, lambda kept: str(kept.folder)),
+    writable=bool,
+    compiled=int,
+    size_MB=(float, lambda kept: kept.size / 1e6),
 )
 _TOOL: Schema = (
     Quantity("name", head="tool"),
@@ -37,15 +35,11 @@ _TOOL: Schema = (
     Quantity("found", head="found", none="no", missing=True),
 )
 _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reason"))
-
-
 # What is reported of an installation.
 DOCTOR: Schema = (
-    *base.quantities(
-        ok=bool, python=str, system=str, cores=int | None, packages=[_PACKAGE], extras=[_EXTRA]
-    ),
+    *keys(ok=bool, python=str, system=str, cores=int | None, packages=[_PACKAGE], extras=[_EXTRA]),
     Quantity("kernels", holds=_KERNELS, missing=True),
-    *base.quantities(tools=[_TOOL], broken=[_BROKEN]),
+    *keys(tools=[_TOOL], broken=[_BROKEN]),
 )
 
 
@@ -53,79 +47,64 @@ def installation_account(found: base.Installation, about: About) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
     lacking = [one.install for one in found.extras if not one.present]
+    broken = "Packages are missing" if missing else "Packages are broken"
+    facts = [
+        Fact("Missing", ", ".join(missing)),
+        Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
+        Fact("Stepwell", f"{base.__version__}, Python {found.python}, {found.system}"),
+        Fact("Cores", str(found.cores or "")),
+    ]
+    if kernels:
+        fix = "no: set a writable folder with NUMBA_CACHE_DIR"
+        facts += [
+            Fact("Kernels", f"{kernels.compiled} compiled, {kernels.size / 1e6:.0f} MB"),
+            Fact("Kept in", str(kernels.folder)),
+            Fact("Writable", "yes" if kernels.writable else fix),
+        ]
+    extras = (_NAME, _USED_FOR, base.Column("installed", _versions))
     return Account(
         found,
         "Installation",
         "doctor/1",
         DOCTOR,
-        answer=_answer(found),
-        computed=False,
-        facts=(
-            Fact("Missing", ", ".join(missing)),
-            Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
-            Fact("Stepwell", f"{base.__version__}, Python {found.python}, {found.system}"),
-            Fact("Cores", str(found.cores or "")),
-            Fact("Kernels", _kernel_words(kernels) if kernels else ""),
-            Fact("Kept in", str(kernels.folder) if kernels else ""),
-            Fact("Writable", _writable(kernels.writable) if kernels else ""),
-        ),
-        sections=(
-            Section("Broken", _table(_BROKEN, found.broken)),
-            Section("Packages", _table(_PACKAGE, found.packages)),
-            Section("Extras", _table(_EXTRA, found.extras, (_NAME, _USED_FOR, _HERE))),
-            Section("Extras to install", Verbatim("\n".join(lacking), "commands")),
-            Section("Tools", _table(_TOOL, found.tools)),
-        ),
+        answer="All packages that Stepwell needs are installed" if found.ok else broken,
+        facts=facts,
+        sections={
+            "Broken": _table(_BROKEN, found.broken),
+            "Packages": _table(_PACKAGE, found.packages),
+            "Extras": replace(_table(_EXTRA, found.extras), columns=extras),
+            "Extras to install": Verbatim("\n".join(lacking), "commands"),
+            "Tools": _table(_TOOL, found.tools),
+        },
         hints=["No other part is examined before the packages are installed."] if missing else (),
+        computed=False,
     )
 
 
-def _table(of: Schema, rows: Sequence[Any], columns: base.Columns = ()) -> RecordTable:
-    found = [base.record(of, one) for one in rows]
-    return RecordTable(columns or of, lambda: found, most=None)
+def _table(of: Schema, rows: Iterable[Any]) -> RecordTable:
+    return RecordTable(of, recorded(of, rows), most=None)
 
 
-def _answer(found: base.Installation) -> str:
-    if found.ok:
-        return "All packages that Stepwell needs are installed"
-    return "Packages are missing" if found.missing else "Packages are broken"
-
-
-def _kernel_words(kept: Any) -> str:
-    return f"{kept.compiled} compiled, {kept.size / 1e6:.0f} MB"
-
-
-def _writable(writable: bool) -> str:
-    return "yes" if writable else "no: set a writable folder with NUMBA_CACHE_DIR"
-
-
-def _versions(row: Mapping[str, Any]) -> str:
+def _versions(row: Row) -> str:
     versions = (f"{name} {version}" for name, version in row["versions"].items())
     return ", ".join(versions) if row["present"] else "no"
 
 
 _PRESET: Schema = (
-    Quantity("name", head="name", read=lambda one: one[0]),
-    Quantity("title", head="title", read=lambda one: one[1]),
+    Quantity("name", head="name", read=itemgetter(0)),
+    Quantity("title", head="title", read=itemgetter(1)),
 )
-
-
 # What is reported of the designs that come with Stepwell.
-PRESETS: Schema = (Quantity("presets", read=lambda found: found.items(), holds=[_PRESET]),)
+PRESETS: Schema = keys(presets=([_PRESET], lambda found: found.items()))
 
 
 def presets_account(found: Presets, about: About) -> Account:
     """What is reported of the designs that come with Stepwell."""
-    rows = [base.record(_PRESET, one) for one in found.items()]
-    table = RecordTable(_PRESET, lambda: rows, most=None, more="designs", level=Level.CARD)
+    table = replace(_table(_PRESET, found.items()), more="designs", level=CARD)
+    title, answer = "Designs that come with Stepwell", base.counted(len(found), "design")
+    sections = {"Names and titles": table}
     return Account(
-        found,
-        "Designs that come with Stepwell",
-        "presets/1",
-        PRESETS,
-        answer=base.counted(len(found), "design"),
-        computed=False,
-        sections=(Section("Names and titles", table),),
+        found, title, "presets/1", PRESETS, answer=answer, sections=sections, computed=False
     )
 
 
@@ -142,28 +121,21 @@ _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REA
 
 
 # What is reported of verdicts.
-PAPER: Schema = (Quantity("claims", read=lambda found: found, holds=[_CLAIM]),)
+PAPER = keys(claims=([_CLAIM], lambda found: found))
 
 
 def verdicts_account(found: Verdicts, about: About) -> Account:
     """What is reported of verdicts."""
-    rows = [base.record(_CLAIM, one) for one in found]
-    reasons = [row for row in rows if row["reason"]]
+    claims, reasons = recorded(_CLAIM, found), [one for one in found if one.reason]
     compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
-    return Account(
-        found,
-        "Validation against published claims",
-        "paper/1",
-        PAPER,
-        answer=f"{found.agreed} of {len(found)} claims agree",
-        sections=(
-            Section("Claims", RecordTable(compared, lambda: rows, "", wide, None, "claims")),
-            Section(
-                "Reasons and limits",
-                RecordTable((_ID, _REASON), lambda: reasons, most=None, more="reasons"),
-            ),
-        ),
-    )
+    given = replace(_table((_ID, _REASON), reasons), more="reasons")
+    title = "Validation against published claims"
+    answer = f"{found.agreed} of {len(found)} claims agree"
+    sections = {
+        "Claims": RecordTable(compared, claims, "", wide, None, "claims"),
+        "Reasons and limits": given,
+    }
+    return Account(found, title, "paper/1", PAPER, answer, sections=sections)
 
 
 # What is reported of a folder; `files.staged_folder` writes it.

@@ -1,15 +1,13 @@
 """An account: what is reported of a result, before any renderer gives it a form."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
 from typing import Any
 
-from stepwell.accounts.head import About, bare, head
+from stepwell.accounts.head import About, Row, bare, head
 from stepwell.base import Columns, Schema, record
-
-Row = Mapping[str, Any]
 
 
 class Level(IntEnum):
@@ -20,27 +18,24 @@ class Level(IntEnum):
     PAGE = 2
 
 
+CARD, TERMINAL, PAGE = Level
+
+
 @dataclass(frozen=True)
 class Fact:
-    """A number or a phrase by its label; without text it is not shown.
-
-    Args:
-        label: a noun, without the unit.
-        text: the value with its unit, or a function that makes it where that takes time.
-        level: the shortest form that has it.
-    """
+    """A number or a phrase by its label, a noun without the unit; without text it is not shown."""
 
     label: str
     text: str | Callable[[], str]
-    level: Level = Level.CARD
+    level: Level = CARD
 
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; without text it is not shown."""
+    """A paragraph, or a function where it takes time; without text it is not shown."""
 
-    text: str
-    level: Level = Level.TERMINAL
+    text: str | Callable[[], str]
+    level: Level = TERMINAL
 
 
 @dataclass(frozen=True)
@@ -48,7 +43,7 @@ class Notes:
     """Sentences as a list; without any it is not shown."""
 
     lines: Sequence[str]
-    level: Level = Level.TERMINAL
+    level: Level = TERMINAL
 
 
 @dataclass(frozen=True)
@@ -59,10 +54,10 @@ class RecordTable:
         columns: what is shown of each record; quantities without a head are not.
         rows: makes the records, so that a table that is not shown costs nothing; or the key under
             which the account's record has them.
-        wide: further columns, which pages alone have room for.
         about: how to read the table; pages alone have it.
+        wide: further columns, which pages alone have room for.
         most: how many rows a terminal shows; None for all.
-        more: what the rows are, in the plural.
+        more: what the rows are, in the plural: of cut cards, and of pages where `about` is empty.
         level: the shortest form that has it.
         pick: makes the rows of what the record has under the key.
     """
@@ -73,22 +68,17 @@ class RecordTable:
     wide: Columns = ()
     most: int | None = 40
     more: str = "rows"
-    level: Level = Level.TERMINAL
+    level: Level = TERMINAL
     pick: Callable[[Any], Sequence[Row]] | None = None
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure by its name: pages show it where it was drawn.
-
-    Args:
-        name: of the figure, and of its files.
-        caption: what it shows.
-    """
+    """A figure by the name of its files: pages show it where it was drawn."""
 
     name: str
     caption: str
-    level: Level = Level.PAGE
+    level: Level = PAGE
 
 
 @dataclass(frozen=True)
@@ -97,47 +87,21 @@ class Replay:
 
     title: str
     instead: str = ""
-    level: Level = Level.PAGE
+    level: Level = PAGE
 
 
 @dataclass(frozen=True)
 class Verbatim:
-    """Text that is copied as it is, such as TOML.
-
-    Args:
-        text: what is copied.
-        about: what it is.
-        level: the shortest form that has it.
-    """
+    """Text that is copied as it is, such as TOML, and what it is."""
 
     text: str
     about: str
-    level: Level = Level.TERMINAL
+    level: Level = TERMINAL
 
 
 Part = Text | Notes | RecordTable | Picture | Replay | Verbatim
-
-
-class Section:
-    """Parts under a heading; without any that is shown, the heading is not shown either.
-
-    Args:
-        heading: a noun; "" for none.
-        parts: in the order in which they are read; a function makes those that take a while.
-        level: the shortest form that has it.
-    """
-
-    def __init__(
-        self, heading: str, *parts: Part | Callable[[], Sequence[Part]], level: Level = Level.CARD
-    ) -> None:
-        self.heading, self.parts, self.level = heading, parts, level
-
-    def within(self, level: Level) -> list[Part]:
-        """The parts that a form shows."""
-        if self.level > level:
-            return []
-        made = (one() if callable(one) else (one,) for one in self.parts)
-        return [part for some in made for part in some if part.level <= level]
+# Parts by their heading, in the order in which they are read.
+Sections = Mapping[str, Part | Sequence[Part]]
 
 
 @dataclass(frozen=True)
@@ -164,51 +128,54 @@ class Account:
         title: what the result is of.
         kind: of the record, with its version, such as "check/1"; "" where there is no record.
         schema: of its record.
-        origin: from what it was computed, in sentences.
         answer: what the reader came for, in one sentence.
+        facts: the numbers that matter.
+        sections: the rest by its headings; one of which no part is shown is not shown either.
+        warnings: what has to be known first.
+        origin: from what it was computed, in sentences.
+        hints: what to do next on the command line; the terminal alone has them.
         about: the design file and the recordings that it was computed from.
         seed: of the draws; None where nothing is drawn.
         packages: that took part, besides NumPy, SciPy and Numba.
         computed: whether it was computed of a design; else its record has no provenance.
         given: quantities by name that the value does not have itself.
-        facts: the numbers that matter.
-        warnings: what has to be known first.
-        sections: the rest, in the order in which it is read.
-        hints: what to do next on the command line; the terminal alone has them.
     """
 
     value: Any
     title: str
     kind: str = ""
     schema: Schema = ()
-    origin: str = ""
     answer: str = ""
-    about: About = field(default_factory=lambda: About())
+    facts: Sequence[Fact] = ()
+    sections: Sections = field(default_factory=dict)
+    warnings: Sequence[Warned] = ()
+    origin: str = ""
+    hints: Sequence[str] = ()
+    about: About = field(default_factory=About)
     seed: int | None = None
-    packages: tuple[str, ...] = ()
+    packages: Sequence[str] = ()
     computed: bool = True
     given: Mapping[str, Any] = field(default_factory=dict)
-    facts: Sequence[Fact] = ()
-    warnings: Sequence[Warned] = ()
-    sections: Sequence[Section] = ()
-    hints: Sequence[str] = ()
 
     @cached_property
     def record(self) -> dict[str, Any]:
         """What JSON has of it: provenance first, then the schema's quantities."""
-        first = (
-            head(self.kind, self.about.design, self.seed, *self.packages)
-            if self.computed
-            else bare(self.kind)
-        )
+        first = bare(self.kind)
+        if self.computed:
+            first = head(self.kind, self.about.design, self.seed, *self.packages)
         given = {"calibrated": self.about.calibrated, **self.given}
         return first | record(self.schema, self.value, **given)
 
     def known(self, level: Level) -> dict[str, str]:
         """The facts that a form shows, by label; those without a text are left out."""
-        kept = [fact for fact in self.facts if fact.level <= level]
-        texts = {one.label: one.text if isinstance(one.text, str) else one.text() for one in kept}
+        texts = {one.label: text_of(one) for one in self.facts if one.level <= level}
         return {label: text for label, text in texts.items() if text}
+
+    def within(self, level: Level) -> Iterator[tuple[str, list[Part]]]:
+        """The parts of each section that a form shows, with its heading."""
+        for heading, parts in self.sections.items():
+            every = [parts] if isinstance(parts, Part) else parts
+            yield heading, [part for part in every if part.level <= level]
 
     def rows(self, table: RecordTable) -> Sequence[Row]:
         """The rows of a table of this account."""
@@ -216,3 +183,8 @@ class Account:
             return table.rows()
         found = self.record[table.rows]
         return (table.pick(found) if table.pick else found) or ()
+
+
+def text_of(part: Fact | Text) -> str:
+    """The text of a fact or a paragraph."""
+    return part.text if isinstance(part.text, str) else part.text()

@@ -1,24 +1,17 @@
 """A run: what a design does in a full cycle, and how far it is from doing something else."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
-from stepwell.accounts.head import About, Shape
-from stepwell.accounts.parts import Account, Fact, Level, Part, Picture, Replay, Section, Text
-from stepwell.accounts.yields import OUTCOMES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, in_measure, number, quantities, read_off, record
+from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
+from stepwell.accounts.yields import PICTURES, sample_words, yield_words
+from stepwell.base import Quantity, Schema, in_measure, number, read_off, record
+from stepwell.design import Run
 from stepwell.mechanism import Chain
-from stepwell.sequences import Pathway
-from stepwell.statics import EventKind
-
-if TYPE_CHECKING:
-    from stepwell.design import Run
-    from stepwell.sequences import Cycle
-    from stepwell.statics import Path
+from stepwell.sequences import Cycle, Pathway
+from stepwell.statics import EventKind, Path
 
 # A longer sequence is not read in a line.
 _MOST_LETTERS = 100
@@ -26,15 +19,15 @@ _MOST_LETTERS = 100
 
 def run_schema(shape: Shape) -> Schema:
     """What is reported of a run."""
+    cycle = (
+        Quantity("sequence", read=_spelled, missing=True),
+        Quantity("pathway", holds=Pathway, missing=True),
+        *keys(loading_order=[int], unloading_order=[int], events=[events.event_schema(shape)]),
+    )
     return (
-        Quantity("title", read="chain.title"),
-        Quantity("actuator", read="chain", holds=actuator_schema(shape)),
+        *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
         Quantity("cells", read=lambda run: named(run.chain), holds=[cell_schema(shape)]),
-        Quantity("sequence", read=lambda run: _spelled(run.cycle), missing=True),
-        Quantity("pathway", read="cycle.pathway", holds=Pathway, missing=True),
-        Quantity("loading_order", read="cycle.loading_order", holds=[int]),
-        Quantity("unloading_order", read="cycle.unloading_order", holds=[int]),
-        Quantity("events", read="cycle.events", holds=[events.event_schema(shape)]),
+        *read_off(cycle, "cycle"),
         Quantity(
             "landings",
             read=lambda run: events.landed(run.landings, run.cycle.events),
@@ -43,10 +36,12 @@ def run_schema(shape: Shape) -> Schema:
         ),
         *read_off(cycle_schema(shape), "cycle"),
         Quantity("margin", holds=changes.margin_schema(shape)),
-        Quantity(
-            "ties", read=lambda run: words.tie_notes(run.cycle.degenerate, run.chain), holds=[str]
-        ),
+        Quantity("ties", read=_ties, holds=[str]),
     )
+
+
+def _ties(run: Run) -> list[str]:
+    return words.tie_notes(run.cycle.degenerate, run.chain)
 
 
 def _spelled(cycle: Cycle) -> str | None:
@@ -55,13 +50,10 @@ def _spelled(cycle: Cycle) -> str | None:
 
 def cycle_schema(shape: Shape) -> Schema:
     """The numbers of a cycle."""
-    schema = (
-        *quantities(dissipated="mJ", peak_force="N"),
-        Quantity("full_stroke", "mm", read="chain.full_stroke"),
-        # Ends of curves say little of how far a chain of elements is driven.
-        *([_points(shape)] if shape.elements else ()),
-    )
-    return in_measure(schema, shape.measure)
+    # Ends of curves say little of how far a chain of elements is driven.
+    points = [_points(shape)] if shape.elements else []
+    full = keys(dissipated="mJ", peak_force="N", full_stroke=("mm", "chain.full_stroke"))
+    return in_measure((*full, *points), shape.measure)
 
 
 def _points(shape: Shape) -> Quantity:
@@ -77,14 +69,12 @@ def _points(shape: Shape) -> Quantity:
 def cycle_account(cycle: Cycle, about: About) -> Account:
     """What a notebook shows of a cycle."""
     chain = cycle.chain
-    return Account(
-        cycle,
-        f"Cycle of {chain.title}" if chain.title else "Cycle",
-        answer=_answer(cycle),
-        facts=cycle_facts(cycle),
-        warnings=[words.degenerate(cycle.degenerate, chain)],
-        sections=[events.event_section(chain, cycle.events, None)],
-    )
+    title = f"Cycle of {chain.title}" if chain.title else "Cycle"
+    answer = _answer(cycle)
+    facts = cycle_facts(cycle)
+    sections = events.event_section(chain, cycle.events, None)
+    warnings = [words.degenerate(cycle.degenerate, chain)]
+    return Account(cycle, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
 
 
 def run_account(run: Run, about: About) -> Account:
@@ -93,6 +83,18 @@ def run_account(run: Run, about: About) -> Account:
     origin = f"Design file {about.source}" if about.source else "A design made in Python"
     landings = events.landing_words(run.landings)
     tied = bool(cycle.degenerate)
+    facts = (
+        *cycle_facts(cycle),
+        Fact("Margin", changes.margin_words(margin)),
+        Fact("Landings", landings),
+    )
+    nearby = (
+        Text(changes.otherwise_words(margin, tied=tied), PAGE),
+        Picture("margins", "Distance of each parameter to another sequence"),
+        Picture("around", "Sequences around the most sensitive anchor"),
+    )
+    samples = Text(lambda: _samples(run, tied), PAGE), PICTURES[0]
+    rest = Text(lambda: run.built.assumptions if run.built else "", PAGE)
     return Account(
         run,
         chain.title or about.source or "Untitled chain",
@@ -100,27 +102,18 @@ def run_account(run: Run, about: About) -> Account:
         run_schema(Shape.of(chain)),
         origin=f"{origin}. {words.cells_of(chain)}.",
         answer=_answer(cycle),
-        facts=(
-            *cycle_facts(cycle),
-            Fact("Margin", changes.margin_words(margin)),
-            Fact("Landings", landings),
-        ),
+        facts=facts,
         warnings=[words.degenerate(cycle.degenerate, chain)],
-        sections=(
-            events.event_section(chain, cycle.events, run.landings),
-            events.elsewhere_section(chain, cycle.events, run.landings),
-            cell_section(chain),
-            changes.margin_section(
-                margin,
-                Text(changes.otherwise_words(margin, tied=tied), Level.PAGE),
-                Picture("margins", "Distance of each parameter to another sequence"),
-                Picture("around", "Sequences around the most sensitive anchor"),
-            ),
-            _samples(run, tied),
-            Section("Motion", Replay(chain.title, _NOT_PLAYED)),
-            Section("Figures", *_pictures(chain)),
-            words.assumed(chain),
-        ),
+        sections={
+            **events.event_section(chain, cycle.events, run.landings),
+            **events.elsewhere_section(chain, cycle.events, run.landings),
+            **cell_section(chain),
+            **changes.margin_section(margin, *nearby),
+            "Yield within the usual tolerances": (*samples, rest),
+            "Motion": Replay(chain.title, _NOT_PLAYED),
+            "Figures": _pictures(chain),
+            **words.assumed(chain),
+        },
         hints=[_CHECK] if landings == events.NOT_CHECKED else [],
     )
 
@@ -150,7 +143,7 @@ def cycle_facts(cycle: Cycle) -> list[Fact]:
         Fact("Snaps", str(snaps)),
         Fact(f"Peak {chain.measure.force}", peak),
         Fact("Driven", "".join(driven)),
-        Fact(f"Full {chain.measure.stroke}", "" if driven else full, Level.CARD),
+        Fact(f"Full {chain.measure.stroke}", "" if driven else full),
         Fact("Dissipated", f"{lost} in a cycle"),
     ]
 
@@ -159,28 +152,18 @@ def _order(chain: Chain, cells: Sequence[int]) -> str:
     return words.listed([chain.names[cell] for cell in cells])
 
 
-def _samples(run: Run, tied: bool) -> Section:
-    """How many samples reproduce the sequence: pages alone have it, for it takes a while."""
+def _samples(run: Run, tied: bool) -> str:
+    """How many samples reproduce the sequence."""
+    from stepwell.design import judged
 
-    def parts() -> list[Part]:
-        from stepwell.design import judged
-
-        found = run.built
-        if found is None:
-            return [
-                Text("Not computed here: the command stepwell yield counts samples.", Level.PAGE)
-            ]
-        verdict = judged(does_it=True, tied=tied, interval=found.interval)
-        return [
-            Text(f"{verdict}: {yield_words(found)}, of {sample_words(found)}", Level.PAGE),
-            Picture("yield", OUTCOMES),
-            Text(found.assumptions, Level.PAGE),
-        ]
-
-    return Section("Yield within the usual tolerances", parts, level=Level.PAGE)
+    found = run.built
+    if found is None:
+        return "Not computed here: the command stepwell yield counts samples."
+    verdict = judged(does_it=True, tied=tied, interval=found.interval)
+    return f"{verdict}: {yield_words(found)}, of {sample_words(found)}"
 
 
-def _pictures(chain: Chain) -> list[Part]:
+def _pictures(chain: Chain) -> list[Picture]:
     measure = chain.measure
     captions = {
         "mechanism": "The mechanism in the states of its cycle",
@@ -189,25 +172,22 @@ def _pictures(chain: Chain) -> list[Part]:
         "travel-stroke": f"{measure.travel.capitalize()} of each cell against {measure.stroke}",
         "element-curves": f"{measure.force.capitalize()} of each element and its phases",
     }
-    return [Picture(name, caption) for name, caption in captions.items()]
+    return [Picture(*one) for one in captions.items()]
 
 
 def path_account(path: Path, about: About) -> Account:
     """What a notebook shows of a path."""
-    chain = path.chain
+    chain, most = path.chain, words.LONGEST_IN_A_LINE
     points = _points(Shape.of(chain))
     turns = [number(point * points.factor) for point in path.turning_points]
     lost, peak, *_ = cycle_schema(Shape.of(chain))
     found = record((lost, peak), path)
-    return Account(
-        path,
-        f"Path of {chain.title}" if chain.title else "Path",
-        answer=f"{' → '.join(turns[: words.LONGEST_IN_A_LINE])}"
-        f"{' → …' * (len(turns) > words.LONGEST_IN_A_LINE)} {points.sign}",
-        facts=[
-            Fact("Dissipated", with_sign(lost, found[lost.key])),
-            Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
-        ],
-        warnings=[words.degenerate(path.degenerate, chain)],
-        sections=[events.event_section(chain, path.events, None)],
-    )
+    title = f"Path of {chain.title}" if chain.title else "Path"
+    answer = f"{' → '.join(turns[:most])}{' → …' * (len(turns) > most)} {points.sign}"
+    facts = [
+        Fact("Dissipated", with_sign(lost, found[lost.key])),
+        Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
+    ]
+    sections = events.event_section(chain, path.events, None)
+    warnings = [words.degenerate(path.degenerate, chain)]
+    return Account(path, title, answer=answer, facts=facts, sections=sections, warnings=warnings)

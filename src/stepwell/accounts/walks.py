@@ -1,15 +1,14 @@
-"""Simulated walks on a bare floor and in an arena: gaits, progress, contacts."""
-
-from __future__ import annotations
+"""Simulated walks on a bare floor and in an arena, sweeps over robots, one walk by time step."""
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import groupby
-from typing import TYPE_CHECKING
 
-from stepwell import base, files
-from stepwell.accounts import parts, words
-from stepwell.accounts.head import About
+from stepwell import base, files, robot as robots
+from stepwell.accounts import parts
+from stepwell.accounts.head import About, Row, keys
+from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
 from stepwell.accounts.robot import (
     FEET,
     PARAMETERS,
@@ -19,27 +18,21 @@ from stepwell.accounts.robot import (
     parameter_section,
     turn_words,
 )
-from stepwell.base import Quantity, Schema
+from stepwell.accounts.words import simulation_assumptions
+from stepwell.base import Column, Quantity, Schema, amount, counted, number
+from stepwell.simulation import Convergence, Maze, Sweep, Trial, Walk
 
-if TYPE_CHECKING:
-    from stepwell.robot import Arena, Robot
-    from stepwell.simulation import Maze, Trial, Walk
-
-
-_SETTINGS: Schema = (
-    *base.quantities(time_step="ms", contact_time="ms"),
-    Quantity("integrator", read=lambda settings: str(settings.integrator)),
-    Quantity("linkage", read=lambda settings: str(settings.linkage)),
+_SETTINGS = keys(
+    time_step="ms",
+    contact_time="ms",
+    integrator=(str, lambda settings: str(settings.integrator)),
+    linkage=(str, lambda settings: str(settings.linkage)),
 )
 # Of every run, on a bare floor and among obstacles.
 WALKED: Schema = (
-    Quantity("title", read="robot.title"),
-    Quantity("cycles", holds=int),
-    Quantity("period", "s", read="robot.drive.period"),
-    *base.quantities(duration="s", distance="mm", work="mJ"),
-    Quantity("weight", "N", read="robot.weight"),
-    *base.quantities(cost_of_transport=float, stopped=str),
-    Quantity("simulation", holds=_SETTINGS, read="settings"),
+    *keys(title=(str, "robot.title"), cycles=int, period=("s", "robot.drive.period")),
+    *keys(duration="s", distance="mm", work="mJ", weight=("N", "robot.weight")),
+    *keys(cost_of_transport=float, stopped=str, simulation=(_SETTINGS, "settings")),
     *base.read_off((PARAMETERS,), "robot"),
 )
 _CYCLES: Schema = (
@@ -49,12 +42,12 @@ _CYCLES: Schema = (
 )
 _LEG: Schema = (
     Quantity("name", head="leg"),
-    *base.quantities(gaits=[str], predicted_gait=str | None, slip="mm"),
+    *keys(gaits=[str], predicted_gait=str | None, slip="mm"),
     FEET,
 )
 
 
-def _legs(walk: Walk) -> Sequence[parts.Row]:
+def _legs(walk: Walk) -> Sequence[Row]:
     return base.rows_of(
         {
             "name": walk.gaits,
@@ -66,122 +59,92 @@ def _legs(walk: Walk) -> Sequence[parts.Row]:
     )
 
 
-def _mean(walk: Walk) -> Trial:
-    from stepwell.simulation import Trial
-
-    return Trial.of(walk)
+def _mean(name: str, walk: Walk) -> float:
+    return getattr(Trial.of(walk), name)
 
 
 # What is reported of a walk.
 WALK: Schema = (
     *WALKED,
-    Quantity("mean_advance", "over_u_max", read=lambda walk: _mean(walk).advance),
-    Quantity("mean_turn", "deg", read=lambda walk: _mean(walk).turn),
-    Quantity("work_per_cycle", "mJ", read=lambda walk: _mean(walk).work),
+    Quantity("mean_advance", "over_u_max", read=partial(_mean, "advance")),
+    *keys(mean_turn=("deg", partial(_mean, "turn")), work_per_cycle=("mJ", partial(_mean, "work"))),
     Quantity("u_max", "mm", read="robot.u_max"),
     *_CYCLES,
     Quantity("foot", "mm", read="robot.foot.below"),
-    Quantity("as_predicted", read="comparison.same", holds=bool, missing=True),
-    Quantity("comparison", read="comparison.text"),
+    *keys(as_predicted=(bool | None, "comparison.same"), comparison=(str, "comparison.text")),
     Quantity("legs", holds=[_LEG], read=_legs),
 )
 
 
-def walk_account(walk: Walk, about: About) -> parts.Account:
+def walk_account(walk: Walk, about: About) -> Account:
     """What is reported of a walk."""
-    robot, mean = walk.robot, _mean(walk)
+    robot, mean = walk.robot, Trial.of(walk)
     title = robot.title or "A walk"
-    cycles = f"{base.counted(walk.cycles, 'cycle')} of {base.amount(robot.drive.period, 's')}"
+    cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
     after = " after the first" if walk.cycles > 1 else ""
-    return parts.Account(
+    any_cycle = bool(walk.cycles)
+    facts = (
+        Fact("Duration", amount(walk.duration, "s")),
+        Fact("Advance per cycle", f"d/u_max {mean.advance:z.3f}{after}" * any_cycle),
+        Fact("Turn per cycle", f"{turn_words(mean.turn)}{after}" * any_cycle),
+        Fact("u_max", amount(robot.u_max, "m"), TERMINAL),
+        Fact("Work per cycle", amount(mean.work, "J") * any_cycle, TERMINAL),
+        _transport(walk, CARD),
+        Fact("Comparison with statics", lambda: walk.comparison.text, TERMINAL),
+        Fact("Foot depth", lambda: depth_words(robot, walk.comparison.depths), TERMINAL),
+        assumed(robot),
+    )
+    gaits = "The states of the cells in a cycle, and how far the foot slips."
+    advance = "d/u_max is the advance over the largest step of the legs."
+    cells = (Column("cycle", lambda row: str(row["cycle"]), True), *_CYCLES)
+    return Account(
         walk,
-        kind="walk/1",
-        schema=WALK,
-        title=title,
-        origin="Simulated on a flat floor." if walk.arena is None else simulated_in(walk.arena),
-        answer=f"Walked {base.amount(walk.distance, 'm')} in {cycles}",
-        packages=("mujoco",),
-        facts=(
-            parts.Fact("Duration", base.amount(walk.duration, "s")),
-            parts.Fact(
-                "Advance per cycle", f"d/u_max {mean.advance:z.3f}{after}" * bool(walk.cycles)
+        title,
+        "walk/1",
+        WALK,
+        origin="Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena),
+        answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",
+        facts=facts,
+        warnings=_stopped_early(walk),
+        sections={
+            "Motion": parts.Replay(title),
+            "Path, gait and contacts": (
+                Picture("trajectory", "Path from above, and advance and turn of each cycle"),
+                Picture("gait", "Travels and states of the cells of every leg"),
+                Picture("contacts", "Contacts, actuator force and work"),
             ),
-            parts.Fact("Turn per cycle", f"{turn_words(mean.turn)}{after}" * bool(walk.cycles)),
-            parts.Fact("u_max", base.amount(robot.u_max, "m"), parts.Level.TERMINAL),
-            parts.Fact(
-                "Work per cycle",
-                base.amount(mean.work, "J") * bool(walk.cycles),
-                parts.Level.TERMINAL,
-            ),
-            transport(walk),
-            parts.Fact(
-                "Comparison with statics", lambda: walk.comparison.text, parts.Level.TERMINAL
-            ),
-            parts.Fact(
-                "Foot depth",
-                lambda: depth_words(robot, walk.comparison.depths),
-                parts.Level.TERMINAL,
-            ),
-            assumed(robot),
-        ),
-        warnings=(stopped_early(walk),),
-        sections=(
-            parts.Section("Motion", parts.Replay(title)),
-            parts.Section(
-                "Path, gait and contacts",
-                parts.Picture("trajectory", "Path from above, and advance and turn of each cycle"),
-                parts.Picture("gait", "Travels and states of the cells of every leg"),
-                parts.Picture("contacts", "Contacts, actuator force and work"),
-            ),
-            parts.Section(
-                "Gaits",
-                parts.RecordTable(
-                    (_LEG[0], *_GAITS),
-                    "legs",
-                    "The states of the cells in a cycle, and how far the foot slips.",
-                    most=None,
-                    more="gaits",
-                    pick=_gaits,
-                ),
-            ),
-            parts.Section(
-                "Cycles",
-                parts.RecordTable(
-                    (_CYCLE, *_CYCLES),
-                    lambda: _cycles(walk),
-                    "d/u_max is the advance over the largest step of the legs.",
-                    more="cycles",
-                    level=parts.Level.CARD,
-                ),
-            ),
-            parameter_section(robot),
-            parts.Section(
-                "Assumptions", parts.Notes(words.simulation_assumptions(walk), parts.Level.PAGE)
-            ),
-        ),
+            "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
+            "Cycles": RecordTable(cells, lambda: _cycles(walk), advance, more="cycles", level=CARD),
+            **_given(walk),
+        },
         hints=(SOURCES,),
+        packages=["mujoco"],
     )
 
 
-def simulated_in(arena: Arena) -> str:
-    """The arena of a run, in a sentence."""
+def _given(walk: Walk) -> parts.Sections:
+    """What a simulation was given, and what it assumes."""
+    assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
+    return {**parameter_section(walk.robot), "Assumptions": assumptions}
+
+
+def _simulated_in(arena: robots.Arena) -> str:
     return f"Simulated in the arena: {arena.title or 'without a name'}."
 
 
-def transport(walk: Walk, level: parts.Level = parts.Level.CARD) -> parts.Fact:
+def _transport(walk: Walk, level: parts.Level) -> Fact:
     """The cost of transport; none of a robot that got nowhere."""
     cost = walk.cost_of_transport
-    known = f"{base.number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
-    return parts.Fact("Cost of transport", known, level)
+    known = f"{number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
+    return Fact("Cost of transport", known, level)
 
 
-def stopped_early(walk: Walk) -> parts.Warned:
+def _stopped_early(walk: Walk) -> list[parts.Warned]:
     """The warning of a run that did not go on to its end."""
     stopped = [walk.stopped] if walk.stopped else []
-    return parts.Warned("Stopped early", "The simulation ended before its time.", stopped)
+    return [parts.Warned("Stopped early", "The simulation ended before its time.", stopped)]
 
 
-_CYCLE = base.Column("cycle", lambda row: str(row["cycle"]), True)
 _GAITS = (
     Quantity("cycles", head="cycles"),
     Quantity("states", head="states"),
@@ -189,14 +152,14 @@ _GAITS = (
 )
 
 
-def _cycles(walk: Walk) -> list[parts.Row]:
+def _cycles(walk: Walk) -> list[Row]:
     rows = base.rows_of(base.record(_CYCLES, walk))
     return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
 
 
-def _gaits(legs: Sequence[parts.Row]) -> list[parts.Row]:
+def _gaits(legs: Sequence[Row]) -> list[Row]:
     """Equal gaits that follow each other in one row: their cycles from 1, and the gait."""
-    found: list[parts.Row] = []
+    found: list[Row] = []
     for leg in legs:
         first = 1
         for gait, same in groupby(leg["gaits"]):
@@ -207,7 +170,6 @@ def _gaits(legs: Sequence[parts.Row]) -> list[parts.Row]:
     return found
 
 
-_ANTENNA: Schema = base.quantities(name=str, leg=str, connected=bool)
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
     Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
@@ -227,104 +189,159 @@ _CHANGE: Schema = (
 )
 
 
-def _hash(arena: Arena) -> str | None:
+def _hash(maze: Maze) -> str | None:
     try:
-        return files.digest(files.dumps(arena))
+        return files.digest(files.dumps(maze.arena))
     except ValueError:
         return None
 
 
 # What is reported of a way through an arena.
 MAZE: Schema = (
-    Quantity("arena_sha256", read=lambda maze: _hash(maze.arena), missing=True),
-    *base.quantities(start_seed=int | None, layout_seed=int | None),
+    *keys(arena_sha256=(str | None, _hash), start_seed=int | None, layout_seed=int | None),
     *base.read_off(WALKED, "walk"),
-    Quantity("arena", read="arena.title"),
+    *keys(arena=(str, "arena.title")),
     Quantity("start", "mm", read="arena.start", holds=[float]),
     Quantity("heading", "deg", read="arena.heading"),
     Quantity("end", "mm", holds=[float], missing=True),
-    *base.quantities(outcome=str, limit="s"),
-    Quantity("antennas", read="walk.robot.antennas", holds=[_ANTENNA]),
-    Quantity("touched", read=lambda maze: maze.touched.items(), holds=[_TOUCHED]),
-    *base.quantities(contacts=[_CONTACT], changes=[_CHANGE]),
+    *keys(outcome=str, limit="s"),
+    *keys(antennas=([keys(name=str, leg=str, connected=bool)], "walk.robot.antennas")),
+    *keys(touched=([_TOUCHED], lambda maze: maze.touched.items()), contacts=[_CONTACT]),
+    *keys(changes=[_CHANGE]),
 )
 
 
-def maze_account(maze: Maze, about: About) -> parts.Account:
+def maze_account(maze: Maze, about: About) -> Account:
     """What is reported of a way through an arena."""
-    walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
-    title = robot.title or "A robot in an arena"
+    walk, antennas = maze.walk, maze.walk.robot.antennas
+    title = walk.robot.title or "A robot in an arena"
     touched = sum(time is not None for time in maze.touched.values())
     # With its lever off, an antenna moves no anchor.
-    legs = {one.name: one.leg for one in robot.antennas if one.connected}
-    leg = base.Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
-
-    return parts.Account(
+    legs = {one.name: one.leg for one in antennas if one.connected}
+    leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
+    off = ", ".join(one.name for one in antennas if not one.connected)
+    x, y = (number(base.to_unit(one, "mm")) for one in maze.end or (0.0, 0.0))
+    facts = (
+        Fact("Arena", maze.arena.title, TERMINAL),
+        Fact("Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)),
+        Fact(
+            "Antennas",
+            f"{len(antennas) or 'none'}" + (f"; levers disconnected: {off}" if off else ""),
+            TERMINAL,
+        ),
+        Fact("Distance", amount(walk.distance, "m"), TERMINAL),
+        Fact("Cycles", str(walk.cycles), TERMINAL),
+        Fact("End position", "" if maze.end is None else f"({x}, {y}) mm", TERMINAL),
+        _transport(walk, TERMINAL),
+        assumed(walk.robot),
+    )
+    obstacles = "When each was first touched."
+    contacts = "Each contact, and the leg it changes."
+    changes = "From which cycle on a leg has another gait."
+    return Account(
         maze,
-        kind="maze/1",
-        schema=MAZE,
-        title=title,
-        origin=simulated_in(arena),
-        answer=f"{maze.outcome} after {base.amount(maze.duration, 's')}",
-        packages=("mujoco",),
-        given={name: about.seeds.get(name) for name in ("start_seed", "layout_seed")},
-        facts=(
-            parts.Fact("Arena", arena.title, parts.Level.TERMINAL),
-            parts.Fact(
-                "Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)
+        title,
+        "maze/1",
+        MAZE,
+        origin=_simulated_in(maze.arena),
+        answer=f"{maze.outcome} after {amount(maze.duration, 's')}",
+        facts=facts,
+        warnings=_stopped_early(walk),
+        sections={
+            "Motion": parts.Replay(title),
+            "Path": (
+                Picture("maze", "Path from above"),
+                Picture("timeline", "Antennas, gaits and obstacles over time"),
             ),
-            parts.Fact("Antennas", _antennas(robot), parts.Level.TERMINAL),
-            parts.Fact("Distance", base.amount(walk.distance, "m"), parts.Level.TERMINAL),
-            parts.Fact("Cycles", str(walk.cycles), parts.Level.TERMINAL),
-            parts.Fact("End position", _end_words(maze), parts.Level.TERMINAL),
-            transport(walk, parts.Level.TERMINAL),
-            assumed(robot),
-        ),
-        warnings=(stopped_early(walk),),
-        sections=(
-            parts.Section("Motion", parts.Replay(title)),
-            parts.Section(
-                "Path",
-                parts.Picture("maze", "Path from above"),
-                parts.Picture("timeline", "Antennas, gaits and obstacles over time"),
+            "Obstacles": RecordTable(_TOUCHED, "touched", obstacles, most=None),
+            "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
+            "Gait changes": RecordTable(
+                _CHANGE, "changes", changes, more="changes of gait", level=CARD
             ),
-            parts.Section(
-                "Obstacles",
-                parts.RecordTable(_TOUCHED, "touched", "When each was first touched.", most=None),
-            ),
-            parts.Section(
-                "Antenna contacts",
-                parts.RecordTable(
-                    (*_CONTACT, leg), "contacts", "Each contact, and the leg it changes."
-                ),
-            ),
-            parts.Section(
-                "Gait changes",
-                parts.RecordTable(
-                    _CHANGE,
-                    "changes",
-                    "From which cycle on a leg has another gait.",
-                    more="changes of gait",
-                    level=parts.Level.CARD,
-                ),
-            ),
-            parameter_section(robot),
-            parts.Section(
-                "Assumptions", parts.Notes(words.simulation_assumptions(walk), parts.Level.PAGE)
-            ),
-        ),
+            **_given(walk),
+        },
         hints=(SOURCES,),
+        packages=["mujoco"],
+        given={name: about.seeds.get(name) for name in ("start_seed", "layout_seed")},
     )
 
 
-def _antennas(robot: Robot) -> str:
-    off = [one.name for one in robot.antennas if not one.connected]
-    count = str(len(robot.antennas) or "none")
-    return f"{count}; levers disconnected: {', '.join(off)}" if off else count
+def _trials(sweep: Sweep) -> Sequence[Row]:
+    values = zip(*sweep.values.values(), strict=True) if sweep.values else [()] * len(sweep.trials)
+    return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-def _end_words(maze: Maze) -> str:
-    if maze.end is None:
-        return ""
-    x, y = (base.number(base.to_unit(one, "mm")) for one in maze.end)
-    return f"({x}, {y}) mm"
+_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(robots.TRIAL, "trial"))
+# What is reported of a sweep over robots.
+SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _trials))
+
+
+def sweep_account(sweep: Sweep, about: About) -> Account:
+    """What is reported of a sweep over robots."""
+    failed = [one for one in sweep.trials if one.stopped]
+    count = counted(len(sweep.trials), "robot")
+    columns = (
+        *(
+            Column(key, lambda row, k=k: number(row["values"][k], 6), True)
+            for k, key in enumerate(sweep.values)
+        ),
+        *robots.TRIAL,
+    )
+    wide = [Column("why it stopped", lambda row: row["stopped"])] if failed else []
+    first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
+    stopped = [f"{first}{failed[0].stopped}"] if failed else []
+    warned = "The simulation of some robots ended before its time."
+    about_rows = "One row for each robot."
+    return Account(
+        sweep,
+        count,
+        "sweep/1",
+        SWEEP,
+        origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
+        answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",
+        warnings=[parts.Warned("Stopped early", warned, stopped)],
+        sections={
+            "Results": Picture("sweep", "What each robot does in a cycle"),
+            "Robots": RecordTable(columns, "trials", about_rows, wide, more="robots", level=CARD),
+        },
+        seed=about.seeds.get("values"),
+        packages=["mujoco"],
+    )
+
+
+_TIME_STEP: Schema = (
+    Quantity("time_step", "ms", "time step"),
+    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("forces_off", "percent", read="off", form=".2f"),
+    Quantity("jumps", "percent", "jumps", form=".1f"),
+)
+_DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
+# What is reported of a walk at several time steps.
+CONVERGENCE = keys(title=(str, "robot.title"), time_steps=([_TIME_STEP], "rows"))
+
+
+def convergence_account(found: Convergence, about: About) -> Account:
+    """What is reported of a walk at several time steps."""
+    rows = found.rows
+    steps = ", ".join(number(base.to_unit(row.time_step, "ms")) for row in rows)
+    advance = [row.advance for row in rows]
+    columns = (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4])
+    answer = (
+        f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; ground "
+        f"reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of the "
+        "weight"
+    )
+    defined = (
+        "Force deviation: root mean square over samples of the ground reaction forces against "
+        "those at the smallest time step. Jumps: fraction of the steps in which a ground reaction "
+        "force changes by more than a fifth."
+    )
+    sections = {
+        "Time steps": RecordTable(columns, "time_steps", most=None, more="time steps", level=CARD),
+        "Definitions": parts.Text(defined),
+    }
+    title = f"{found.robot.title or 'A robot'}, by time step"
+    return Account(
+        found, title, "convergence/1", CONVERGENCE, answer, sections=sections, packages=["mujoco"]
+    )

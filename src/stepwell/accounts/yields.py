@@ -1,33 +1,31 @@
 """Samples within tolerances: how many reproduce the target, or end where a program leads."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from operator import itemgetter
-from typing import TYPE_CHECKING
+from typing import Any
 
-from stepwell.accounts import parts
-from stepwell.accounts.head import CALIBRATED, About, Shape
+from stepwell.accounts.head import CALIBRATED, About, Shape, keys, recorded
+from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
-from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, quantities, record
+from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
+from stepwell.design import Survival, Tolerances, Yield
 from stepwell.mechanism import Chain
 
-if TYPE_CHECKING:
-    from stepwell.design import Survival, Tolerances, Yield
-
-
-# Captions of the figures of samples.
-OUTCOMES = "Outcomes of the samples"
-FORCE_PLANE = "Switching forces of each cell, nominal and in samples"
+# The figures of samples.
+PICTURES = (
+    Picture("yield", "Outcomes of the samples"),
+    Picture("force-plane", "Switching forces of each cell, nominal and in samples"),
+)
+_MOST_ROWS = 12
+CHAIN = keys(title=(str, "chain.title"), cells=([str], "chain.names"))
 
 
 def counted_schema(shape: Shape) -> Schema:
     """What is counted of samples, and within which tolerances."""
     return (
-        Quantity("share", holds=float),
-        Quantity("share_low", holds=float, read=lambda found: found.interval[0]),
+        *keys(share=float, share_low=(float, lambda found: found.interval[0])),
         Quantity("share_high", holds=float, read=lambda found: found.interval[1]),
-        *quantities(samples=int, successes=int, tolerances=tolerance_schema(shape)),
+        *keys(samples=int, successes=int, tolerances=tolerance_schema(shape)),
     )
 
 
@@ -71,26 +69,18 @@ def sample_words(found: Yield | Survival) -> str:
     return f"{found.samples} samples with {tolerance_words(found.tolerances, found.chain)}"
 
 
-def counted_facts(found: Yield | Survival) -> tuple[parts.Fact, ...]:
+def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
     """The facts that yields and survivals share."""
     return (
-        parts.Fact("Yield", yield_words(found)),
-        parts.Fact("Successes", f"{found.successes} of {found.samples}", parts.Level.PAGE),
-        parts.Fact("Samples", sample_words(found)),
+        Fact("Yield", yield_words(found)),
+        Fact("Successes", f"{found.successes} of {found.samples}", PAGE),
+        Fact("Samples", sample_words(found)),
     )
-
-
-_MOST_ROWS = 12
 
 
 def yield_schema(shape: Shape) -> Schema:
     """What is reported of a yield."""
-    return (
-        Quantity("title", read="chain.title"),
-        Quantity("cells", read="chain.names", holds=[str]),
-        *inner_yield_schema(shape),
-        Quantity("calibrated", holds=CALIBRATED, missing=True),
-    )
+    return (*CHAIN, *inner_yield_schema(shape), CALIBRATED)
 
 
 def inner_yield_schema(shape: Shape) -> Schema:
@@ -99,97 +89,80 @@ def inner_yield_schema(shape: Shape) -> Schema:
         Quantity("target"),
         Quantity("target_states", read="states", holds=[str], missing=True),
         *counted_schema(shape),
-        Quantity("seed", holds=int),
-        Quantity("outcomes", read=lambda found: [*found.outcomes.items()], holds=[_OUTCOME]),
+        *keys(seed=int, outcomes=([_OUTCOME], lambda found: [*found.outcomes.items()])),
         Quantity("critical", holds=_CRITICAL, missing=True),
-        *quantities(by_engine=int, robust=float, proved=int | None, assumptions=str),
-        *in_measure([_DEVIATION], shape.measure),
-        Quantity("advice"),
-        Quantity("gap_agreement", holds=float, read=lambda found: _of_gap(found, "agreed")),
+        *keys(by_engine=int, robust=float, proved=int | None, assumptions=str),
+        *in_measure(keys(gap_deviation=("N", _of_gap("deviation"))), shape.measure),
+        *keys(advice=str, gap_agreement=(float, _of_gap("agreed"))),
         Quantity("sensitivities", holds=[_PART], read=_parts, missing=True),
     )
 
 
-_OUTCOME: Schema = (
-    Quantity("outcome", read=itemgetter(0)),
-    Quantity("count", read=itemgetter(1), holds=int),
-)
+def _of_gap(name: str) -> Any:
+    return lambda found: found.sensitivities and getattr(found.sensitivities, name)
+
+
+_OUTCOME = keys(outcome=(str, itemgetter(0)), count=(int, itemgetter(1)))
 _CRITICAL: Schema = (
-    *quantities(first=int, second=int, names=[str]),
+    *keys(first=int, second=int, names=[str]),
     Quantity("while", read="way"),
-    *quantities(share=float, narrowest=float),
+    *keys(share=float, narrowest=float),
 )
-
-
-def _fraction(value: float) -> str:
-    # An estimate may be a little below zero.
-    return f"{max(0.0, value):.2f}"
-
-
-_INDEX = Quantity("", form=_fraction, holds=float, left=False)
+# An estimate may be a little below zero.
+_INDEX = Quantity("", form=lambda at: f"{max(0.0, at):.2f}", holds=float, left=False)
 _PART: Schema = (
     Quantity("part", head="part", read=itemgetter(0)),
     replace(_INDEX, name="first_order", head="alone", read=itemgetter(1)),
     replace(_INDEX, name="total", head="with others", read=itemgetter(2)),
 )
-_DEVIATION = Quantity("gap_deviation", "N", read=lambda found: _of_gap(found, "deviation"))
-
-
-def _of_gap(found: Yield, name: str) -> float | None:
-    table = found.sensitivities
-    return None if table is None else getattr(table, name)
 
 
 def _parts(found: Yield) -> list[tuple[str, float, float]] | None:
     table = found.sensitivities
-    if table is None:
-        return None
-    return [*zip(table.parameters, table.first_order, table.total, strict=True)]
+    return table and [*zip(table.parameters, table.first_order, table.total, strict=True)]
 
 
-def yield_account(found: Yield, about: About) -> parts.Account:
+def yield_account(found: Yield, about: About) -> Account:
     """What is reported of a yield."""
     chain = found.chain
     target = "target sequence" if found.states is None else "target states and no others"
-    return parts.Account(
-        value=found,
-        kind="yield/2",
-        schema=yield_schema(Shape.of(chain)),
-        title=chain.title or "A yield",
-        origin=f"{cells_of(chain)}.",
-        answer=f"{percent(found.share)} of the samples reproduce the {target}",
+    answer = f"{percent(found.share)} of the samples reproduce the {target}"
+    title, schema = chain.title or "A yield", yield_schema(Shape.of(chain))
+    facts = (Fact("Target", found.target), *counted_facts(found), critical_fact(found))
+    sections = {
+        "Outcomes of the samples": (*PICTURES, other_outcomes(found)),
+        "Variance of the smallest gap, by part": _sensitivities(found),
+        **calibration(about),
+        **assumed(chain, found.assumptions),
+    }
+    origin, warnings = f"{cells_of(chain)}.", [advised(found)]
+    return Account(
+        found,
+        title,
+        "yield/2",
+        schema,
+        origin=origin,
+        answer=answer,
+        facts=facts,
+        warnings=warnings,
+        sections=sections,
         seed=found.seed,
-        facts=(parts.Fact("Target", found.target), *counted_facts(found), critical_fact(found)),
-        warnings=(advised(found),),
-        sections=(
-            parts.Section(
-                "Outcomes of the samples",
-                parts.Picture("yield", OUTCOMES),
-                parts.Picture("force-plane", FORCE_PLANE),
-                other_outcomes(found),
-            ),
-            parts.Section("Variance of the smallest gap, by part", *_sensitivities(found)),
-            calibration(about),
-            assumed(chain, found.assumptions),
-        ),
     )
 
 
-def critical_fact(found: Yield) -> parts.Fact:
+def critical_fact(found: Yield) -> Fact:
     """The two cells whose order is reversed first."""
-    return parts.Fact("Critical order", "" if found.critical is None else str(found.critical))
+    return Fact("Critical order", "" if found.critical is None else str(found.critical))
 
 
-def advised(found: Yield) -> parts.Warned:
+def advised(found: Yield) -> Warned:
     """Why no sample reproduces the target, and what to ask for instead."""
-    return parts.Warned(
-        "No sample reproduces the target", "", [found.advice] if found.advice else []
-    )
+    return Warned("No sample reproduces the target", "", [found.advice] if found.advice else [])
 
 
-def other_outcomes(found: Yield) -> parts.RecordTable:
+def other_outcomes(found: Yield) -> RecordTable:
     """What the samples do that do not reproduce the target."""
-    return parts.RecordTable(
+    return RecordTable(
         [
             Column("other outcome", itemgetter("outcome")),
             Column("fraction", lambda row: percent(row["count"] / found.samples), True),
@@ -198,60 +171,62 @@ def other_outcomes(found: Yield) -> parts.RecordTable:
         "Outcomes of the samples that do not reproduce the target, most frequent first.",
         most=_MOST_ROWS,
         more="outcomes",
-        level=parts.Level.CARD,
+        level=CARD,
     )
 
 
-def _sensitivities(found: Yield) -> list[parts.Part]:
+def _sensitivities(found: Yield) -> tuple[RecordTable, Text]:
     rows = sorted(_parts(found) or (), key=itemgetter(2), reverse=True)
-    agreed = _of_gap(found, "agreed")
-    return [
-        parts.RecordTable(
-            _PART,
-            lambda: [record(_PART, row) for row in rows],
-            "The fraction of the variance of the smallest gap between two switching forces that "
-            "the tolerance of each part causes, alone and with others (Sobol' indices).",
-            most=_MOST_ROWS,
-            more="parts",
-        ),
-        parts.Text(
-            ""
-            if agreed is None
-            else "The sign of the smallest gap agrees with the outcome that the engine computes "
+    about = (
+        "The fraction of the variance of the smallest gap between two switching forces that the "
+        "tolerance of each part causes, alone and with others (Sobol' indices)."
+    )
+    agreed = _of_gap("agreed")(found)
+    checked = (
+        ""
+        if agreed is None
+        else (
+            "The sign of the smallest gap agrees with the outcome that the engine computes "
             f"in {percent(agreed)} of the samples"
-        ),
-    ]
+        )
+    )
+    return RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS), Text(checked)
 
 
 def survival_schema(shape: Shape) -> Schema:
     """What is reported of a survival."""
     return (
-        Quantity("title", read="chain.title"),
-        Quantity("cells", read="chain.names", holds=[str]),
+        *CHAIN,
         Quantity("from", read="start"),
         Quantity("target"),
         Quantity("turning_points", shape.drive, holds=[float]),
         *counted_schema(shape),
-        *quantities(seed=int, assumptions=str),
-        Quantity("calibrated", holds=CALIBRATED, missing=True),
+        *keys(seed=int, assumptions=str),
+        CALIBRATED,
     )
 
 
-def survival_account(found: Survival, about: About) -> parts.Account:
+def survival_account(found: Survival, about: About) -> Account:
     """What is reported of a survival."""
     chain = found.chain
-    return parts.Account(
-        value=found,
-        kind="survival/2",
-        schema=survival_schema(Shape.of(chain)),
-        title=chain.title or "A program with tolerances",
-        origin=f"{cells_of(chain)}.",
-        answer=f"The program ends in {found.target} in {percent(found.share)} of the samples",
+    title, schema = chain.title or "A program with tolerances", survival_schema(Shape.of(chain))
+    origin = f"{cells_of(chain)}."
+    answer = f"The program ends in {found.target} in {percent(found.share)} of the samples"
+    facts = (
+        Fact("Target", f"{found.start} to {found.target} by the program"),
+        Fact("Turning points", turning_points(found.turning_points, chain)),
+        *counted_facts(found),
+    )
+    sections = {**calibration(about), **assumed(chain, found.assumptions)}
+    return Account(
+        found,
+        title,
+        "survival/2",
+        schema,
+        origin=origin,
+        answer=answer,
+        facts=facts,
+        warnings=(),
+        sections=sections,
         seed=found.seed,
-        facts=(
-            parts.Fact("Target", f"{found.start} to {found.target} by the program"),
-            parts.Fact("Turning points", turning_points(found.turning_points, chain)),
-            *counted_facts(found),
-        ),
-        sections=(calibration(about), assumed(chain, found.assumptions)),
     )

@@ -1,19 +1,21 @@
 """A first build: what it must be like to do what was seen, and which anchors to move."""
 
-from collections.abc import Callable
-
 from stepwell import base
-from stepwell.accounts.head import About, Shape
-from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Section, Text
+from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
 from stepwell.base import Quantity, Schema
 from stepwell.lab import AsBuilt, Known
 
 
-def _in_unit(name: str) -> Callable[[Known], float]:
+def _in_unit(name: str, head: str, read: str) -> Quantity:
     """A number of a parameter, in the unit of this parameter."""
-    return lambda one: getattr(one, name) * base.told_in(one.parameter.unit)[1]
+
+    def told(one: Known) -> float:
+        return getattr(one, read) * base.told_in(one.parameter.unit)[1]
+
+    return Quantity(name, head=head, left=False, read=told, holds=float)
 
 
 def _unit(one: Known) -> str:
@@ -22,10 +24,10 @@ def _unit(one: Known) -> str:
 
 _KNOWN: Schema = (
     Quantity("parameter", head="parameter", read="parameter.name"),
-    Quantity("drawn", head="nominal", left=False, read=_in_unit("drawn"), holds=float),
-    Quantity("value", head="as built", left=False, read=_in_unit("value"), holds=float),
-    Quantity("doubt", head="±", left=False, read=_in_unit("doubt"), holds=float),
-    Quantity("doubt_before", head="± before", left=False, read=_in_unit("before"), holds=float),
+    _in_unit("drawn", "nominal", "drawn"),
+    _in_unit("value", "as built", "value"),
+    _in_unit("doubt", "±", "doubt"),
+    _in_unit("doubt_before", "± before", "before"),
     Quantity("unit", head="unit", read=_unit),
     Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
 )
@@ -41,7 +43,7 @@ _MOVE: Schema = (
     Quantity("share", head="yield", form=base.percent, left=False, holds=float),
 )
 _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
-_PULL: Schema = base.quantities(direction=int, stroke="mm", force="N")
+_PULL = keys(direction=int, stroke="mm", force="N")
 
 
 def _seen(shape: Shape) -> Schema:
@@ -59,60 +61,47 @@ def _seen(shape: Shape) -> Schema:
 def as_built_schema(shape: Shape) -> Schema:
     """What is reported of a build."""
     return (
-        Quantity("title", read="drawing.title"),
-        *base.quantities(advice=str, target=str, share=float, moves=[_MOVE], hole="mm"),
-        Quantity("wrong_hole", holds=float, read="chance"),
-        Quantity("wrong_holes", holds=[_WRONG], read="wrong"),
-        *base.quantities(seen=_seen(shape), known=[_KNOWN]),
-        Quantity("drawn", holds=int, read="samples"),
-        *base.quantities(agreeing=float, wider=float),
-        Quantity("anchor", "mm", read="tolerances.anchor"),
-        Quantity("stiffness", "percent", read="tolerances.stiffness"),
+        *keys(title=(str, "drawing.title"), advice=str, target=str, share=float, moves=[_MOVE]),
+        *keys(hole="mm", wrong_hole=(float, "chance"), wrong_holes=([_WRONG], "wrong")),
+        *keys(seen=_seen(shape), known=[_KNOWN], drawn=(int, "samples"), agreeing=float),
+        *keys(wider=float, anchor=("mm", "tolerances.anchor")),
+        *keys(stiffness=("percent", "tolerances.stiffness")),
     )
 
 
 def as_built_account(found: AsBuilt, about: About) -> Account:
     """What is reported of a build."""
     drawing = found.drawing
+    after = base.percent(found.moves[0].share) if found.moves else ""
+    facts = (
+        Fact("Target", found.target),
+        Fact("Yield as built", base.percent(found.share)),
+        Fact("Yield after the move", after),
+        Fact("Observed", _observed(found), TERMINAL),
+        Fact("Samples", _samples(found), TERMINAL),
+        Fact("Holes", _holes(found)),
+    )
+    moves = "The best moves, and the yield after each."
+    known = "Means and standard deviations, with those before the observation."
     return Account(
         found,
-        title=drawing.title or "A first build",
-        kind="lab.as_built/2",
-        schema=as_built_schema(Shape.of(drawing)),
+        drawing.title or "A first build",
+        "lab.as_built/2",
+        as_built_schema(Shape.of(drawing)),
         origin=f"{cells_of(drawing)}.",
         answer=f"{found.advice}.",
-        seed=found.seed,
-        facts=(
-            Fact("Target", found.target),
-            Fact("Yield as built", base.percent(found.share)),
-            Fact("Yield after the move", base.percent(found.moves[0].share) if found.moves else ""),
-            Fact("Observed", _observed(found), Level.TERMINAL),
-            Fact("Samples", _samples(found), Level.TERMINAL),
-            Fact("Holes", _holes(found)),
-        ),
-        sections=(
-            Section(
-                "Moves of anchors",
-                RecordTable(
-                    _MOVE, "moves", "The best moves, and the yield after each.", more="moves"
-                ),
+        facts=facts,
+        sections={
+            "Moves of anchors": RecordTable(_MOVE, "moves", moves),
+            "As built, as far as observations identify it": RecordTable(
+                _KNOWN, "known", known, more="parameters", level=CARD
             ),
-            Section(
-                "As built, as far as observations identify it",
-                RecordTable(
-                    _KNOWN,
-                    "known",
-                    "Means and standard deviations, with those before the observation.",
-                    more="parameters",
-                    level=Level.CARD,
-                ),
-            ),
-            Section(
-                "Assumptions",
+            "Assumptions": (
                 Text(_ANCHORS if Shape.of(drawing).levers else ""),
-                Notes(_ASSUMED, Level.PAGE),
+                Notes(_ASSUMED, PAGE),
             ),
-        ),
+        },
+        seed=found.seed,
     )
 
 

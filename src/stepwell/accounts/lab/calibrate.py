@@ -2,14 +2,19 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from operator import itemgetter
 
-from stepwell.accounts import parts
-from stepwell.accounts.head import About
-from stepwell.base import Quantity, Schema, counted, number, quantities, rows_of
+from stepwell.accounts.head import About, Row, keys
+from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable, Text, Verbatim
+from stepwell.base import Quantity, Schema, counted, number, rows_of
 from stepwell.lab import Calibration, calibrated_table
 
 _MM = Quantity("stroke", "mm").factor
+
+
+def _snap(name: str, head: str, read: str = "") -> Quantity:
+    return Quantity(name, "mm", head, read, ".2f", none="none")
+
 
 _PARAMETER: Schema = (
     Quantity("name", head="parameter"),
@@ -18,59 +23,49 @@ _PARAMETER: Schema = (
     Quantity("high", head="to", left=False, holds=float),
     Quantity("unit", head="unit"),
 )
-_WEIGHING: Schema = (
-    Quantity("weight", "N"),
-    Quantity("weight_doubt", "N", read="doubt"),
-    Quantity("machine_friction", "N", read="friction"),
-    Quantity("loading_and_unloading", read="both", holds=bool),
+_WEIGHING = keys(
+    weight="N",
+    weight_doubt=("N", "doubt"),
+    machine_friction=("N", "friction"),
+    loading_and_unloading=(bool, "both"),
 )
 _SNAP: Schema = (
     Quantity("series", head="series"),
-    Quantity("measured", "mm", "seen", form=".2f", none="none"),
-    *quantities(spread="mm", reached="mm"),
-    Quantity("plain", "mm", "no fit", form=".2f", none="none"),
-    Quantity("fitted", "mm", "own curves", form=".2f", none="none"),
-    Quantity("left_out", "mm", "left out", form=".2f", none="none"),
-    Quantity("doubt", "mm", "±", form=".2f", none="none"),
-    *quantities(covered=bool | None, order_seen=[str]),
-    Quantity("order_predicted", holds=[str], read="order"),
-    Quantity("order_error_ratio", holds=float, read="ratio"),
+    _snap("measured", "seen"),
+    *keys(spread="mm", reached="mm"),
+    _snap("plain", "no fit"),
+    _snap("fitted", "own curves"),
+    _snap("left_out", "left out"),
+    _snap("doubt", "±"),
+    *keys(covered=bool | None, order_seen=[str], order_predicted=([str], "order")),
+    *keys(order_error_ratio=(float, "ratio")),
 )
 _SNAP_ERRORS: Schema = tuple(
     Quantity(name, holds=float, read=lambda found, name=name: found.snap_error(name))
     for name in ("plain", "fitted", "left_out")
 )
-_INTERVALS: Schema = (
-    Quantity("of", holds=int, read=lambda coverage: coverage[1]),
-    Quantity("hold", holds=int, read=lambda coverage: coverage[0]),
+_INTERVALS = keys(of=(int, itemgetter(1)), hold=(int, itemgetter(0)))
+_PLACE = Quantity(
+    "d", "mm", "d", "sample.geometry", lambda d: f"({d[0]:g}, {d[1]:g})", left=True, holds=[float]
 )
 _ERROR: Schema = (
     Quantity("series", head="series", read="sample.name"),
-    Quantity(
-        "d",
-        "mm",
-        "d",
-        "sample.geometry",
-        lambda d: f"({d[0]:g}, {d[1]:g})",
-        left=True,
-        holds=[float],
-    ),
-    Quantity("bands", holds=int, read="sample.bands"),
-    Quantity("in_pair", holds=bool, read="sample.in_pair"),
+    _PLACE,
+    *keys(bands=(int, "sample.bands"), in_pair=(bool, "sample.in_pair")),
     Quantity("fit", "over_kr", "fit", form=".3f"),
     Quantity("left_out", "over_kr", "left out", form=".3f"),
 )
-_MEAN: Schema = quantities(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
-_CORRELATED: Schema = quantities(parameter=str, other=str, correlation=float)
+_MEAN = keys(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
+_CORRELATED = keys(parameter=str, other=str, correlation=float)
 
 
-def _errors(found: Calibration) -> Sequence[parts.Row]:
+def _errors(found: Calibration) -> Sequence[Row]:
     """The errors of each cell in a series, fitted and left out [k r]."""
     fit, left_out = found.fit_error, found.left_out_error
     return rows_of({"sample": found.samples, "fit": fit, "left_out": left_out})
 
 
-def _means(found: Calibration) -> Sequence[parts.Row]:
+def _means(found: Calibration) -> Sequence[Row]:
     """The mean errors of the cells with so many bands [k r]."""
     return [
         {
@@ -116,88 +111,62 @@ def summary(found: Calibration) -> list[str]:
 
 # What is reported of a calibration.
 CALIBRATE: Schema = (
-    Quantity("data_sha256", holds={str: str}),
-    Quantity("summary", holds=[str], read=summary),
-    Quantity("law"),
-    Quantity("k", "N/m", read="reference"),
-    Quantity("parameters", holds=[_PARAMETER]),
+    *keys(data_sha256={str: str}, summary=([str], summary), law=str, k=("N/m", "reference")),
+    *keys(parameters=[_PARAMETER]),
     Quantity("weighing", holds=_WEIGHING, missing=True),
-    *quantities(compliance="mm/N", scatter="percent", snaps=[_SNAP]),
+    *keys(compliance="mm/N", scatter="percent", snaps=[_SNAP]),
     Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda found: found),
-    Quantity("intervals_that_hold", holds=_INTERVALS, read="coverage"),
-    Quantity("orders_right", holds=[int], read="orders"),
-    Quantity("errors", holds=[_ERROR], read=_errors),
-    Quantity("mean_errors", holds=[_MEAN], read=_means),
-    Quantity("correlations", holds={str: {str: float}}, read=_correlations),
-    Quantity("not_told_apart", holds=[_CORRELATED], read="tied"),
-    Quantity("open", holds=[str]),
-    Quantity("told", holds=[str], read="notes"),
-    Quantity("table"),
+    *keys(intervals_that_hold=(_INTERVALS, "coverage"), orders_right=([int], "orders")),
+    *keys(errors=([_ERROR], _errors), mean_errors=([_MEAN], _means)),
+    *keys(correlations=({str: {str: float}}, _correlations)),
+    *keys(not_told_apart=([_CORRELATED], "tied"), open=[str], told=([str], "notes"), table=str),
 )
 
 
-def calibration_account(found: Calibration, about: About) -> parts.Account:
+def calibration_account(found: Calibration, about: About) -> Account:
     """What is reported of a calibration."""
     answer, *rest = summary(found)
     table = calibrated_table(found, about.source or "")
-    return parts.Account(
-        found,
-        title="Bands calibrated on cells",
-        kind="lab.calibrate/2",
-        schema=CALIBRATE,
-        answer=answer,
-        given={"data_sha256": about.data_sha256, "table": table},
-        facts=(
-            parts.Fact("Force law", found.law),
-            parts.Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
-        ),
-        sections=(
-            parts.Section("Predictions", parts.Notes(rest, parts.Level.CARD)),
-            parts.Section(
-                "Parameters, each with its 95 % interval by leaving out a geometry",
-                parts.RecordTable(
-                    _PARAMETER, "parameters", most=None, more="parameters", level=parts.Level.CARD
-                ),
-            ),
-            parts.Section(
-                "First snaps",
-                parts.RecordTable(
-                    _SNAP,
-                    "snaps",
-                    "Seen and predicted; no snap has a part in a fit.",
-                    most=None,
-                    pick=lambda rows: [one for one in rows if _snaps(one)],
-                ),
-            ),
-            parts.Section(
-                "Root mean square errors in k r",
-                parts.Picture("calibration", "Fitted and measured forces"),
-                parts.RecordTable(_ERROR, "errors", most=None, more="curves"),
-            ),
-            parts.Section("Correlated parameters", parts.Text(_correlated(found))),
-            parts.Section("Not identified by these recordings", parts.Notes(found.open)),
-            parts.Section("For a design file", parts.Verbatim(table.rstrip(), "Band table")),
-            parts.Section("Used, dropped and odd", parts.Notes(found.notes)),
-            parts.Section(
-                "Assumptions",
-                parts.Text(
-                    "Intervals are those of the jackknife over geometries, taken as "
-                    "independent; samples along a stroke are not independent."
-                ),
-            ),
-        ),
+    facts = (
+        Fact("Force law", found.law),
+        Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
     )
-
-
-def _snaps(row: dict[str, Any]) -> bool:
-    """Whether there is a snap, seen or predicted."""
-    return any(row[f"{name}_mm"] is not None for name in ("measured", "plain", "left_out"))
-
-
-def _correlated(found: Calibration) -> str:
-    each = ", ".join(
+    tied = ", ".join(
         f"{one.parameter} and {one.other} ({one.correlation:+.2f})" for one in found.tied
     )
-    if not each:
-        return "The data identify each parameter by itself."
-    return f"The data do not identify these parameters separately: {each}."
+    assumed = (
+        "Intervals are those of the jackknife over geometries, taken as independent; samples along "
+        "a stroke are not independent."
+    )
+    title = "Bands calibrated on cells"
+    sections = {
+        "Predictions": Notes(rest, CARD),
+        "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
+            _PARAMETER, "parameters", most=None, more="parameters", level=CARD
+        ),
+        "First snaps": RecordTable(_SNAP, "snaps", _SEEN, most=None, pick=_snapping),
+        "Root mean square errors in k r": (
+            Picture("calibration", "Fitted and measured forces"),
+            RecordTable(_ERROR, "errors", most=None, more="curves"),
+        ),
+        "Correlated parameters": Text(
+            f"The data do not identify these parameters separately: {tied}."
+            if tied
+            else "The data identify each parameter by itself."
+        ),
+        "Not identified by these recordings": Notes(found.open),
+        "For a design file": Verbatim(table.rstrip(), "Band table"),
+        "Used, dropped and odd": Notes(found.notes),
+        "Assumptions": Text(assumed),
+    }
+    given = {"data_sha256": about.data_sha256, "table": table}
+    return Account(found, title, "lab.calibrate/2", CALIBRATE, answer, facts, sections, given=given)
+
+
+_SEEN = "Seen and predicted; no snap has a part in a fit."
+
+
+def _snapping(rows: Sequence[Row]) -> list[Row]:
+    """The rows with a snap, seen or predicted."""
+    names = "measured_mm", "plain_mm", "left_out_mm"
+    return [row for row in rows if any(row[name] is not None for name in names)]

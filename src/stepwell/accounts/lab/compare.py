@@ -5,17 +5,16 @@ from functools import partial
 from typing import Any
 
 from stepwell import base
-from stepwell.accounts import parts
-from stepwell.accounts.head import About, of_class
-from stepwell.base import Quantity, Schema
+from stepwell.accounts.head import About, Row, keys, of_class
+from stepwell.accounts.parts import CARD, TERMINAL, Account, Fact, Notes, Picture, RecordTable, Text
+from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
 _MM = Quantity("stroke", "mm").factor
 
-_RIG: Schema = base.quantities(
+_RIG = keys(
     stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
 )
-_MEANS: Schema = base.quantities(bands=int, rmse="over_kr")
 _RISE: Schema = (
     Quantity("from", "mm", read="start"),
     Quantity("to", "mm", read="end"),
@@ -29,22 +28,22 @@ def _both(name: str) -> Any:
 
 
 def _of_both(kind: type) -> Schema:
-    return base.quantities(measured=kind, model=kind)
+    return keys(measured=kind, model=kind)
 
 
 def _beside(both: Mapping[str, float]) -> str:
     return f"{both['measured']:.3f} ({both['model']:.3f})"
 
 
+def _sources(name: str) -> Any:
+    return lambda test: [one.source for one in getattr(test.series, name)]
+
+
 _EACH: Schema = (
     Quantity("series", head="series", read="series.name"),
     Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
-    Quantity("runs", holds=[str], read=lambda test: [one.source for one in test.series.recordings]),
-    Quantity(
-        "baseline", holds=[str], read=lambda test: [one.source for one in test.series.baseline]
-    ),
-    Quantity("told", holds=[str], read="series.told"),
-    Quantity("k_r", "N", read="series.scale"),
+    *keys(runs=([str], _sources("recordings")), baseline=([str], _sources("baseline"))),
+    *keys(told=([str], "series.told"), k_r=("N", "series.scale")),
     Quantity("rmse", "over_kr", "RMSE", form=".3f"),
     Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
     Quantity("max", "over_kr", "max", "worst", ".3f"),
@@ -58,38 +57,40 @@ _CELL = of_class(
         Quantity("F0", "N", "F0", _both("force_0"), _beside, holds=_of_both(float)),
         Quantity("F1", "N", "F1", _both("force_1"), _beside, holds=_of_both(float)),
         Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside, holds=_of_both(float)),
-        Quantity("bistable", read=_both("is_bistable"), holds=_of_both(bool)),
-        Quantity("rises", holds=[_RISE]),
+        *keys(bistable=(_of_both(bool), _both("is_bistable")), rises=[_RISE]),
     ),
 )
+
+
+def _order(name: str, head: str, read: str) -> Quantity:
+    def names(test: PairTest) -> Any:
+        return test.names(getattr(test, read))
+
+    return Quantity(name, "", head, names, " then ".join, holds=[str])
+
+
+def _held(name: str) -> Any:
+    return "N", lambda test: getattr(test, name) if test.held else None
+
+
 _PAIR = of_class(
     PairTest,
     (
-    Quantity(
-        "order_shown", "", "order shown", lambda test: test.names(test.shown), " then ".join,
-        holds=[str],
+        _order("order_shown", "order shown", "shown"),
+        _order("order_predicted", "model", "predicted"),
+        *keys(order_tie=(bool, "tie")),
+        Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False, holds=float),
+        Quantity("snaps", "mm", holds=[[float]]),
+        Quantity("slips", "mm", holds=[[float]]),
+        *keys(missing_samples=([int], "missing")),
+        *keys(snap_mean=("mm", lambda test: test.snap_strokes[0])),
+        *keys(snap_spread=("mm", lambda test: test.snap_strokes[1]), snap_doubt=("mm", "doubt")),
+        *keys(snap_off=("sigma", "sigmas"), snaps_agree=(bool, "right_snaps"), warning=str),
+        Quantity("snaps_predicted", "mm", holds=[float]),
+        Quantity("snaps_with_friction", "mm", holds=[float]),
+        *keys(pull=_held("pull"), hold=_held("hold")),
     ),
-    Quantity(
-        "order_predicted", "", "model", lambda test: test.names(test.predicted), " then ".join,
-        holds=[str],
-    ),
-    Quantity("order_tie", read="tie", holds=bool),
-    Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False, holds=float),
-    Quantity("snaps", "mm", holds=[[float]]),
-    Quantity("slips", "mm", holds=[[float]]),
-    Quantity("missing_samples", read="missing", holds=[int]),
-    Quantity("snap_mean", "mm", read=lambda test: test.snap_strokes[0]),
-    Quantity("snap_spread", "mm", read=lambda test: test.snap_strokes[1]),
-    Quantity("snap_doubt", "mm", read="doubt"),
-    Quantity("snap_off", "sigma", read="sigmas"),
-    Quantity("snaps_agree", read="right_snaps", holds=bool),
-    Quantity("warning"),
-    Quantity("snaps_predicted", "mm", holds=[float]),
-    Quantity("snaps_with_friction", "mm", holds=[float]),
-    Quantity("pull", "N", read=lambda test: test.pull if test.held else None),
-    Quantity("hold", "N", read=lambda test: test.hold if test.held else None),
-    ),
-)  # fmt: skip
+)
 _SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
 _PAIR_COLUMNS: base.Columns = tuple(
     base.Column(one.head, lambda pair, one=one: "a tie" if pair["order_tie"] else one.cell(pair))
@@ -99,93 +100,64 @@ _PAIR_COLUMNS: base.Columns = tuple(
 )
 
 
-def _means(found: Comparison) -> Sequence[parts.Row]:
+def _means(found: Comparison) -> Sequence[Row]:
     """The mean error of the unit cells with so many bands [k r]."""
     counts = sorted({test.series.bands for test in found.cells})
     return base.rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
 
 
-def series_account(found: CellTest | PairTest, about: About) -> parts.Account:
+def series_account(found: CellTest | PairTest, about: About) -> Account:
     """What a notebook shows of a single series."""
-    return parts.Account(found, found.series.name, answer=f"{found.verdict}.")
+    return Account(found, found.series.name, answer=f"{found.verdict}.")
 
 
 # What is reported of a comparison.
 COMPARE: Schema = (
-    *base.quantities(data_sha256={str: str}, designs_sha256={str: str}),
-    Quantity("bar", "mm", read="rig.bar"),
-    Quantity("rig", holds=_RIG),
-    Quantity("mean_rmse", "over_kr", holds=[_MEANS], read=_means),
-    Quantity("series", holds=[_SERIES], read="tests"),
-    Quantity("told", holds=[str]),
-    Quantity("not_judged", read=lambda _: NOT_JUDGED),
+    *keys(data_sha256={str: str}, designs_sha256={str: str}, bar=("mm", "rig.bar"), rig=_RIG),
+    Quantity("mean_rmse", "over_kr", holds=[keys(bands=int, rmse="over_kr")], read=_means),
+    *keys(series=([_SERIES], "tests"), told=[str], not_judged=(str, lambda _: NOT_JUDGED)),
     Quantity("rise", "over_kr", read=lambda _: RISE),
 )
 
 
-def comparison_account(found: Comparison, about: About) -> parts.Account:
+def comparison_account(found: Comparison, about: About) -> Account:
     """What is reported of a comparison."""
     cells, pairs, tests = found.cells, found.pairs, found.tests
-
-    return parts.Account(
-        found,
-        title="Measured against model",
-        kind="lab.compare/2",
-        schema=COMPARE,
-        answer=_answer(found),
-        given={"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256},
-        facts=(
-            parts.Fact("Unit cells", f"{len(cells)}" if cells else ""),
-            parts.Fact("Pairs", f"{len(pairs)}" if pairs else ""),
-            parts.Fact("Mean RMSE of unit cells", _mean_words(found)),
-            parts.Fact("Force rises", _rises(cells), parts.Level.TERMINAL),
-        ),
-        sections=(
-            parts.Section(
-                "Verdicts",
-                parts.Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
-                parts.Picture("forces", "Forces of unit cells, measured and modelled"),
-                parts.Picture("energies", "Energies of unit cells, measured and modelled"),
-                parts.Picture("pairs", "Forces of pairs, measured and modelled"),
-            ),
-            parts.Section(
-                "Unit cells: measured (model); errors in k r and k r²",
-                parts.RecordTable(
-                    (*_EACH, *_CELL),
-                    "series",
-                    most=None,
-                    pick=partial(_of_kind, "cell"),
-                    more="unit cells",
-                    level=parts.Level.CARD,
-                ),
-            ),
-            parts.Section(
-                "Pairs: errors in k r; ratio of the errors against the two orders",
-                parts.RecordTable(
-                    _PAIR_COLUMNS,
-                    "series",
-                    most=None,
-                    pick=partial(_of_kind, "pair"),
-                    more="pairs",
-                    level=parts.Level.TERMINAL if cells else parts.Level.CARD,
-                ),
-            ),
-            parts.Section("Rig", parts.Text(_rig_words(found.rig) if pairs else "")),
-            parts.Section(
-                "Used, dropped and odd",
-                parts.Notes(
-                    [
-                        *(f"{t.series.name}: {line}" for t in tests for line in t.series.told),
-                        *found.told,
-                    ]
-                ),
-            ),
-            parts.Section("Assumptions", parts.Text(NOT_JUDGED)),
-        ),
+    of_cells, of_pairs = partial(_of_kind, "cell"), partial(_of_kind, "pair")
+    means = (f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in _means(found))
+    facts = (
+        Fact("Unit cells", f"{len(cells)}" if cells else ""),
+        Fact("Pairs", f"{len(pairs)}" if pairs else ""),
+        Fact("Mean RMSE of unit cells", "; ".join(means)),
+        Fact("Force rises", _rises(cells), TERMINAL),
     )
+    verdicts = Notes([f"{test.series.name}: {test.verdict}" for test in tests])
+    odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.told]
+    level = TERMINAL if cells else CARD
+    title = "Measured against model"
+    answer = _answer(found)
+    sections = {
+        "Verdicts": (
+            verdicts,
+            Picture("forces", "Forces of unit cells, measured and modelled"),
+            Picture("energies", "Energies of unit cells, measured and modelled"),
+            Picture("pairs", "Forces of pairs, measured and modelled"),
+        ),
+        "Unit cells: measured (model); errors in k r and k r²": RecordTable(
+            (*_EACH, *_CELL), "series", "", (), None, "unit cells", CARD, of_cells
+        ),
+        "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
+            _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_pairs
+        ),
+        "Rig": Text(_rig_words(found.rig) if pairs else ""),
+        "Used, dropped and odd": Notes([*odd, *found.told]),
+        "Assumptions": Text(NOT_JUDGED),
+    }
+    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
+    return Account(found, title, "lab.compare/2", COMPARE, answer, facts, sections, given=given)
 
 
-def _of_kind(kind: str, series: Sequence[parts.Row]) -> list[parts.Row]:
+def _of_kind(kind: str, series: Sequence[Row]) -> list[Row]:
     return [one for one in series if one["kind"] == kind]
 
 
@@ -193,14 +165,9 @@ def _answer(found: Comparison) -> str:
     ordered = [pair for pair in found.pairs if not pair.tie]
     right = sum(pair.shown == pair.predicted for pair in ordered)
     agreed = sum(cell.agrees for cell in found.cells)
-    of_pairs = f"{right} of {base.counted(len(ordered), 'pair')} in the predicted order"
-    of_cells = f"{agreed} of {base.counted(len(found.cells), 'unit cell')} agree with the model"
+    of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
+    of_cells = f"{agreed} of {counted(len(found.cells), 'unit cell')} agree with the model"
     return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(found.cells))
-
-
-def _mean_words(found: Comparison) -> str:
-    means = _means(found)
-    return "; ".join(f"{m['rmse']:.3f} k r with {base.counted(m['bands'], 'band')}" for m in means)
 
 
 def _rises(cells: Sequence[CellTest]) -> str:
@@ -208,8 +175,8 @@ def _rises(cells: Sequence[CellTest]) -> str:
     if not cells:
         return ""
     found = [
-        f"{test.series.name} by {one.height:.2g} N from {base.number(one.start * _MM)} to "
-        f"{base.number(one.end * _MM)} mm"
+        f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
+        f"{number(one.end * _MM)} mm"
         for test in cells
         for one in test.rises
     ]
@@ -224,6 +191,6 @@ def _rig_words(rig: Rig) -> str:
         f"Predicted snaps are at the strokes of the machine: travels {rig.stretch:.4g} times "
         f"nominal, {rig.start_loading * _MM:+.2f} mm before loading, "
         f"{rig.start_unloading * _MM:+.2f} mm before unloading; the compliance of the rig "
-        f"is {base.amount(rig.compliance, 'm/N', 2)}, its own friction "
-        f"{base.amount(rig.friction, 'N', 2)}."
+        f"is {amount(rig.compliance, 'm/N', 2)}, its own friction "
+        f"{amount(rig.friction, 'N', 2)}."
     )

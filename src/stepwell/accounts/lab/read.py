@@ -1,13 +1,13 @@
 """Recordings: what each file holds, and what is odd about it."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import PurePath
-from typing import Any
 
 from stepwell import base
-from stepwell.accounts.head import About
-from stepwell.accounts.parts import Account, Fact, Level, Notes, RecordTable, Row, Section
+from stepwell.accounts.chain import label_of, with_sign
+from stepwell.accounts.head import About, Row, keys
+from stepwell.accounts.parts import CARD, Account, Fact, Notes, RecordTable
 from stepwell.base import Quantity
 from stepwell.lab import Batch, Recording, hashes
 
@@ -19,19 +19,16 @@ _RECORDING: base.Schema = (
     Quantity("samples", head="samples", read=len, holds=int, left=False),
     Quantity("rate", "Hz", "rate"),
     Quantity("speed", "mm_s", "speed", form=3),
-    Quantity("stroke_from", "mm", read=lambda one: one.stroke[0]),
-    Quantity("stroke_to", "mm", read=lambda one: one.stroke[-1]),
-    Quantity("stroke_range", "mm", read=lambda one: one.stroke.max() - one.stroke.min()),
-    Quantity("force_from", "N", read=lambda one: one.force[0]),
-    Quantity("force_least", "N", read=lambda one: one.force.min()),
-    Quantity("force_most", "N", read=lambda one: one.force.max()),
+    *keys(stroke_from=("mm", lambda r: r.stroke[0]), stroke_to=("mm", lambda r: r.stroke[-1])),
+    *keys(stroke_range=("mm", lambda one: one.stroke.max() - one.stroke.min())),
+    *keys(force_from=("N", lambda r: r.force[0]), force_least=("N", lambda r: r.force.min())),
+    *keys(force_most=("N", lambda one: one.force.max())),
     Quantity("direction", head="direction"),
     Quantity("halves", head="halves", read=lambda one: len(one.halves), holds=int, left=False),
     Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]),
 )
-
-
 _READ: base.Schema = (*base.read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
+_REFUSED = keys(source=(str, "name"), problem=str)
 
 
 def _rows(batch: Batch) -> Sequence[Row]:
@@ -40,11 +37,8 @@ def _rows(batch: Batch) -> Sequence[Row]:
 
 # What is reported of recordings.
 READ: base.Schema = (
-    Quantity("data_sha256", holds={str: str}, read=lambda batch: hashes(batch.recordings)),
-    Quantity("recordings", holds=[_READ], read=_rows),
-    *base.quantities(
-        refused=[(Quantity("source", read="name"), Quantity("problem"))], ignored=[str]
-    ),
+    *keys(data_sha256=({str: str}, lambda batch: hashes(batch.recordings))),
+    *keys(recordings=([_READ], _rows), refused=[_REFUSED], ignored=[str]),
 )
 
 
@@ -53,44 +47,32 @@ def batch_account(found: Batch, about: About) -> Account:
     odd = [f"{one['recording'].source}: {line}" for one in _rows(found) for line in one["odd"]]
     read, refused = len(found.recordings), len(found.refused)
     not_read = f"; {base.counted(refused, 'file')} could not be read" * (refused > 0)
-    return Account(
-        found,
-        title="Recordings",
-        kind="lab.read/1",
-        schema=READ,
-        origin=f"{base.counted(read + refused, 'file')} tried.",
-        answer=f"{base.counted(read, 'recording')} read{not_read}",
-        facts=(
-            Fact("Samples", f"{sum(map(len, found.recordings))}"),
-            Fact("Oddities", f"{len(odd)}"),
-            Fact("Not read", f"{refused}"),
-        ),
-        sections=(
-            Section(
-                "Recordings",
-                RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=Level.CARD),
-            ),
-            Section("Oddities", Notes(odd)),
-            Section("Not read", Notes([str(one) for one in found.refused])),
-            Section("Not tried", Notes(_ignored(found))),
-        ),
+    facts = (
+        Fact("Samples", f"{sum(map(len, found.recordings))}"),
+        Fact("Oddities", f"{len(odd)}"),
+        Fact("Not read", f"{refused}"),
     )
+    table = RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=CARD)
+    answer = f"{base.counted(read, 'recording')} read{not_read}"
+    sections = {
+        "Recordings": table,
+        "Oddities": Notes(odd),
+        "Not read": Notes([str(one) for one in found.refused]),
+        "Not tried": Notes(_ignored(found)),
+    }
+    origin = f"{base.counted(read + refused, 'file')} tried."
+    return Account(found, "Recordings", "lab.read/1", READ, answer, facts, sections, origin=origin)
 
 
 def recording_account(found: Recording, about: About) -> Account:
     """What a notebook shows of a recording."""
     known = base.record(_RECORDING, found)
-    texts = {
-        q.head or q.name.replace("_", " "): f"{q.text(known[q.key])} {q.sign}".strip()
+    facts = [
+        Fact(base.headed(label_of(q)), with_sign(q, known[q.key]))
         for q in _RECORDING
-        if q.name not in ("source", "turns") and known[q.key] is not None
-    }
-    return Account(
-        found,
-        title=f"Recording {found.name}",
-        answer="; ".join(found.remarks),
-        facts=[Fact(base.headed(label), text) for label, text in texts.items()],
-    )
+        if q.name not in ("source", "turns")
+    ]
+    return Account(found, f"Recording {found.name}", answer="; ".join(found.remarks), facts=facts)
 
 
 def _ignored(found: Batch) -> list[str]:
@@ -100,7 +82,7 @@ def _ignored(found: Batch) -> list[str]:
     return [f"{each}. A file that is named is always tried."] if each else []
 
 
-def _strokes(row: Mapping[str, Any]) -> str:
+def _strokes(row: Row) -> str:
     """Where the stroke began, turned and ended; of many turns the first two and the last."""
     points = [row["stroke_from_mm"], *row["turns_mm"], row["stroke_to_mm"]]
     texts = [base.number(one) for one in points]
@@ -109,18 +91,14 @@ def _strokes(row: Mapping[str, Any]) -> str:
     return " to ".join(texts)
 
 
-def _forces(row: Mapping[str, Any]) -> str:
+def _forces(row: Row) -> str:
     return f"{base.number(row['force_least_N'])} to {base.number(row['force_most_N'])}"
 
 
-def _columns() -> base.Columns:
-    shown = [quantity for quantity in _RECORDING if quantity.head]
-    return [
-        *shown[:4],
-        base.Column("stroke [mm]", _strokes, True),
-        base.Column("force [N]", _forces, True),
-        *shown[4:],
-    ]
-
-
-_COLUMNS = _columns()
+_SHOWN = [quantity for quantity in _RECORDING if quantity.head]
+_COLUMNS = (
+    *_SHOWN[:4],
+    base.Column("stroke [mm]", _strokes, True),
+    base.Column("force [N]", _forces, True),
+    *_SHOWN[4:],
+)

@@ -1,9 +1,10 @@
 """An account as a card: HTML that suits light and dark notebooks."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 
-from stepwell.accounts.parts import Account, Level, Notes, RecordTable, Row, Text
+from stepwell.accounts.head import Row
+from stepwell.accounts.parts import CARD, Account, Notes, RecordTable, Text, text_of
 from stepwell.base import headed, printable, shown
 
 # Rows of a table and letters of a sentence; all else is in the value itself.
@@ -17,81 +18,73 @@ _CARD = (
 )
 _CELL = "padding:0.15em 1.1em 0.15em 0;border:0;background:none;vertical-align:top;text-align:"
 _FAINT = "opacity:0.7;font-weight:normal"
+_NUMBERS = "white-space:nowrap;font-variant-numeric:tabular-nums"
 
 
 def card(account: Account) -> str:
-    """What a notebook shows of a result.
-
-    Args:
-        account: of the result.
-
-    Returns:
-        HTML with inline styles: no script, nothing fetched, all text escaped.
-    """
-    parts = [f"<strong>{_safe(account.title)}</strong>"]
-    parts += map(_sentence, filter(None, (account.answer, account.origin)))
-    parts += [_sentence(line) for warned in account.warnings for line in warned.lines]
-    rows = (
-        f'<tr style="background:none"><th scope="row" style="{_CELL}left;{_FAINT}">'
-        f'{_safe(headed(label))}</th><td style="{_CELL}left">{_safe(_short(text))}</td></tr>'
-        for label, text in account.known(Level.CARD).items()
+    """What a notebook shows of a result: HTML with inline styles, no script, all text escaped."""
+    found = [f"<strong>{_safe(account.title)}</strong>"]
+    found += map(_sentence, filter(None, (account.answer, account.origin)))
+    found += [_sentence(line) for warned in account.warnings for line in warned.lines]
+    facts = (
+        f'<th scope="row" style="{_CELL}left;{_FAINT}">{_safe(headed(label))}</th>'
+        f'<td style="{_CELL}left">{_short(text)}</td>'
+        for label, text in account.known(CARD).items()
     )
-    parts.append(_rows("", rows))
-    for section in account.sections:
-        for part in section.within(Level.CARD):
+    found.append(_rows("", facts))
+    for _, parts in account.within(CARD):
+        for part in parts:
             if isinstance(part, RecordTable):
-                parts.append(_table(part, account.rows(part)))
-            elif isinstance(part, Text) and part.text:
-                parts.append(_sentence(part.text))
-            elif isinstance(part, Notes):
-                parts += map(_sentence, part.lines)
-    return f'<div style="{_CARD}">{"".join(parts)}</div>'
+                found.append(_table(part, account.rows(part)))
+            elif isinstance(part, Text | Notes):
+                lines = [text_of(part)] if isinstance(part, Text) else part.lines
+                found += map(_sentence, filter(None, lines))
+    return f'<div style="{_CARD}">{"".join(found)}</div>'
 
 
 def _sentence(text: str) -> str:
-    return f'<div style="max-width:52em">{_safe(headed(_short(text)))}</div>'
+    return f'<div style="max-width:52em">{_short(text, headed)}</div>'
 
 
 def _table(table: RecordTable, rows: Sequence[Row]) -> str:
     columns = shown(table.columns)
     if not columns or not rows:
         return ""
-    sides = ["right" if column.numeric else "left" for column in columns]
+    sides = [(one, "right" if one.numeric else "left") for one in columns]
     heads = (
         f'<th scope="col" style="{_CELL}{side};white-space:nowrap;{_FAINT}">'
         f"{_safe(headed(column.heading))}</th>"
-        for column, side in zip(columns, sides, strict=True)
+        for column, side in sides
     )
     body = (
-        '<tr style="background:none">'
-        + "".join(
-            f'<td style="{_CELL}{side};white-space:nowrap;font-variant-numeric:tabular-nums">'
-            f"{_safe(_short(column.cell(row)))}</td>"
-            for column, side in zip(columns, sides, strict=True)
+        "".join(
+            f'<td style="{_CELL}{side};{_NUMBERS}">{_short(column.cell(row))}</td>'
+            for column, side in sides
         )
-        + "</tr>"
         for row in rows[:_ROWS]
     )
-    found = _rows(f'<tr style="background:none">{"".join(heads)}</tr>', body)
     left = len(rows) - _ROWS
     more = f'<div style="{_FAINT}">and {left} more of the {_safe(table.more)}</div>'
-    return found + more * (left > 0)
+    return _rows("".join(heads), body) + more * (left > 0)
 
 
 def _rows(head: str, rows: Iterable[str]) -> str:
-    body = "".join(rows)
+    body = "".join(f"{_ROW}{row}</tr>" for row in rows)
     if not body:
         return ""
-    above = f'<thead style="border-bottom:1px solid {_LINE}">{head}</thead>' if head else ""
+    line = f'<thead style="border-bottom:1px solid {_LINE}">{_ROW}{head}</tr></thead>'
     return (
         '<table style="border-collapse:collapse;border:0;margin:0.4em 0 0.1em;font-size:inherit">'
-        f"{above}<tbody>{body}</tbody></table>"
+        f"{line if head else ''}<tbody>{body}</tbody></table>"
     )
+
+
+_ROW = '<tr style="background:none">'
 
 
 def _safe(text: str) -> str:
     return escape(printable(text))
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= _LETTERS else f"{text[:_LETTERS]}…"
+def _short(text: str, form: Callable[[str], str] = str) -> str:
+    return _safe(form(text if len(text) <= _LETTERS else f"{text[:_LETTERS]}…"))

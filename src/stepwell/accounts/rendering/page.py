@@ -4,10 +4,12 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from itertools import groupby
 from string import Template
 from typing import NamedTuple
 
 from stepwell.accounts import parts
+from stepwell.accounts.head import Row
 from stepwell.base import Column, Quantity, __version__, headed, shown
 
 # Longer tables help no reader; the files in the same folder have everything.
@@ -52,44 +54,54 @@ def page(
     Returns:
         HTML text. It loads nothing, and runs nothing but the replay.
     """
-    drawn = pictures or {}
     template = Template((files("stepwell.accounts.rendering") / "page.html").read_text("utf-8"))
+    sections = (
+        (heading, _section(account, found, pictures or {}, motion))
+        for heading, found in account.within(parts.PAGE)
+    )
     return template.substitute(
         version=escape(__version__),
         title=escape(account.title),
         origin=escape(account.origin),
         answer=escape(arrows(minus(sentence(account.answer)))),
-        facts=_facts(account.known(parts.Level.PAGE)),
+        facts=_facts(account.known(parts.PAGE)),
         warnings="\n".join(
             f'<div class="warning" role="note"><strong>{escape(one.heading)}.</strong> '
             f"{escape(one.text)}{_list(one.lines)}</div>"
             for one in account.warnings
             if one.lines
         ),
-        body="\n".join(_section(account, one, drawn, motion) for one in account.sections),
+        body="\n".join(
+            f"<section>\n<h2>{escape(heading)}</h2>\n{inside}\n</section>" if inside else ""
+            for heading, inside in sections
+        ),
     )
 
 
-def _section(
-    account: parts.Account, section: parts.Section, drawn: Mapping[str, FigurePair], motion: str
-) -> str:
+_Drawn = Mapping[str, FigurePair]
+
+
+def _section(account: parts.Account, of: Iterable[parts.Part], drawn: _Drawn, motion: str) -> str:
+    """What is under a heading; figures that follow each other are side by side if there is room."""
     found: list[str] = []
-    figures: list[str] = []
-    for part in section.within(parts.Level.PAGE):
-        if isinstance(part, parts.Picture):
-            if part.name in drawn:
-                figures.append(_figure(part.caption, drawn[part.name]))
-            continue
-        found += _beside(figures)
-        is_table = isinstance(part, parts.RecordTable)
-        found.append(_table(part, account.rows(part)) if is_table else _part(part, motion))
-    inside = "\n".join(filter(None, [*found, *_beside(figures)]))
-    return f"<section>\n<h2>{escape(section.heading)}</h2>\n{inside}\n</section>" if inside else ""
+    for kind, group in groupby(of, type):
+        if kind is parts.Picture:
+            known = (one for one in group if isinstance(one, parts.Picture) and one.name in drawn)
+            figures = "\n".join(_figure(one.caption, drawn[one.name]) for one in known)
+            found.append(f'<div class="figures">\n{figures}\n</div>' if figures else "")
+        else:
+            found += [
+                _table(one, account.rows(one))
+                if isinstance(one, parts.RecordTable)
+                else _part(one, motion)
+                for one in group
+            ]
+    return "\n".join(filter(None, found))
 
 
 def _part(part: parts.Part, motion: str) -> str:
     if isinstance(part, parts.Text):
-        return _paragraph(part.text)
+        return _paragraph(parts.text_of(part))
     if isinstance(part, parts.Notes):
         return _list([sentence(line) for line in part.lines])
     if isinstance(part, parts.Replay):
@@ -125,13 +137,6 @@ def _fact(label: str, text: str) -> str:
     return f"<div><dt>{escape(label)}</dt><dd>{escape(arrows(minus(text)))}</dd></div>"
 
 
-def _beside(figures: list[str]) -> list[str]:
-    """Figures side by side where there is room; they are taken from the list."""
-    found = ['<div class="figures">\n' + "\n".join(figures) + "\n</div>"] if figures else []
-    figures.clear()
-    return found
-
-
 def _figure(caption: str, drawn: FigurePair) -> str:
     """A figure above its caption; without a form for phones, a wide one is scrolled there."""
     (source, width, height), narrow = drawn
@@ -147,24 +152,26 @@ def _figure(caption: str, drawn: FigurePair) -> str:
     return f"<figure{wide}>{image}<figcaption>{text}</figcaption></figure>"
 
 
-def _table(table: parts.RecordTable, rows: Sequence[parts.Row]) -> str:
+def _table(table: parts.RecordTable, rows: Sequence[Row]) -> str:
     if not rows:
         return ""
     columns, about = shown((*table.columns, *table.wide)), table.about
     if len(rows) > MOST_ROWS:
         about = f"{about} The first {MOST_ROWS} of {len(rows)} are shown.".strip()
-    heads = [escape(headed(one.heading)) for one in columns]
-    kinds = ["" if one.numeric else ' class="left"' for one in columns]
-    head = "".join(f'<th scope="col"{k}>{h}</th>' for h, k in zip(heads, kinds, strict=True))
+    kinds = [
+        (one, escape(headed(one.heading)), "" if one.numeric else ' class="left"')
+        for one in columns
+    ]
+    heads = "".join(f'<th scope="col"{kind}>{head}</th>' for _, head, kind in kinds)
     # On a phone a row is a list, and each of its numbers has its heading in front of it.
     body = "\n".join(
         "".join(
             f'<td{kind} data-head="{head}">{escape(_cell(one, row))}</td>'
-            for one, head, kind in zip(columns, heads, kinds, strict=True)
+            for one, head, kind in kinds
         ).join(("<tr>", "</tr>"))
         for row in rows[:MOST_ROWS]
     )
-    inside = f"<table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table>"
+    inside = f"<table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>"
     whole = _scrolled(inside, about.partition(".")[0] or table.more)
     return _paragraph(about, "quiet") + _folded(whole, min(len(rows), MOST_ROWS), "rows")
 

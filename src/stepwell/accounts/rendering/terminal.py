@@ -3,11 +3,12 @@
 import os
 import re
 import shutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from textwrap import TextWrapper
 from typing import Any, NamedTuple
 
-from stepwell.accounts.parts import Account, Level, Notes, Part, RecordTable, Text, Verbatim
+from stepwell.accounts import parts
+from stepwell.accounts.parts import TERMINAL, Account
 from stepwell.base import Columns, headed, printable, shown
 
 # What a pipe, a file and a page get; more than the most is hard to read, and less than the least
@@ -67,17 +68,13 @@ def prose(text: str) -> list[str]:
 def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[ColumnBlock]:
     """A table as lines, in several blocks where it is too wide for one.
 
-    Columns that find no room stand in a block below, again with those that tell the rows apart.
-
-    Args:
-        head: of each column.
-        rows: text.
-        left: columns that start at the left; the others end at the right.
+    Columns that find no room stand in a block below, again with those that tell the rows apart;
+    those in `left` start at the left, the others end at the right.
     """
     columns = [[name, *(row[k] for row in rows)] for k, name in enumerate(head)]
-    left = set(left)
+    at_left = [k in set(left) for k in range(len(columns))]
     return [
-        _drawn([columns[k] for k in chosen], [k in left for k in chosen])
+        _drawn([columns[k] for k in chosen], [at_left[k] for k in chosen])
         for chosen in _shares(columns)
     ]
 
@@ -92,7 +89,7 @@ def _shares(columns: Sequence[Cells]) -> list[list[int]]:
     found = [keys]
     for k in range(len(keys), len(columns)):
         longer = [*found[-1], k]
-        if found[-1] != keys and _total(wanted[i] for i in longer) > room:
+        if found[-1] != keys and _total([wanted[i] for i in longer]) > room:
             found.append([*keys, k])
         else:
             found[-1] = longer
@@ -112,12 +109,12 @@ def _keys(columns: Sequence[Cells], widths: Sequence[int], room: int) -> list[in
 def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> ColumnBlock:
     widths = _widths(columns)
     heads, *rows = zip(*columns, strict=True)
-    told = [_wrap(text, most, "", _WORDS) for text, most in zip(heads, widths, strict=True)]
-    found = [_row(told, widths, left)]
+    head = _row([_wrap(*one, "", _WORDS) for one in zip(heads, widths, strict=True)], widths, left)
+    lines: list[str] = []
     for row in rows:
         cells = [_folded_cell(*one) for one in zip(row, widths, left, strict=True)]
-        found.append(_row(cells, widths, left))
-    return ColumnBlock(found[0], [line for lines in found[1:] for line in lines])
+        lines += _row(cells, widths, left)
+    return ColumnBlock(head, lines)
 
 
 def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) -> list[str]:
@@ -131,13 +128,11 @@ def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) ->
 
 
 def _folded_cell(text: str, most: int, at_left: bool) -> list[str]:
-    if len(text) <= most:
-        return [text]
-    lines: list[str] = []
+    lines = [text]
     for places in _PLACES:
-        lines = _wrap(text, most, _HANG if at_left else "", places)
         if max(map(len, lines)) <= most:
             break
+        lines = _wrap(text, most, _HANG if at_left else "", places)
     return lines
 
 
@@ -169,9 +164,8 @@ def _longest(text: str, effort: int) -> int:
     return max((len(part) + len(_HANG) * (k > 0) for k, part in enumerate(parts)), default=0)
 
 
-def _total(widths: Iterable[int]) -> int:
-    found = list(widths)
-    return sum(found) + len(_GAP) * (len(found) - 1)
+def _total(widths: Sequence[int]) -> int:
+    return sum(widths) + len(_GAP) * (len(widths) - 1)
 
 
 def _wrap(text: str, most: int, hang: str, places: re.Pattern[str]) -> list[str]:
@@ -195,39 +189,37 @@ _EMPTY = Line("")
 def terminal(account: Account) -> list[Line]:
     """What the terminal shows of a result.
 
-    Args:
-        account: of the result.
-
     Returns:
         Lines as `folded` folds them; what would move, hide or recolour other text is escaped.
     """
     lines = [*paragraph(account.title), _EMPTY] if account.title else []
     for warned in account.warnings:
         if warned.lines:
-            lines += heading(warned.heading)
-            lines += [line for text in warned.lines for line in paragraph(text)]
-            lines += [_EMPTY]
-    lines += paragraph(account.answer)
-    lines += facts(account.known(Level.TERMINAL))
-    for section in account.sections:
-        for part in section.within(Level.TERMINAL):
-            lines += _part(part, section.heading, account)
+            lines += [*heading(warned.heading), *_paragraphs(warned.lines), _EMPTY]
+    lines += [*paragraph(account.answer), *facts(account.known(TERMINAL))]
+    for title, found in account.within(TERMINAL):
+        for part in found:
+            if isinstance(part, parts.RecordTable):
+                lines += records(title, part.columns, account.rows(part), most=part.most)
+            elif under := _part(part):
+                lines += [_EMPTY, *heading(title), *under]
     for hint in account.hints:
         lines += [_EMPTY, *paragraph(hint)]
     return lines[1:] if lines[:1] == [_EMPTY] else lines
 
 
-def _part(part: Part, title: str, account: Account) -> Iterator[Line]:
-    if isinstance(part, RecordTable):
-        yield from records(title, part.columns, account.rows(part), most=part.most)
-    elif isinstance(part, Text) and part.text:
-        yield from (_EMPTY, *heading(title), *paragraph(part.text))
-    elif isinstance(part, Notes) and part.lines:
-        yield from (_EMPTY, *heading(title))
-        for line in part.lines:
-            yield from paragraph(line)
-    elif isinstance(part, Verbatim) and part.text:
-        yield from (_EMPTY, *heading(title), *map(Line, escaped(part.text).split("\n")))
+def _part(part: parts.Part) -> list[Line]:
+    if isinstance(part, parts.Text):
+        return paragraph(parts.text_of(part))
+    if isinstance(part, parts.Notes):
+        return _paragraphs(part.lines)
+    if isinstance(part, parts.Verbatim) and part.text:
+        return [*map(Line, escaped(part.text).split("\n"))]
+    return []
+
+
+def _paragraphs(texts: Iterable[str]) -> list[Line]:
+    return [line for text in texts for line in paragraph(text)]
 
 
 def escaped(text: str) -> str:
@@ -237,9 +229,7 @@ def escaped(text: str) -> str:
 
 def paragraph(text: str) -> list[Line]:
     """Sentences, which begin with a capital; nothing of none."""
-    if not text:
-        return []
-    return [Line(line) for line in prose(escaped(headed(text)))]
+    return [Line(line) for line in prose(escaped(headed(text)))] if text else []
 
 
 def heading(text: str) -> list[Line]:
@@ -279,14 +269,7 @@ def table(
 def records(
     title: str, columns: Columns, found: Sequence[Mapping[str, Any]], *, most: int | None = 40
 ) -> list[Line]:
-    """Records as a table; nothing where there are none.
-
-    Args:
-        title: a line above it.
-        columns: what is shown of each record; quantities without a head are not.
-        found: records of results.
-        most: records of which rows are shown, None for all.
-    """
+    """Records as a table, `most` of them or all; nothing where there are none."""
     if not found:
         return []
     kept = shown(columns)
