@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,23 +36,23 @@ _LONGEST_VIDEO = 16.0
 Warn = Callable[[str], object]
 
 
+def _replay(played: Any, chain: sw.Chain, most: int, **how: Any) -> Callable[[], str] | None:
+    return partial(replay, played, title=chain.title, **how) if len(chain) <= most else None
+
+
+def _netcdf(found: Any) -> Callable[[Path], object]:
+    return lambda file: write_netcdf(file, found.to_xarray())
+
+
 def run_contents(run: Run, account: Account) -> Contents:
     """Of a run."""
-    chain = run.chain
-    plays = len(chain) <= LONGEST_FOLLOWED
-    draws = {
-        name.replace("_", "-"): draw for name, draw in figures.standard_draws(run.cycle).items()
-    }
-    draws |= _of_margin(run.margin)
+    draws = figures.standard_draws(run.cycle)
+    draws = {name.replace("_", "-"): draw for name, draw in draws.items()} | _of_margin(run.margin)
     if run.built is not None:
         draws["yield"] = partial(figures.yield_bars, run.built)
-    return Contents(
-        "run",
-        "result.json",
-        {"design.toml": design_text(account), "path.csv": run.cycle.path.to_csv},
-        draws,
-        motion=partial(replay, run.cycle, title=chain.title, margin=run.margin) if plays else None,
-    )
+    files = {"design.toml": design_text(account), "path.csv": run.cycle.path.to_csv}
+    motion = _replay(run.cycle, run.chain, LONGEST_FOLLOWED, margin=run.margin)
+    return Contents("run", "result.json", files, draws, motion=motion)
 
 
 def _of_margin(margin: Margin) -> dict[str, Draw]:
@@ -71,68 +71,46 @@ def _of_margin(margin: Margin) -> dict[str, Draw]:
     x, y = (np.linspace(at - far, at + far, _NODES) for at in here)
     around = transition_map(chain, nearest.cell, x=x, y=y)
     curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
-    dots = {"this design": here}
-    draws["around"] = partial(figures.transition_map, around, curves, dots)
+    draws["around"] = partial(figures.transition_map, around, curves, {"this design": here})
     return draws
 
 
 def program_contents(program: sw.Program, account: Account) -> Contents:
     """Of a program."""
-    text, kept = account.about.design, WrittenProgram.of(program)
-    written = (
-        with_program(text, kept) if isinstance(text, str) else dumps(program.chain, program=kept)
-    )
-    plays = len(program.chain) <= LONGEST_FOLLOWED
-    return Contents(
-        "program",
-        "program.json",
-        {"design.toml": written, "program.csv": program.to_csv},
-        {"program": partial(figures.stroke_program, program)},
-        motion=partial(replay, program, title=program.chain.title) if plays else None,
-    )
+    text, kept, chain = account.about.design, WrittenProgram.of(program), program.chain
+    written = with_program(text, kept) if isinstance(text, str) else dumps(chain, program=kept)
+    files = {"design.toml": written, "program.csv": program.to_csv}
+    draws = {"program": partial(figures.stroke_program, program)}
+    motion = _replay(program, chain, LONGEST_FOLLOWED)
+    return Contents("program", "program.json", files, draws, motion=motion)
 
 
 def map_contents(view: MapView, account: Account) -> Contents:
     """Of a map."""
-    inside = {name: place for name, place in view.designs.items() if _shows(view, place)}
-    return Contents(
-        "map",
-        "map.json",
-        {
-            "map.nc": partial(write_netcdf, data=view.dataset),
-            "boundaries.csv": boundary_rows(view.boundaries),
-        },
-        {"map": partial(figures.transition_map, view.dataset, view.boundaries, inside)},
-    )
-
-
-def _shows(view: MapView, design: tuple[float, float]) -> bool:
-    """Whether a map holds a design."""
-    axes = zip((view.dataset["x"], view.dataset["y"]), design, strict=True)
-    return all(float(axis[0]) <= value <= float(axis[-1]) for axis, value in axes)
+    data, curves = view.dataset, view.boundaries
+    ends = [(float(axis[0]), float(axis[-1])) for axis in (data["x"], data["y"])]
+    inside = {
+        name: place
+        for name, place in view.designs.items()
+        if all(low <= at <= high for (low, high), at in zip(ends, place, strict=True))
+    }
+    files = {"map.nc": partial(write_netcdf, data=data), "boundaries.csv": boundary_rows(curves)}
+    draws = {"map": partial(figures.transition_map, data, curves, inside)}
+    return Contents("map", "map.json", files, draws)
 
 
 def check_contents(found: Check, account: Account) -> Contents:
     """Of a verdict on a design."""
-    chain = found.chain
-    plays = len(chain) <= MOST_PLAYED
-    return Contents(
-        "check",
-        "check.json",
-        {"design.toml": design_text(account)},
-        on_page=_of_yield(found.yield_) if isinstance(found.yield_, Yield) else {},
-        motion=partial(replay, chain, title=chain.title) if plays else None,
-    )
+    files, chain = {"design.toml": design_text(account)}, found.chain
+    on_page = _of_yield(found.yield_) if isinstance(found.yield_, Yield) else {}
+    motion = _replay(chain, chain, MOST_PLAYED)
+    return Contents("check", "check.json", files, on_page=on_page, motion=motion)
 
 
 def design_contents(found: Design, account: Account) -> Contents:
     """Of a design that was found."""
-    return Contents(
-        "design",
-        "design.json",
-        {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv},
-        {"force-plane": partial(figures.plot, found)},
-    )
+    files = {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv}
+    return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, found)})
 
 
 def reprogramming_contents(found: Reprogramming, _account: Account) -> Contents:
@@ -159,33 +137,25 @@ def survival_contents(_found: Survival, account: Account) -> Contents:
 def _of_yield(found: Yield) -> dict[str, Draw]:
     draws: dict[str, Draw] = {"yield": partial(figures.yield_bars, found)}
     if len(found.chain) <= _DRAWABLE_CELLS:
-        draws["force-plane"] = partial(
-            figures.force_plane, found.chain, clouds=found.end_forces(_CLOUD)
-        )
+        clouds = found.end_forces(_CLOUD)
+        draws["force-plane"] = partial(figures.force_plane, found.chain, clouds=clouds)
     return draws
 
 
 def batch_contents(found: sw.lab.Batch, _: Account) -> Contents:
     """Of recordings."""
     recordings = found.recordings
-    return Contents(
-        "lab read",
-        "recordings.json",
-        {
-            "recordings.csv": partial(sw.lab.to_csv, recordings),
-            "recordings.nc": lambda file: write_netcdf(file, sw.lab.table(recordings)),
-        },
-    )
+    files: dict[str, Content] = {
+        "recordings.csv": partial(sw.lab.to_csv, recordings),
+        "recordings.nc": lambda file: write_netcdf(file, sw.lab.table(recordings)),
+    }
+    return Contents("lab read", "recordings.json", files)
 
 
 def band_contents(found: sw.lab.BandFit, account: Account) -> Contents:
     """Of bands."""
-    return Contents(
-        "lab band",
-        "band.json",
-        {"band.toml": account.record["table"]},
-        {"laws": partial(figures.band_laws, found.test, found.choice)},
-    )
+    draws = {"laws": partial(figures.band_laws, found.test, found.choice)}
+    return Contents("lab band", "band.json", {"band.toml": account.record["table"]}, draws)
 
 
 def comparison_contents(found: sw.lab.Comparison, _: Account) -> Contents:
@@ -203,7 +173,7 @@ def calibration_contents(found: sw.lab.Calibration, account: Account) -> Content
     """Of a calibration."""
     files: dict[str, Content] = {
         "band.toml": account.record["table"],
-        "calibration.nc": lambda file: write_netcdf(file, found.to_xarray()),
+        "calibration.nc": _netcdf(found),
     }
     if found.pairs:
         first = found.pairs[0].series
@@ -223,15 +193,11 @@ def as_built_contents(found: sw.lab.AsBuilt, _: Account) -> Contents:
 
 def prediction_contents(found: sw.robot.Prediction, account: Account) -> Contents:
     """Of a robot and its prediction."""
-    return Contents(
-        "robot show",
-        "robot.json",
-        {"robot.toml": design_text(account)},
-        {
-            "robot": partial(figures.robot_drawing, found.robot),
-            "prediction": partial(figures.prediction, found),
-        },
-    )
+    draws: dict[str, Draw] = {
+        "robot": partial(figures.robot_drawing, found.robot),
+        "prediction": partial(figures.prediction, found),
+    }
+    return Contents("robot show", "robot.json", {"robot.toml": design_text(account)}, draws)
 
 
 def walk_contents(
@@ -253,21 +219,13 @@ def maze_contents(
     maze: sw.simulation.Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
 ) -> Contents:
     """Of a way through an arena."""
-    draws: dict[str, Draw] = {}
-    if len(maze.walk.time):
-        draws = {
-            "maze": partial(figures.maze, maze),
-            "timeline": partial(figures.maze_timeline, maze),
-        }
+    draws = {"maze": figures.maze, "timeline": figures.maze_timeline} if len(maze.walk.time) else {}
+    text, arena = design_text(account), dumps(maze.arena)
     return Contents(
         "maze",
         "maze.json",
-        {
-            "robot.toml": design_text(account),
-            "arena.toml": dumps(maze.arena),
-            "walk.nc": maze.walk.to_netcdf,
-        },
-        draws,
+        {"robot.toml": text, "arena.toml": arena, "walk.nc": maze.walk.to_netcdf},
+        {name: partial(draw, maze) for name, draw in draws.items()},
         motion=partial(replay, maze),
         film=partial(_film, maze, "maze", warn) if video else None,
     )
@@ -275,12 +233,8 @@ def maze_contents(
 
 def sweep_contents(sweep: sw.simulation.Sweep, _: Account) -> Contents:
     """Of many robots."""
-    return Contents(
-        "robot sweep",
-        "sweep.json",
-        {"sweep.csv": sweep.to_csv, "sweep.nc": lambda file: write_netcdf(file, sweep.to_xarray())},
-        {"sweep": partial(figures.sweep, sweep)},
-    )
+    files: dict[str, Content] = {"sweep.csv": sweep.to_csv, "sweep.nc": _netcdf(sweep)}
+    return Contents("robot sweep", "sweep.json", files, {"sweep": partial(figures.sweep, sweep)})
 
 
 def _film(
@@ -308,11 +262,9 @@ def _film(
 
 
 def study_contents(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
-    """Of a study: its table, and its figures; influences are drawn of 50 designs or more.
+    """Of a study: its table, `partial` without designs that are missing, and its figures.
 
-    Args:
-        found: of the study.
-        partial: whether the table goes without designs that are missing.
+    Influences are drawn of 50 designs or more.
 
     Raises:
         GapError: designs are missing.
@@ -326,12 +278,8 @@ def study_contents(found: sw.studies.Status, _: Account, partial: bool = False) 
     draws: dict[str, Draw] = {"outcomes": lambda **how: figures.outcomes(study, **how)}
     if found.decided:
         draws["influences"] = lambda **how: figures.influences(found.decided, **how)
-    return Contents(
-        "sweep report",
-        "study.json",
-        {"study.csv": lambda file: study.to_csv(file, partial=partial)},
-        draws,
-    )
+    files: dict[str, Content] = {"study.csv": lambda file: study.to_csv(file, partial=partial)}
+    return Contents("sweep report", "study.json", files, draws)
 
 
 def atlas_contents(found: sw.studies.Atlas, _: Account) -> Contents:
