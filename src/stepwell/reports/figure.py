@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from operator import attrgetter
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,11 +27,17 @@ _CYCLES = 4
 
 
 class Panel(NamedTuple):
-    """What a panel shows, of what kind of design, and how it is drawn."""
+    """What a panel shows, the figure of `figures`, what it is given, and of what kind of design."""
 
     shows: str
-    of: type[Chain | Robot]
-    draw: Callable[[_Subject], Figure]
+    figure: str  # Without one, what is given draws itself.
+    given: str  # Attributes of the subject.
+    of: type[Chain | Robot] = Chain
+
+    def draw(self, subject: _Subject) -> Figure:
+        """The panel of a design."""
+        given = [attrgetter(name)(subject) for name in self.given.split()]
+        return getattr(sw.figures, self.figure)(*given) if self.figure else given[0]()
 
 
 @dataclass(frozen=True)
@@ -90,19 +97,22 @@ class _Subject:
             raise InputError("the chain has no element: see the panel cell-force.")
         return found
 
+    @property
+    def force(self) -> Callable[[], Figure]:
+        return partial(sw.figures.force_stroke, self.cycle, measured=self.recordings)
+
     @cached_property
     def map(self) -> Callable[[], Figure]:
         from stepwell.design import boundaries, transition_map
 
-        outer = len(self.chain) - 1
-        cell = self.chain.cells[outer]
+        chain, outer = self.chain, len(self.chain) - 1
+        cell = chain.cells[outer]
         if not isinstance(cell, Cell):
             raise InputError("the outer cell is an element and has no anchor to be moved.")
         x, y = np.linspace(*_ACROSS, _PLACES), np.linspace(*_UP, _PLACES)
         anchors = {band.q for band in cell.bands}
         marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
-        data = transition_map(self.chain, outer, x=x, y=y)
-        curves = boundaries(self.chain, outer, x=x, y=y)
+        data, curves = (of(chain, outer, x=x, y=y) for of in (transition_map, boundaries))
         return partial(sw.figures.transition_map, data, curves, marked)
 
     @cached_property
@@ -113,87 +123,51 @@ class _Subject:
         return partial(sw.figures.yield_bars, yields(self.chain, spread, sensitivity=True))
 
     @cached_property
-    def landing(self) -> sw.statics.InertialLanding:
+    def snap(self) -> Mapping[str, sw.statics.InertialLanding]:
         if self.mass is None or self.damping is None:
             raise InputError("how cells move in a snap needs a mass and a damping of each cell.")
         if not np.any(self.cycle.path.snap_after):
             raise InputError("this chain does not snap in its cycle.")
         each = [self.mass] * len(self.chain), [self.damping] * len(self.chain)
-        return self.cycle.path.inertial_landing(0, *each, history=True)
+        return {"first snap": self.cycle.path.inertial_landing(0, *each, history=True)}
 
 
-def _of_chain(name: str, draw: Callable[[_Subject], tuple[object, ...]], shows: str) -> Panel:
-    def drawn(subject: _Subject) -> Figure:
-        return getattr(sw.figures, name)(*draw(subject))
-
-    return Panel(shows, Chain, drawn)
-
-
-def _of_robot(name: str, draw: Callable[[_Subject], object], shows: str) -> Panel:
-    return _of_chain(name, lambda subject: (draw(subject),), shows)._replace(of=Robot)
-
-
-def _force(subject: _Subject) -> Figure:
-    return sw.figures.force_stroke(subject.cycle, measured=subject.recordings)
-
-
+_robots = partial(Panel, of=Robot)
 PANELS: MappingProxyType[str, Panel] = MappingProxyType(
     {
-        "mechanism": _of_chain(
-            "mechanism",
-            lambda of: (of.chain, of.cycle.sequence),
+        "mechanism": Panel(
             "the mechanism in every state of its cycle, up to 12 cells",
+            "mechanism",
+            "chain cycle.sequence",
         ),
-        "force": Panel(
-            "force of the actuator over its stroke, recordings behind it", Chain, _force
+        "force": Panel("force of the actuator over its stroke, recordings behind it", "", "force"),
+        "travel": Panel("travel of each cell over the stroke", "travel_stroke", "cycle"),
+        "landscape": Panel("energy over both travels, of two cells", "landscape", "cycle"),
+        "elements": Panel("force of each element over its travel", "element_curves", "elements"),
+        "graph": Panel("states and the ways between them", "transition_graph", "graph"),
+        "map": Panel("what it does for each anchor of the outer cell", "", "map"),
+        "cell-force": Panel(
+            "force of each cell over its lever's angle", "unit_cell_force", "levers"
         ),
-        "travel": _of_chain(
-            "travel_stroke", lambda of: (of.cycle,), "travel of each cell over the stroke"
+        "cell-energy": Panel(
+            "energy of each cell over its lever's angle", "unit_cell_energy", "levers"
         ),
-        "landscape": _of_chain(
-            "landscape", lambda of: (of.cycle,), "energy over both travels, of two cells"
-        ),
-        "elements": _of_chain(
-            "element_curves", lambda of: (of.elements,), "force of each element over its travel"
-        ),
-        "graph": _of_chain(
-            "transition_graph", lambda of: (of.graph,), "states and the ways between them"
-        ),
-        "map": Panel("what it does for each anchor of the outer cell", Chain, lambda of: of.map()),
-        "cell-force": _of_chain(
-            "unit_cell_force", lambda of: (of.levers,), "force of each cell over its lever's angle"
-        ),
-        "cell-energy": _of_chain(
-            "unit_cell_energy",
-            lambda of: (of.levers,),
-            "energy of each cell over its lever's angle",
-        ),
-        "plane": _of_chain(
-            "force_plane", lambda of: (of.chain,), "force there against force back, of each cell"
-        ),
-        "program": _of_chain(
-            "stroke_program", lambda of: (of.program,), "the stroke program in the design"
-        ),
-        "yield": Panel(
-            "the share that works, built with the usual tolerances", Chain, lambda of: of.yields()
-        ),
-        "snap": _of_chain(
-            "snap_motion",
-            lambda of: (of.chain, {"first snap": of.landing}),
+        "plane": Panel("force there against force back, of each cell", "force_plane", "chain"),
+        "program": Panel("the stroke program in the design", "stroke_program", "program"),
+        "yield": Panel("the share that works, built with the usual tolerances", "", "yields"),
+        "snap": Panel(
             "travels over time in the first snap; needs --mass and --damping",
+            "snap_motion",
+            "chain snap",
         ),
-        "drawing": _of_robot("robot_drawing", lambda of: of.robot, "the robot from above and side"),
-        "above": _of_robot("robot_above", lambda of: of.robot, "the robot from above"),
-        "side": _of_robot("robot_side", lambda of: of.robot, "the robot from its right"),
-        "prediction": _of_robot(
-            "prediction",
-            lambda of: of.prediction,
-            "the gait that statics predicts, and its margins",
+        "drawing": _robots("the robot from above and side", "robot_drawing", "robot"),
+        "above": _robots("the robot from above", "robot_above", "robot"),
+        "side": _robots("the robot from its right", "robot_side", "robot"),
+        "prediction": _robots(
+            "the gait that statics predicts, and its margins", "prediction", "prediction"
         ),
-        "gait": _of_robot("gait", lambda of: of.walk, "a simulated walk: travels over time"),
-        "trajectory": _of_robot(
-            "trajectory", lambda of: of.walk, "a simulated walk: its path from above"
-        ),
+        "gait": _robots("a simulated walk: travels over time", "gait", "walk"),
+        "trajectory": _robots("a simulated walk: its path from above", "trajectory", "walk"),
     }
 )
 
@@ -235,26 +209,19 @@ def figure(
         ValueError: a panel that is unknown or that the design does not have, or a page too small.
     """
     subject = _Subject(design, program, measured, mass, damping)
-    rows = [
+    rows = panels or panels_of(design)
+    drawn = [
         _panel(one, subject) if isinstance(one, str) else [_panel(name, subject) for name in one]
-        for one in panels or panels_of(design)
+        for one in rows
     ]
-    if measured and "force" not in (name for name, _ in _flat(rows)):
+    if measured and not any("force" in ([one] if isinstance(one, str) else one) for one in rows):
         raise InputError(
             "measured: recordings are drawn in the panel force, which is not asked for."
         )
-    drawn = [one[1] if isinstance(one, tuple) else [draw for _, draw in one] for one in rows]
     return sw.figures.compose(drawn, **page)
 
 
-_Named = tuple[str, Callable[[], "Figure"]]
-
-
-def _flat(rows: Sequence[_Named | list[_Named]]) -> list[_Named]:
-    return [one for row in rows for one in (row if isinstance(row, list) else [row])]
-
-
-def _panel(name: str, subject: _Subject) -> _Named:
+def _panel(name: str, subject: _Subject) -> Callable[[], Figure]:
     """What draws a panel, with its name in every refusal."""
     panel = PANELS.get(name)
     here = [known for known, one in PANELS.items() if isinstance(subject.design, one.of)]
@@ -272,4 +239,4 @@ def _panel(name: str, subject: _Subject) -> _Named:
         except InputError as error:
             raise InputError(f"panel {name!r}: {error}") from None
 
-    return name, draw
+    return draw
