@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell import base, mechanism
 from stepwell.accounts.head import About, Shape, keys, recorded
-from stepwell.accounts.parts import CARD, Account, Part, RecordTable, Sections
+from stepwell.accounts.parts import CARD, Account, Part, RecordTable
 from stepwell.base import Quantity
 from stepwell.design import LONGEST_FOLLOWED, Change, Margin
 
@@ -108,7 +108,7 @@ def margin_words(margin: Margin) -> str:
     return f"no other sequence within {base.amount(margin.reach, 'm')} of any anchor"
 
 
-def margin_section(margin: Margin, *parts: Part) -> Sections:
+def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
     shape = Shape.of(margin.chain)
     near = sorted(margin.changes, key=lambda change: change.distance)

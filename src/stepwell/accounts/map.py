@@ -25,7 +25,7 @@ class _Axis(NamedTuple):
     design: float | None
 
 
-def _in_unit(at: Callable[[_Axis], float | None]) -> Any:
+def _in_unit(at: Callable[[_Axis], Any]) -> Any:
     """A place on an axis in the unit of the axis."""
 
     def read(axis: _Axis) -> float | None:
@@ -113,14 +113,14 @@ def map_account(view: MapView, about: About) -> Account:
         Column("share of the map", lambda row: percent(row["share"]), True),
     ][0 if "pathway" in data else 1 :]
     share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD)
-    about = "The curves between the sequences."
+    between = "The curves between the sequences."
     curves = (*_BOUNDARY, Column("within", _error))
     title = str(data.attrs["title"]) or "Map"
     facts = [Fact(label, _axis_words(_axis(view, name))) for label, name in _AXES]
     sections = {
         "Map": Picture("map", "Sequence at each point of the map"),
         "Sequences": share,
-        "Boundaries": RecordTable(curves, "boundaries", about, most=None),
+        "Boundaries": RecordTable(curves, "boundaries", between, most=None),
         "Method": Text(_method(view)),
     }
     return Account(view, title, "map/3", MAP, answer, facts, sections)

@@ -112,7 +112,7 @@ class _Subject:
         x, y = np.linspace(*_ACROSS, _PLACES), np.linspace(*_UP, _PLACES)
         anchors = {band.q for band in cell.bands}
         marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
-        data, curves = (of(chain, outer, x=x, y=y) for of in (transition_map, boundaries))
+        data, curves = transition_map(chain, outer, x=x, y=y), boundaries(chain, outer, x=x, y=y)
         return partial(sw.figures.transition_map, data, curves, marked)
 
     @cached_property
