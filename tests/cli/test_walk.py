@@ -78,9 +78,9 @@ def test_a_part_of_a_cycle_is_a_walk_too_and_a_video_is_written_where_frames_can
 @pytest.fixture
 def bare(monkeypatch):
     """Folders of walks without the figures, which other tests look at."""
-    whole = contents.walk_contents
-    monkeypatch.setattr(
-        contents, "walk_contents", lambda *walk, **how: replace(whole(*walk, **how), draws={})
+    whole = contents.CONTENTS["Walk"]
+    monkeypatch.setitem(
+        contents.CONTENTS, "Walk", lambda *walk, **how: replace(whole(*walk, **how), draws={})
     )
 
 

@@ -120,12 +120,7 @@ _MACHINES: Schema = (
     Quantity("reached", head="reached", read=lambda m: f"{m.reached} of {m.states}", left=False),
     Quantity("memory", head="memory"),
 )
-_CYCLES: Schema = (
-    Quantity("sequence", head="cycle"),
-    Quantity("share", "percent", "fraction", read="share.share"),
-)
-
-
+_CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
 # What is reported of an atlas.
 ATLAS: Schema = (
     *keys(title=(str, "chain.title"), cells=(int, lambda found: len(found.chain)), drive=str),
@@ -161,34 +156,25 @@ def atlas_account(
     if query:
         matching = counted(len(shown), "machine") if shown else "no machine"
         answer = f"{query}: {matching} of this atlas"
-    given: dict[str, Any] = {
-        "machines": _drawn(found, shown),
-        "borders": [_Bordering(one, *_told(found, one.parameter)) for one in borders],
-    }
+    bordering = [_Bordering(one, *_told(found, one.parameter)) for one in borders]
+    given: dict[str, Any] = {"machines": _drawn(found, shown), "borders": bordering}
     rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(found))
     full = recorded(_CYCLES, found.cycles)
-    evenly = "All designs were drawn evenly between these ends."
-    inner = "The inner cell is the first."
-    return Account(
-        found,
-        found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}",
-        "atlas/1",
-        ATLAS,
-        answer=answer,
-        facts=() if query else _facts(found),
-        sections={
-            f"Machines, {'highest yield' if query else 'most frequent'} first": (
-                Picture("machines", "The most frequent machines, their fractions and yields"),
-                RecordTable(_MACHINES, rows, most=_ROWS, more="machines", level=CARD),
-            ),
-            "Columns of the table": Text(_defined(found) if shown else "", CARD),
-            "Full cycles": RecordTable(_CYCLES, full, inner, level=PAGE),
-            "Varied parameters": RecordTable(VARIED, space, evenly, level=PAGE),
-        },
-        seed=found.seed,
-        packages=["zarr"],
-        given=given,
-    )
+    sections = {
+        f"Machines, {'highest yield' if query else 'most frequent'} first": (
+            Picture("machines", "The most frequent machines, their fractions and yields"),
+            RecordTable(_MACHINES, rows, most=_ROWS, more="machines", level=CARD),
+        ),
+        "Columns of the table": Text(_defined(found) if shown else "", CARD),
+        "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
+        "Varied parameters": RecordTable(VARIED, space, _EVENLY, level=PAGE),
+    }
+    title = found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}"
+    facts, of = () if query else _facts(found), {"packages": ["zarr"], "given": given}
+    return Account(found, title, "atlas/1", ATLAS, answer, facts, sections, seed=found.seed, **of)
+
+
+_EVENLY = "All designs were drawn evenly between these ends."
 
 
 def _facts(found: Atlas) -> list[Fact]:

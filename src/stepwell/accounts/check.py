@@ -40,8 +40,8 @@ def check_schema(shape: Shape) -> base.Schema:
 
 def _mass(found: Check) -> float | None:
     """The mass [kg] whose weight is the largest force of the actuator."""
-    is_force = found.chain.measure is base.Measure.TRAVEL
-    return abs(found.peak_force) / base.GRAVITY if is_force else None
+    of_force = found.chain.measure is base.Measure.TRAVEL
+    return abs(found.peak_force) / base.GRAVITY if of_force else None
 
 
 def _measurement(shape: Shape) -> base.Schema:
@@ -63,49 +63,35 @@ def _tolerance(when: str, unit: str) -> Quantity:
 
 def check_account(found: Check, about: About) -> Account:
     """What is reported of a verdict."""
-    chain = found.chain
+    chain, sampled = found.chain, found.yield_
+    broken = "no single change within reach breaks it" if found.does_it else ""
+    if found.killer is not None:
+        broken = changes.critical_words(found.killer)
+    # The largest force is one in grams too where it is a force.
+    mass, unit = _mass(found), chain.measure.force_unit
+    grams = "" if mass is None else f" ({base.amount(mass, 'kg', 3)})"
+    force, lost = base.amount(abs(found.peak_force), unit, 3), base.amount(found.dissipated, "J", 3)
     facts = (
         Fact("Target", found.target),
         Fact("Reproduces", "" if found.does_it else found.does),
-        Fact("Yield", yields.yield_words(found.yield_)),
-        Fact("Samples", yields.sample_words(found.yield_)),
-        Fact("Critical change", _critical(found)),
-        Fact("Actuator", _actuator_words(found)),
+        Fact("Yield", yields.yield_words(sampled)),
+        Fact("Samples", yields.sample_words(sampled)),
+        Fact("Critical change", broken),
+        Fact("Actuator", f"{force}{grams} at most; {lost} lost on the way"),
         Fact("Measure next", _measurement_words(found)),
     )
+    title, schema = chain.title or "A design", check_schema(Shape.of(chain))
+    answer, origin = f"{found.verdict}: {found.reason}", f"{cells_of(chain)}."
     odd = Warned("Out of the ordinary", "", found.oddities)
+    warned = (odd, degenerate(found.path.degenerate, chain))
+    sections = {
+        "Outcomes of the samples": yields.PICTURES,
+        "Motion": Replay(found.target),
+        **calibration(about),
+        **assumed(chain, sampled.assumptions),
+    }
     return Account(
-        found,
-        chain.title or "A design",
-        "check/2",
-        check_schema(Shape.of(chain)),
-        origin=f"{cells_of(chain)}.",
-        answer=f"{found.verdict}: {found.reason}",
-        seed=found.yield_.seed,
-        facts=facts,
-        warnings=(odd, degenerate(found.path.degenerate, chain)),
-        sections={
-            "Outcomes of the samples": yields.PICTURES,
-            "Motion": Replay(found.target),
-            **calibration(about),
-            **assumed(chain, found.yield_.assumptions),
-        },
-    )
-
-
-def _critical(found: Check) -> str:
-    if found.killer is not None:
-        return changes.critical_words(found.killer)
-    return "no single change within reach breaks it" if found.does_it else ""
-
-
-def _actuator_words(found: Check) -> str:
-    """The largest force of the actuator, where it is a force in grams too, and the energy lost."""
-    mass = _mass(found)
-    grams = "" if mass is None else f" ({base.amount(mass, 'kg', 3)})"
-    return (
-        f"{base.amount(abs(found.peak_force), found.chain.measure.force_unit, 3)}{grams} at most; "
-        f"{base.amount(found.dissipated, 'J', 3)} lost on the way"
+        found, title, "check/2", schema, answer, facts, sections, warned, origin, seed=sampled.seed
     )
 
 

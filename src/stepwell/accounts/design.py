@@ -101,37 +101,28 @@ def design_account(found: Design, about: About) -> Account:
     columns, rows = cell_columns(built, chain), recorded(built, named(chain))
     anchors = "" if chain.elements else "p is the anchor on the inner block, q on the outer block."
     cells = RecordTable(columns, rows, anchors, most=None, more="cells", level=CARD)
+    reached, states = found.reached, _states(found)
+    count = f"{reached.count} states" + " surely" * (not reached.whole)
+    more = "" if reached.whole else f"more states may be reachable: {reached.how}"
+
+    def reachable() -> str:
+        return count if states is None else f"{count}: {listed(states, _MOST_STATES)}"
+
+    sections = {
+        "Cells, innermost first": cells,
+        "Robustness": Text(lambda: str(found.robustness or "")),
+        "Reachable states": (Text(reachable), Text(more)),
+        "Outcomes of the samples": (yields.PICTURES[1], yields.other_outcomes(sampled)),
+        "Method": Text(found.method, CARD),
+        **assumed(chain, found.assumptions),
+    }
     spelled = len(chain) <= LONGEST_IN_A_LINE
+    answer = found.sequence if spelled else f"{len(chain)} cells in the target order"
+    title, schema = chain.title or "A design", design_schema(Shape.of(chain))
+    origin, warned = f"Found by search. {cells_of(chain)}.", [yields.advised(sampled)]
     return Account(
-        found,
-        chain.title or "A design",
-        "design/2",
-        design_schema(Shape.of(chain)),
-        origin=f"Found by search. {cells_of(chain)}.",
-        answer=found.sequence if spelled else f"{len(chain)} cells in the target order",
-        facts=facts,
-        warnings=[yields.advised(sampled)],
-        sections={
-            "Cells, innermost first": cells,
-            "Robustness": Text(lambda: str(found.robustness or "")),
-            "Reachable states": (Text(lambda: _reachable(found)), Text(lambda: _more(found))),
-            "Outcomes of the samples": (yields.PICTURES[1], yields.other_outcomes(sampled)),
-            "Method": Text(found.method, CARD),
-            **assumed(chain, found.assumptions),
-        },
-        seed=sampled.seed,
+        found, title, "design/2", schema, answer, facts, sections, warned, origin, seed=sampled.seed
     )
-
-
-def _reachable(found: Design) -> str:
-    count, states = found.reached.count, _states(found)
-    text = f"{count} states" + " surely" * (not found.reached.whole)
-    return text if states is None else f"{text}: {listed(states, _MOST_STATES)}"
-
-
-def _more(found: Design) -> str:
-    reached = found.reached
-    return "" if reached.whole else f"more states may be reachable: {reached.how}"
 
 
 # Of the places on the way tables have every k-th.

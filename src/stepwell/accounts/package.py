@@ -47,7 +47,6 @@ def installation_account(found: base.Installation, about: About) -> Account:
     """What is reported of an installation."""
     missing, kernels = found.missing, found.kernels
     lacking = [one.install for one in found.extras if not one.present]
-    broken = "Packages are missing" if missing else "Packages are broken"
     facts = [
         Fact("Missing", ", ".join(missing)),
         Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
@@ -62,22 +61,19 @@ def installation_account(found: base.Installation, about: About) -> Account:
             Fact("Writable", "yes" if kernels.writable else fix),
         ]
     extras = (_NAME, _USED_FOR, base.Column("installed", _versions))
+    sections = {
+        "Broken": _table(_BROKEN, found.broken),
+        "Packages": _table(_PACKAGE, found.packages),
+        "Extras": replace(_table(_EXTRA, found.extras), columns=extras),
+        "Extras to install": Verbatim("\n".join(lacking), "commands"),
+        "Tools": _table(_TOOL, found.tools),
+    }
+    title, hint = "Installation", "No other part is examined before the packages are installed."
+    answer, hints = "All packages that Stepwell needs are installed", [hint] if missing else ()
+    if not found.ok:
+        answer = "Packages are missing" if missing else "Packages are broken"
     return Account(
-        found,
-        "Installation",
-        "doctor/1",
-        DOCTOR,
-        answer="All packages that Stepwell needs are installed" if found.ok else broken,
-        facts=facts,
-        sections={
-            "Broken": _table(_BROKEN, found.broken),
-            "Packages": _table(_PACKAGE, found.packages),
-            "Extras": replace(_table(_EXTRA, found.extras), columns=extras),
-            "Extras to install": Verbatim("\n".join(lacking), "commands"),
-            "Tools": _table(_TOOL, found.tools),
-        },
-        hints=["No other part is examined before the packages are installed."] if missing else (),
-        computed=False,
+        found, title, "doctor/1", DOCTOR, answer, facts, sections, hints=hints, computed=False
     )
 
 

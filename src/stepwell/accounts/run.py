@@ -80,7 +80,8 @@ def cycle_account(cycle: Cycle, about: About) -> Account:
 def run_account(run: Run, about: About) -> Account:
     """What is reported of a run."""
     cycle, margin, chain = run.cycle, run.margin, run.chain
-    origin = f"Design file {about.source}" if about.source else "A design made in Python"
+    made = f"Design file {about.source}" if about.source else "A design made in Python"
+    origin = f"{made}. {words.cells_of(chain)}."
     landings = events.landing_words(run.landings)
     tied = bool(cycle.degenerate)
     facts = (
@@ -95,26 +96,21 @@ def run_account(run: Run, about: About) -> Account:
     )
     samples = Text(lambda: _samples(run, tied), PAGE), PICTURES[0]
     rest = Text(lambda: run.built.assumptions if run.built else "", PAGE)
+    sections = {
+        **events.event_section(chain, cycle.events, run.landings),
+        **events.elsewhere_section(chain, cycle.events, run.landings),
+        **cell_section(chain),
+        **changes.margin_section(margin, *nearby),
+        "Yield within the usual tolerances": (*samples, rest),
+        "Motion": Replay(chain.title, _NOT_PLAYED),
+        "Figures": _pictures(chain),
+        **words.assumed(chain),
+    }
+    title, answer = chain.title or about.source or "Untitled chain", _answer(cycle)
+    schema, warned = run_schema(Shape.of(chain)), [words.degenerate(cycle.degenerate, chain)]
+    hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(
-        run,
-        chain.title or about.source or "Untitled chain",
-        "run/2",
-        run_schema(Shape.of(chain)),
-        origin=f"{origin}. {words.cells_of(chain)}.",
-        answer=_answer(cycle),
-        facts=facts,
-        warnings=[words.degenerate(cycle.degenerate, chain)],
-        sections={
-            **events.event_section(chain, cycle.events, run.landings),
-            **events.elsewhere_section(chain, cycle.events, run.landings),
-            **cell_section(chain),
-            **changes.margin_section(margin, *nearby),
-            "Yield within the usual tolerances": (*samples, rest),
-            "Motion": Replay(chain.title, _NOT_PLAYED),
-            "Figures": _pictures(chain),
-            **words.assumed(chain),
-        },
-        hints=[_CHECK] if landings == events.NOT_CHECKED else [],
+        run, title, "run/2", schema, answer, facts, sections, warned, origin, hints=hints
     )
 
 

@@ -113,34 +113,27 @@ def study_account(found: Status, about: About) -> Account:
     def table(columns: Schema, rows: Sequence[Any], about: str, more: str) -> RecordTable:
         return RecordTable(columns, recorded(columns, rows), about, most=None, more=more)
 
-    return Account(
-        found,
-        study.subject.title or "A study",
-        "study/1",
-        STUDY,
-        answer=_answer(found, deciding),
-        facts=facts,
-        warnings=(
-            parts.Warned("Missing designs", "", missing),
-            parts.Warned("Designs that could not be computed", "", problems),
+    sections = {
+        "Outcomes": (
+            Picture("outcomes", "Outcomes over the parameters that decide them"),
+            table(_OUTCOME, found.outcomes, "The most frequent first.", "outcomes"),
         ),
-        sections={
-            "Outcomes": (
-                Picture("outcomes", "Outcomes over the parameters that decide them"),
-                table(_OUTCOME, found.outcomes, "The most frequent first.", "outcomes"),
-            ),
-            "Influence of each number": (
-                Picture("influences", "Fraction of the variance that each number explains"),
-                RecordTable(_DECIDING, lambda: deciding, influence, most=None),
-            ),
-            "Range of each result": table(_NUMBER, found.numbers, "", "results"),
-            "Varied parameters": table(VARIED, found.varied, "", "parameters"),
-            "Assumptions": Notes(_assumed(found), PAGE),
-        },
-        hints=[] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"],
-        seed=study.designs.seed,
-        packages=["zarr"],
+        "Influence of each number": (
+            Picture("influences", "Fraction of the variance that each number explains"),
+            RecordTable(_DECIDING, lambda: deciding, influence, most=None),
+        ),
+        "Range of each result": table(_NUMBER, found.numbers, "", "results"),
+        "Varied parameters": table(VARIED, found.varied, "", "parameters"),
+        "Assumptions": Notes(_assumed(found), PAGE),
+    }
+    title, answer = study.subject.title or "A study", _answer(found, deciding)
+    warned = (
+        parts.Warned("Missing designs", "", missing),
+        parts.Warned("Designs that could not be computed", "", problems),
     )
+    hints = [] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
+    of = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
+    return Account(found, title, "study/1", STUDY, answer, facts, sections, warned, **of)
 
 
 def _deciding(found: Status) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from itertools import groupby
+from typing import Any
 
 from stepwell import base, files, robot as robots
 from stepwell.accounts import parts
@@ -97,29 +98,26 @@ def walk_account(walk: Walk, about: About) -> Account:
     gaits = "The states of the cells in a cycle, and how far the foot slips."
     advance = "d/u_max is the advance over the largest step of the legs."
     cells = (Column("cycle", lambda row: str(row["cycle"]), True), *_CYCLES)
+    sections = {
+        "Motion": parts.Replay(title),
+        "Path, gait and contacts": (
+            Picture("trajectory", "Path from above, and advance and turn of each cycle"),
+            Picture("gait", "Travels and states of the cells of every leg"),
+            Picture("contacts", "Contacts, actuator force and work"),
+        ),
+        "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
+        "Cycles": RecordTable(cells, lambda: _cycles(walk), advance, more="cycles", level=CARD),
+        **_given(walk),
+    }
+    answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
+    origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
+    warned = _stopped_early(walk)
     return Account(
-        walk,
-        title,
-        "walk/1",
-        WALK,
-        origin="Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena),
-        answer=f"Walked {amount(walk.distance, 'm')} in {cycles}",
-        facts=facts,
-        warnings=_stopped_early(walk),
-        sections={
-            "Motion": parts.Replay(title),
-            "Path, gait and contacts": (
-                Picture("trajectory", "Path from above, and advance and turn of each cycle"),
-                Picture("gait", "Travels and states of the cells of every leg"),
-                Picture("contacts", "Contacts, actuator force and work"),
-            ),
-            "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
-            "Cycles": RecordTable(cells, lambda: _cycles(walk), advance, more="cycles", level=CARD),
-            **_given(walk),
-        },
-        hints=(SOURCES,),
-        packages=["mujoco"],
+        walk, title, "walk/1", WALK, answer, facts, sections, warned, origin, **_SIMULATED
     )
+
+
+_SIMULATED: dict[str, Any] = {"hints": [SOURCES], "packages": ["mujoco"]}
 
 
 def _given(walk: Walk) -> parts.Sections:
@@ -238,32 +236,24 @@ def maze_account(maze: Maze, about: About) -> Account:
     obstacles = "When each was first touched."
     contacts = "Each contact, and the leg it changes."
     changes = "From which cycle on a leg has another gait."
-    return Account(
-        maze,
-        title,
-        "maze/1",
-        MAZE,
-        origin=_simulated_in(maze.arena),
-        answer=f"{maze.outcome} after {amount(maze.duration, 's')}",
-        facts=facts,
-        warnings=_stopped_early(walk),
-        sections={
-            "Motion": parts.Replay(title),
-            "Path": (
-                Picture("maze", "Path from above"),
-                Picture("timeline", "Antennas, gaits and obstacles over time"),
-            ),
-            "Obstacles": RecordTable(_TOUCHED, "touched", obstacles, most=None),
-            "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
-            "Gait changes": RecordTable(
-                _CHANGE, "changes", changes, more="changes of gait", level=CARD
-            ),
-            **_given(walk),
-        },
-        hints=(SOURCES,),
-        packages=["mujoco"],
-        given={name: about.seeds.get(name) for name in ("start_seed", "layout_seed")},
-    )
+    sections = {
+        "Motion": parts.Replay(title),
+        "Path": (
+            Picture("maze", "Path from above"),
+            Picture("timeline", "Antennas, gaits and obstacles over time"),
+        ),
+        "Obstacles": RecordTable(_TOUCHED, "touched", obstacles, most=None),
+        "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
+        "Gait changes": RecordTable(
+            _CHANGE, "changes", changes, more="changes of gait", level=CARD
+        ),
+        **_given(walk),
+    }
+    answer = f"{maze.outcome} after {amount(maze.duration, 's')}"
+    origin, warned = _simulated_in(maze.arena), _stopped_early(walk)
+    seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
+    of = {**_SIMULATED, "given": seeds}
+    return Account(maze, title, "maze/1", MAZE, answer, facts, sections, warned, origin, **of)
 
 
 def _trials(sweep: Sweep) -> Sequence[Row]:
@@ -290,22 +280,18 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     wide = [Column("why it stopped", lambda row: row["stopped"])] if failed else []
     first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
     stopped = [f"{first}{failed[0].stopped}"] if failed else []
-    warned = "The simulation of some robots ended before its time."
-    about_rows = "One row for each robot."
+    text = "The simulation of some robots ended before its time."
+    rows = "One row for each robot."
+    sections = {
+        "Results": Picture("sweep", "What each robot does in a cycle"),
+        "Robots": RecordTable(columns, "trials", rows, wide, more="robots", level=CARD),
+    }
+    answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
+    origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
+    warned, of = [parts.Warned("Stopped early", text, stopped)], {"packages": ["mujoco"]}
+    seed = about.seeds.get("values")
     return Account(
-        sweep,
-        count,
-        "sweep/1",
-        SWEEP,
-        origin=f"Varied: {', '.join(sweep.values) or 'nothing'}.",
-        answer=f"{len(sweep.trials) - len(failed)} of {count} walked to the end",
-        warnings=[parts.Warned("Stopped early", warned, stopped)],
-        sections={
-            "Results": Picture("sweep", "What each robot does in a cycle"),
-            "Robots": RecordTable(columns, "trials", about_rows, wide, more="robots", level=CARD),
-        },
-        seed=about.seeds.get("values"),
-        packages=["mujoco"],
+        sweep, count, "sweep/1", SWEEP, answer, (), sections, warned, origin, seed=seed, **of
     )
 
 

@@ -137,16 +137,7 @@ def yield_account(found: Yield, about: About) -> Account:
     }
     origin, warnings = f"{cells_of(chain)}.", [advised(found)]
     return Account(
-        found,
-        title,
-        "yield/2",
-        schema,
-        origin=origin,
-        answer=answer,
-        facts=facts,
-        warnings=warnings,
-        sections=sections,
-        seed=found.seed,
+        found, title, "yield/2", schema, answer, facts, sections, warnings, origin, seed=found.seed
     )
 
 
@@ -219,14 +210,5 @@ def survival_account(found: Survival, about: About) -> Account:
     )
     sections = {**calibration(about), **assumed(chain, found.assumptions)}
     return Account(
-        found,
-        title,
-        "survival/2",
-        schema,
-        origin=origin,
-        answer=answer,
-        facts=facts,
-        warnings=(),
-        sections=sections,
-        seed=found.seed,
+        found, title, "survival/2", schema, answer, facts, sections, origin=origin, seed=found.seed
     )

@@ -1,7 +1,8 @@
 """Folders of results: records, pages, figures and data that belong together."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stepwell.base import late
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.story.page import write_story
 from stepwell.reports.story.steps import OPENING, STEPS, StoryStep, Telling
@@ -27,9 +28,4 @@ __all__ = [
 
 
 # The claims of the paper are opened when its figures are asked for.
-def __getattr__(name: str) -> Any:
-    if name == "figure_of":
-        from stepwell.reports.paper import figure_of
-
-        return figure_of
-    raise AttributeError(f"module 'stepwell.reports' has no attribute {name!r}")
+__getattr__, __dir__ = late(__name__, {"paper": ("figure_of",)}, __all__)

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +15,10 @@ import stepwell as sw
 from stepwell import figures, mechanism
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, write_netcdf
-from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transition_map
+from stepwell.design import LONGEST_FOLLOWED, Yield, boundaries, transition_map
 from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
 from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
 from stepwell.studio import replay
-
-if TYPE_CHECKING:
-    from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
 
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
@@ -44,8 +41,7 @@ def _netcdf(found: Any) -> Callable[[Path], object]:
     return lambda file: write_netcdf(file, found.to_xarray())
 
 
-def run_contents(run: Run, account: Account) -> Contents:
-    """Of a run."""
+def _run(run: sw.design.Run, account: Account) -> Contents:
     draws = figures.standard_draws(run.cycle)
     draws = {name.replace("_", "-"): draw for name, draw in draws.items()} | _of_margin(run.margin)
     if run.built is not None:
@@ -55,7 +51,7 @@ def run_contents(run: Run, account: Account) -> Contents:
     return Contents("run", "result.json", files, draws, motion=motion)
 
 
-def _of_margin(margin: Margin) -> dict[str, Draw]:
+def _of_margin(margin: sw.design.Margin) -> dict[str, Draw]:
     """The margin, and a map round the anchor that is nearest to another sequence."""
     chain, draws = margin.chain, {"margins": partial(figures.margins, margin)}
     anchors = [change for change in margin.changes if change.parameter == "anchor"]
@@ -75,8 +71,7 @@ def _of_margin(margin: Margin) -> dict[str, Draw]:
     return draws
 
 
-def program_contents(program: sw.Program, account: Account) -> Contents:
-    """Of a program."""
+def _program(program: sw.Program, account: Account) -> Contents:
     text, kept, chain = account.about.design, WrittenProgram.of(program), program.chain
     written = with_program(text, kept) if isinstance(text, str) else dumps(chain, program=kept)
     files = {"design.toml": written, "program.csv": program.to_csv}
@@ -85,8 +80,7 @@ def program_contents(program: sw.Program, account: Account) -> Contents:
     return Contents("program", "program.json", files, draws, motion=motion)
 
 
-def map_contents(view: MapView, account: Account) -> Contents:
-    """Of a map."""
+def _map(view: sw.design.MapView, account: Account) -> Contents:
     data, curves = view.dataset, view.boundaries
     ends = [(float(axis[0]), float(axis[-1])) for axis in (data["x"], data["y"])]
     inside = {
@@ -99,21 +93,19 @@ def map_contents(view: MapView, account: Account) -> Contents:
     return Contents("map", "map.json", files, draws)
 
 
-def check_contents(found: Check, account: Account) -> Contents:
-    """Of a verdict on a design."""
+def _check(found: sw.design.Check, account: Account) -> Contents:
     files, chain = {"design.toml": design_text(account)}, found.chain
     on_page = _of_yield(found.yield_) if isinstance(found.yield_, Yield) else {}
     motion = _replay(chain, chain, MOST_PLAYED)
     return Contents("check", "check.json", files, on_page=on_page, motion=motion)
 
 
-def design_contents(found: Design, account: Account) -> Contents:
-    """Of a design that was found."""
+def _design(found: sw.design.Design, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv}
     return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, found)})
 
 
-def reprogramming_contents(found: Reprogramming, _account: Account) -> Contents:
+def _reprogramming(found: sw.design.Reprogramming, _account: Account) -> Contents:
     """Of a reprogramming: the changed design and the way there."""
     files: dict[str, Content] = {}
     if found.chain_after is not None:
@@ -123,14 +115,12 @@ def reprogramming_contents(found: Reprogramming, _account: Account) -> Contents:
     return Contents("reprogram", "reprogram.json", files)
 
 
-def yield_contents(found: Yield, account: Account) -> Contents:
-    """Of a yield."""
+def _yield(found: Yield, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": found.to_csv}
     return Contents("yield", "yield.json", files, _of_yield(found))
 
 
-def survival_contents(_found: Survival, account: Account) -> Contents:
-    """Of a survival."""
+def _survival(_found: sw.design.Survival, account: Account) -> Contents:
     return Contents("yield", "survival.json", {"design.toml": design_text(account)})
 
 
@@ -142,8 +132,7 @@ def _of_yield(found: Yield) -> dict[str, Draw]:
     return draws
 
 
-def batch_contents(found: sw.lab.Batch, _: Account) -> Contents:
-    """Of recordings."""
+def _batch(found: sw.lab.Batch, _: Account) -> Contents:
     recordings = found.recordings
     files: dict[str, Content] = {
         "recordings.csv": partial(sw.lab.to_csv, recordings),
@@ -152,14 +141,12 @@ def batch_contents(found: sw.lab.Batch, _: Account) -> Contents:
     return Contents("lab read", "recordings.json", files)
 
 
-def band_contents(found: sw.lab.BandFit, account: Account) -> Contents:
-    """Of bands."""
+def _band(found: sw.lab.BandFit, account: Account) -> Contents:
     draws = {"laws": partial(figures.band_laws, found.test, found.choice)}
     return Contents("lab band", "band.json", {"band.toml": account.record["table"]}, draws)
 
 
-def comparison_contents(found: sw.lab.Comparison, _: Account) -> Contents:
-    """Of a comparison."""
+def _comparison(found: sw.lab.Comparison, _: Account) -> Contents:
     draws: dict[str, Draw] = {}
     if found.cells:
         draws["forces"] = partial(figures.measured_forces, found.cells)
@@ -169,8 +156,7 @@ def comparison_contents(found: sw.lab.Comparison, _: Account) -> Contents:
     return Contents("lab compare", "compare.json", {"curves.csv": found.to_csv}, draws)
 
 
-def calibration_contents(found: sw.lab.Calibration, account: Account) -> Contents:
-    """Of a calibration."""
+def _calibration(found: sw.lab.Calibration, account: Account) -> Contents:
     files: dict[str, Content] = {
         "band.toml": account.record["table"],
         "calibration.nc": _netcdf(found),
@@ -183,16 +169,14 @@ def calibration_contents(found: sw.lab.Calibration, account: Account) -> Content
     return Contents("lab calibrate", "calibration.json", files, draws)
 
 
-def as_built_contents(found: sw.lab.AsBuilt, _: Account) -> Contents:
-    """Of a first build."""
+def _as_built(found: sw.lab.AsBuilt, _: Account) -> Contents:
     files: dict[str, Content] = {"built.toml": dumps(found.chain)}
     if found.moves:
         files["moved.toml"] = dumps(found.moves[0].of(found.chain))
     return Contents("lab as-built", "built.json", files)
 
 
-def prediction_contents(found: sw.robot.Prediction, account: Account) -> Contents:
-    """Of a robot and its prediction."""
+def _prediction(found: sw.robot.Prediction, account: Account) -> Contents:
     draws: dict[str, Draw] = {
         "robot": partial(figures.robot_drawing, found.robot),
         "prediction": partial(figures.prediction, found),
@@ -200,10 +184,9 @@ def prediction_contents(found: sw.robot.Prediction, account: Account) -> Content
     return Contents("robot show", "robot.json", {"robot.toml": design_text(account)}, draws)
 
 
-def walk_contents(
+def _walk(
     walk: sw.simulation.Walk, account: Account, *, video: bool = False, warn: Warn = warnings.warn
 ) -> Contents:
-    """Of a walk."""
     drawn = ("trajectory", "gait", "contacts") if len(walk.time) else ()
     return Contents(
         "walk",
@@ -215,10 +198,9 @@ def walk_contents(
     )
 
 
-def maze_contents(
+def _maze(
     maze: sw.simulation.Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
 ) -> Contents:
-    """Of a way through an arena."""
     draws = {"maze": figures.maze, "timeline": figures.maze_timeline} if len(maze.walk.time) else {}
     text, arena = design_text(account), dumps(maze.arena)
     return Contents(
@@ -231,8 +213,7 @@ def maze_contents(
     )
 
 
-def sweep_contents(sweep: sw.simulation.Sweep, _: Account) -> Contents:
-    """Of many robots."""
+def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
     files: dict[str, Content] = {"sweep.csv": sweep.to_csv, "sweep.nc": _netcdf(sweep)}
     return Contents("robot sweep", "sweep.json", files, {"sweep": partial(figures.sweep, sweep)})
 
@@ -261,7 +242,7 @@ def _film(
             return
 
 
-def study_contents(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
+def _study(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
     """Of a study: its table, `partial` without designs that are missing, and its figures.
 
     Influences are drawn of 50 designs or more.
@@ -282,8 +263,40 @@ def study_contents(found: sw.studies.Status, _: Account, partial: bool = False) 
     return Contents("sweep report", "study.json", files, draws)
 
 
-def atlas_contents(found: sw.studies.Atlas, _: Account) -> Contents:
+def _atlas(found: sw.studies.Atlas, _: Account) -> Contents:
     """Of an atlas: its machines as graphs, if they can be seen side by side."""
     drawable = found.machines and len(found.chain) <= _DRAWABLE_GRAPHS
     draws: dict[str, Draw] = {"machines": partial(figures.machines, found)} if drawable else {}
     return Contents("atlas show", "atlas.json", draws=draws)
+
+
+def _verdicts(found: sw.paper.Verdicts, account: Account, **options: Any) -> Contents:
+    # The claims of the paper open when its figures are asked for.
+    from stepwell.reports.paper import paper_contents
+
+    return paper_contents(found, account, **options)
+
+
+# What makes the contents of the folder of a class, called with the result and its account.
+CONTENTS: dict[str, Callable[..., Contents]] = {
+    "AsBuilt": _as_built,
+    "Atlas": _atlas,
+    "BandFit": _band,
+    "Batch": _batch,
+    "Calibration": _calibration,
+    "Check": _check,
+    "Comparison": _comparison,
+    "Design": _design,
+    "MapView": _map,
+    "Maze": _maze,
+    "Prediction": _prediction,
+    "Program": _program,
+    "Reprogramming": _reprogramming,
+    "Run": _run,
+    "Status": _study,
+    "Survival": _survival,
+    "Sweep": _sweep,
+    "Verdicts": _verdicts,
+    "Walk": _walk,
+    "Yield": _yield,
+}

@@ -8,7 +8,6 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,31 +56,6 @@ class Contents:
     film: Callable[[Path, Progress | None], None] | None = None
 
 
-# What the folder of a class has: the file in this folder, and the function in it.
-_CONTENTS = {
-    "AsBuilt": "contents:as_built_contents",
-    "Atlas": "contents:atlas_contents",
-    "BandFit": "contents:band_contents",
-    "Batch": "contents:batch_contents",
-    "Calibration": "contents:calibration_contents",
-    "Check": "contents:check_contents",
-    "Comparison": "contents:comparison_contents",
-    "Design": "contents:design_contents",
-    "MapView": "contents:map_contents",
-    "Maze": "contents:maze_contents",
-    "Prediction": "contents:prediction_contents",
-    "Program": "contents:program_contents",
-    "Reprogramming": "contents:reprogramming_contents",
-    "Run": "contents:run_contents",
-    "Status": "contents:study_contents",
-    "Survival": "contents:survival_contents",
-    "Sweep": "contents:sweep_contents",
-    "Verdicts": "paper:paper_contents",
-    "Walk": "contents:walk_contents",
-    "Yield": "contents:yield_contents",
-}
-
-
 def write(
     result: Any,
     folder: Folder,
@@ -111,15 +85,15 @@ def write(
         OverwriteError: a file there is not one that this function wrote; nothing has changed.
         OSError: the folder cannot be written; nothing has changed.
     """
+    from stepwell.reports.contents import CONTENTS
+
     found = result if isinstance(result, Account) else account(result, about)
-    place = base.of_kind(_CONTENTS, found.value)
-    if place is None:
+    contents_of = base.of_kind(CONTENTS, found.value)
+    if contents_of is None:
         raise base.InputError(
-            f"{type(found.value).__name__}: must be one of {', '.join(_CONTENTS)}. Write the whole "
+            f"{type(found.value).__name__}: must be one of {', '.join(CONTENTS)}. Write the whole "
             "result that it is a part of, such as the `Run` of a `Cycle`; a graph by `write_graph`."
         )
-    file, _, name = place.partition(":")
-    contents_of = getattr(import_module(f"stepwell.reports.{file}"), name)
     return _written(found, contents_of(found.value, found, **options), folder, progress, force)
 
 
@@ -160,15 +134,10 @@ def _motion(found: Account, contents: Contents) -> str:
 
 
 def _drawn(figure: Figure, draw: Draw) -> FigurePair:
-    """A figure on a page; one that is wider than a phone is drawn for phones too."""
+    """A figure on a page; one that is wider than a phone is drawn as it fills a phone too."""
     if 25.4 * figure.get_size_inches()[0] <= PHONE + 1.0:
         return FigurePair(image_of(figure))
-    return FigurePair(image_of(figure), image_of(narrow(draw)))
-
-
-def narrow(draw: Draw) -> Figure:
-    """A figure as it fills a phone."""
-    return sw.figures.compose([draw], width=PHONE)
+    return FigurePair(image_of(figure), image_of(sw.figures.compose([draw], width=PHONE)))
 
 
 def image_of(drawn: Figure) -> Image:
@@ -191,13 +160,10 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
         units = [base.told_in(unit) for unit in boundary.units]
-        names = [
-            base.Quantity(name, "" if unit == "1" else unit).key
-            for name, (unit, _) in zip(boundary.parameters, units, strict=True)
-        ]
-        head = ["curve", "kind", *names]
+        named = zip(boundary.parameters, units, strict=True)
+        keys = (base.Quantity(name, "" if unit == "1" else unit).key for name, (unit, _) in named)
+        head, (across, up) = ["curve", "kind", *keys], (factor for _, factor in units)
         kind = boundary.kind.name.lower()
-        (_, across), (_, up) = units
         rows += [
             (str(number), kind, f"{x * across:.9g}", f"{y * up:.9g}")
             for x, y in boundary.points.tolist()
@@ -228,8 +194,7 @@ def write_graph(graph: sw.TransitionGraph, file: str | os.PathLike[str]) -> None
 
     Args:
         graph: any; a figure holds at most 64 states with all cells at a stop.
-        file: where to; .svg, .png or .pdf is a figure, .graphml, .dot and .json are for other
-            programs.
+        file: .svg, .png or .pdf for a figure; .graphml, .dot or .json for other programs.
 
     Raises:
         ValueError: a name with another end, or too many states for a figure.

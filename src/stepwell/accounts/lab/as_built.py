@@ -83,25 +83,17 @@ def as_built_account(found: AsBuilt, about: About) -> Account:
     )
     moves = "The best moves, and the yield after each."
     known = "Means and standard deviations, with those before the observation."
+    anchors = Text(_ANCHORS if Shape.of(drawing).levers else "")
+    table = RecordTable(_KNOWN, "known", known, more="parameters", level=CARD)
+    sections = {
+        "Moves of anchors": RecordTable(_MOVE, "moves", moves),
+        "As built, as far as observations identify it": table,
+        "Assumptions": (anchors, Notes(_ASSUMED, PAGE)),
+    }
+    title, schema = drawing.title or "A first build", as_built_schema(Shape.of(drawing))
+    answer, origin, seed = f"{found.advice}.", f"{cells_of(drawing)}.", found.seed
     return Account(
-        found,
-        drawing.title or "A first build",
-        "lab.as_built/2",
-        as_built_schema(Shape.of(drawing)),
-        origin=f"{cells_of(drawing)}.",
-        answer=f"{found.advice}.",
-        facts=facts,
-        sections={
-            "Moves of anchors": RecordTable(_MOVE, "moves", moves),
-            "As built, as far as observations identify it": RecordTable(
-                _KNOWN, "known", known, more="parameters", level=CARD
-            ),
-            "Assumptions": (
-                Text(_ANCHORS if Shape.of(drawing).levers else ""),
-                Notes(_ASSUMED, PAGE),
-            ),
-        },
-        seed=found.seed,
+        found, title, "lab.as_built/2", schema, answer, facts, sections, (), origin, seed=seed
     )
 
 

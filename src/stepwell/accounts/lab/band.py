@@ -77,27 +77,21 @@ def band_account(found: BandFit, about: About) -> Account:
         "the fewest numbers first."
     )
     across = "Stiffness [N/m] by window: from (down) and to (across) [mm]"
-    return Account(
-        found,
-        "Stiffness of bands",
-        "lab.band/1",
-        BAND,
-        answer=f"Stiffness {number(many.value)} N/m",
-        facts=facts,
-        warnings=[parts.Warned("Check the recordings", "", found.test.warnings)],
-        sections={
-            "Force laws": (
-                Picture("laws", "Force against stroke, and the laws"),
-                RecordTable(_laws(found), "laws", laws, most=None),
-            ),
-            "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
-            across: RecordTable(_ends(found), "windows", most=None, pick=_by_start),
-            "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
-            "Used and dropped": Notes(found.test.told),
-            "Assumptions": Text(_MANY if alone is None else _ONE),
-        },
-        given={"data_sha256": about.data_sha256, "table": table},
-    )
+    sections = {
+        "Force laws": (
+            Picture("laws", "Force against stroke, and the laws"),
+            RecordTable(_laws(found), "laws", laws, most=None),
+        ),
+        "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
+        across: RecordTable(_ends(found), "windows", most=None, pick=_by_start),
+        "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
+        "Used and dropped": Notes(found.test.told),
+        "Assumptions": Text(_MANY if alone is None else _ONE),
+    }
+    title, answer = "Stiffness of bands", f"Stiffness {number(many.value)} N/m"
+    warned = [parts.Warned("Check the recordings", "", found.test.warnings)]
+    given = {"data_sha256": about.data_sha256, "table": table}
+    return Account(found, title, "lab.band/1", BAND, answer, facts, sections, warned, given=given)
 
 
 _MANY = (
