@@ -14,6 +14,21 @@ from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
 # Rows of the table on a terminal.
 _ROWS = 15
+_GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
+_SAMPLED: Schema = (
+    *keys(asked=int, failed=int),
+    Quantity("graphs", read=lambda found: list(found.machines.items()), holds=[_GRAPH]),
+)
+# What machines and cycles have of the most robust design that was drawn of them.
+_DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
+_BORDER: Schema = (
+    *keys(machine=(str, "of.machine"), parameter=(str, "of.parameter")),
+    Quantity("unit", read=lambda one: one.unit or "1"),
+    Quantity("at", read=lambda one: one.of.value * one.factor, holds=float),
+    Quantity("step", read=lambda one: one.of.step * one.factor, holds=float),
+    Quantity("beyond", read="of.beyond"),
+)
+_EVENLY = "All designs were drawn evenly between these ends."
 
 
 class _Drawn(NamedTuple):
@@ -63,13 +78,6 @@ def _share(name: str, read: str) -> Schema:
     return tuple(Quantity(end, "percent", read=f"{read}.{what}") for end, what in ends.items())
 
 
-_GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
-_SAMPLED: Schema = (
-    *keys(asked=int, failed=int),
-    Quantity("graphs", read=lambda found: list(found.machines.items()), holds=[_GRAPH]),
-)
-# What machines and cycles have of the most robust design that was drawn of them.
-_DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
 _MACHINE: Schema = (
     *read_off(
         (
@@ -92,13 +100,6 @@ _CYCLE: Schema = (
     *keys(sequence=(str, "of.sequence"), designs=(int, "of.share.times")),
     *_share("share", "of.share"),
     *_DRAWN,
-)
-_BORDER: Schema = (
-    *keys(machine=(str, "of.machine"), parameter=(str, "of.parameter")),
-    Quantity("unit", read=lambda one: one.unit or "1"),
-    Quantity("at", read=lambda one: one.of.value * one.factor, holds=float),
-    Quantity("step", read=lambda one: one.of.step * one.factor, holds=float),
-    Quantity("beyond", read="of.beyond"),
 )
 
 
@@ -172,9 +173,6 @@ def atlas_account(
     title = found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}"
     facts, of = () if query else _facts(found), {"packages": ["zarr"], "given": given}
     return Account(found, title, "atlas/1", ATLAS, answer, facts, sections, seed=found.seed, **of)
-
-
-_EVENLY = "All designs were drawn evenly between these ends."
 
 
 def _facts(found: Atlas) -> list[Fact]:

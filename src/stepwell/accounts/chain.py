@@ -10,6 +10,28 @@ from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
 from stepwell.mechanism import Cell, Chain, Element
 
+# By whether it stops at the low and at the high end.
+_ENDS = ("none", "at the high end"), ("at the low end", "both")
+_LEVER: Schema = (
+    Quantity("name", head="cell"),
+    Quantity("F0", "N", "F0", "force_0"),
+    Quantity("F1", "N", "F1", "force_1"),
+    Quantity("F0", "over_kr", "F0/(kr)", lambda cell: cell.force_0 / force_scale(cell)),
+    Quantity("F1", "over_kr", "F1/(kr)", lambda cell: cell.force_1 / force_scale(cell)),
+    Quantity("full_travel", "mm", "travel"),
+    Quantity("peak_angle", "deg", "peak"),
+    Quantity("barrier", "mJ"),
+    Quantity(
+        "bistable",
+        head="stable",
+        read="is_bistable",
+        form=lambda both: "both states" if both else "one state",
+        holds=bool,
+        left=True,
+    ),
+)
+_MOBILITY = Quantity("mobility", head="mobility", holds=float, left=False)
+
 
 class Named(NamedTuple):
     """A cell and its name in a chain."""
@@ -21,10 +43,6 @@ class Named(NamedTuple):
 def named(chain: Chain) -> list[Named]:
     """The cells of a chain, innermost first."""
     return [Named(name, cell) for name, cell in zip(chain.names, chain.cells, strict=True)]
-
-
-# By whether it stops at the low and at the high end.
-_ENDS = ("none", "at the high end"), ("at the low end", "both")
 
 
 def force_scale(cell: Cell) -> float:
@@ -57,27 +75,6 @@ def cell_schema(shape: Shape) -> Schema:
     alone = [replace(one, head="") for one in of_class(Cell, levers)] if shape.levers else ()
     name, *rest = _element(shape)
     return in_measure((name, *read_off((*rest, *alone), "cell")), shape.measure)
-
-
-_LEVER: Schema = (
-    Quantity("name", head="cell"),
-    Quantity("F0", "N", "F0", "force_0"),
-    Quantity("F1", "N", "F1", "force_1"),
-    Quantity("F0", "over_kr", "F0/(kr)", lambda cell: cell.force_0 / force_scale(cell)),
-    Quantity("F1", "over_kr", "F1/(kr)", lambda cell: cell.force_1 / force_scale(cell)),
-    Quantity("full_travel", "mm", "travel"),
-    Quantity("peak_angle", "deg", "peak"),
-    Quantity("barrier", "mJ"),
-    Quantity(
-        "bistable",
-        head="stable",
-        read="is_bistable",
-        form=lambda both: "both states" if both else "one state",
-        holds=bool,
-        left=True,
-    ),
-)
-_MOBILITY = Quantity("mobility", head="mobility", holds=float, left=False)
 
 
 def _count(name: str, read: Any, head: str = "") -> Quantity:

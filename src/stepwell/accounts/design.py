@@ -16,6 +16,25 @@ from stepwell.design import Design, Impossible, Reprogramming, Robustness
 
 # More states than these are not read in a line.
 _MOST_STATES = 16
+_ROBUSTNESS: Schema = (
+    *keys(radius="mm", share=float, limit=str),
+    Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
+    Quantity("while", read=lambda one: one.meeting and one.meeting.way, missing=True),
+)
+_SCALES: Schema = (
+    Quantity("force_scale", head="force scale", holds=float, left=False),
+    Quantity("travel_scale", head="travel scale", holds=float, left=False),
+)
+_LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
+# Of the places on the way tables have every k-th.
+_EVERY = 5
+_PLACE: Schema = (
+    Quantity("fraction", read=itemgetter(0), holds=float),
+    Quantity("at", "mm", read=itemgetter(1), holds=[float]),
+    Quantity("force_at_0", "N", "at state 0", itemgetter(2)),
+    Quantity("force_at_1", "N", "at state 1", itemgetter(3)),
+    Quantity("largest_force", "N", "largest", itemgetter(4)),
+)
 
 
 def design_schema(shape: Shape) -> Schema:
@@ -41,13 +60,6 @@ def design_schema(shape: Shape) -> Schema:
     )
 
 
-_ROBUSTNESS: Schema = (
-    *keys(radius="mm", share=float, limit=str),
-    Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
-    Quantity("while", read=lambda one: one.meeting and one.meeting.way, missing=True),
-)
-
-
 def _none(value: Design | Impossible) -> bool:
     return isinstance(value, Impossible)
 
@@ -64,13 +76,6 @@ def built_schema(shape: Shape) -> Schema:
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
     # What can be chosen stands before what is given.
     return (name, *map(_of_band, (q, p, *band)), *base.read_off(_LEVER, "cell"), *forces)
-
-
-_SCALES: Schema = (
-    Quantity("force_scale", head="force scale", holds=float, left=False),
-    Quantity("travel_scale", head="travel scale", holds=float, left=False),
-)
-_LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
 
 
 def _of_band(quantity: Quantity) -> Quantity:
@@ -125,10 +130,6 @@ def design_account(found: Design, about: About) -> Account:
     )
 
 
-# Of the places on the way tables have every k-th.
-_EVERY = 5
-
-
 def reprogram_schema(shape: Shape) -> Schema:
     """What is reported of a reprogramming; what is in another unit than the change has null."""
     force = shape.measure.force_unit
@@ -156,15 +157,6 @@ def _change_schema(unit: str, si: str, holds: Any = float) -> Schema:
         return Quantity(name, unit, read=read, holds=holds, missing=missing)
 
     return of("distance", float, False), of("displacement", holds), of("place", holds)
-
-
-_PLACE: Schema = (
-    Quantity("fraction", read=itemgetter(0), holds=float),
-    Quantity("at", "mm", read=itemgetter(1), holds=[float]),
-    Quantity("force_at_0", "N", "at state 0", itemgetter(2)),
-    Quantity("force_at_1", "N", "at state 1", itemgetter(3)),
-    Quantity("largest_force", "N", "largest", itemgetter(4)),
-)
 
 
 def _way(found: Reprogramming) -> list[tuple[Any, ...]]:

@@ -11,6 +11,7 @@ from stepwell.base import Column, Quantity
 from stepwell.statics import Cause, Event, Landing
 
 NOT_CHECKED = "not checked for other mobilities"
+_ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
 
 
 def event_schema(shape: Shape) -> base.Schema:
@@ -32,9 +33,6 @@ def event_schema(shape: Shape) -> base.Schema:
         *keys(tie=bool, distance_force="N", distance_travel="mm", error="mm", decided=str | None),
     )
     return base.in_measure(schema, shape.measure)
-
-
-_ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
 
 
 def way(event: Any) -> str:

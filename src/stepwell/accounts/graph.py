@@ -14,6 +14,17 @@ from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, Transitio
 
 # Letters of the longest sequence that a card spells out.
 _MOST_LETTERS = 1000
+_TIES = Quantity("ties", read=lambda graph: tie_notes(graph.ties, graph.chain), holds=[str])
+_DIRECTION = Quantity("direction", read=way)
+_SCRAMBLING: Schema = (
+    *keys(first_two=([int], "cells")),
+    _DIRECTION,
+    *keys(in_order_from=(str, "i_first"), in_other_order_from=(str, "j_first")),
+    Quantity("by_hand", read=lambda pair: not pair.reachable, holds=bool),
+)
+_FEW = 4  # cells of a row
+# What is shown of a cell that has moved; where it has two phases, its name tells that it did.
+_PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
 
 def graph_schema(shape: Shape) -> Schema:
@@ -36,16 +47,6 @@ def graph_schema(shape: Shape) -> Schema:
         *read_off(reading, "reading"),
         _TIES,
     )
-
-
-_TIES = Quantity("ties", read=lambda graph: tie_notes(graph.ties, graph.chain), holds=[str])
-_DIRECTION = Quantity("direction", read=way)
-_SCRAMBLING: Schema = (
-    *keys(first_two=([int], "cells")),
-    _DIRECTION,
-    *keys(in_order_from=(str, "i_first"), in_other_order_from=(str, "j_first")),
-    Quantity("by_hand", read=lambda pair: not pair.reachable, holds=bool),
-)
 
 
 def _memory(unit: str) -> Schema:
@@ -120,11 +121,6 @@ def graph_account(value: TransitionGraph, about: About) -> Account:
     sections = {"Nodes": Text(counts)}
     warnings = [degenerate(value.ties, value.chain)]
     return Account(value, title, "graph/2", schema, answer, facts, sections, warnings)
-
-
-_FEW = 4  # cells of a row
-# What is shown of a cell that has moved; where it has two phases, its name tells that it did.
-_PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
 
 def implicit_graph_schema(shape: Shape) -> Schema:

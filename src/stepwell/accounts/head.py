@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from stepwell.robot import Robot
 
 Row = Mapping[str, Any]
+# The first name of every JSON Schema, and those of what was computed, see `head`.
+BARE: Schema = (Quantity("stepwell"),)
 
 
 def recorded(schema: Schema, values: Iterable[Any]) -> Callable[[], list[Row]]:
@@ -41,8 +43,6 @@ def keys(**given: Any) -> tuple[Quantity, ...]:
     return tuple(replace(one, read=pairs[one.name][1]) for one in plain)
 
 
-# The first name of every JSON Schema, and those of what was computed, see `head`.
-BARE: Schema = (Quantity("stepwell"),)
 HEAD: Schema = (*BARE, *keys(versions={str: str}, design_sha256=str | None, seed=int | None))
 
 

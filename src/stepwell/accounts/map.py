@@ -17,6 +17,15 @@ if TYPE_CHECKING:
 
     from stepwell.design import MapView
 
+_BOUNDARY: Schema = (
+    Quantity("changes", head="what changes"),
+    *keys(kind=(str, lambda one: one.kind.name.lower()), between=([str], "sequences")),
+    Quantity("method", head="method"),
+    Quantity("error_of_axes", read="error", holds=float),
+    Quantity("points", head="points", read=lambda one: len(one.points), holds=int, left=False),
+)
+_AXES = ("Across", "x"), ("Up", "y")
+
 
 class _Axis(NamedTuple):
     """An axis of a map, and the design's own place on it, in SI."""
@@ -42,13 +51,6 @@ _AXIS: Schema = (
     Quantity("to", read=_in_unit(lambda axis: axis.values[-1]), holds=float),
     Quantity("count", read=lambda axis: len(axis.values), holds=int),
     Quantity("design", read=_in_unit(lambda axis: axis.design), holds=float),
-)
-_BOUNDARY: Schema = (
-    Quantity("changes", head="what changes"),
-    *keys(kind=(str, lambda one: one.kind.name.lower()), between=([str], "sequences")),
-    Quantity("method", head="method"),
-    Quantity("error_of_axes", read="error", holds=float),
-    Quantity("points", head="points", read=lambda one: len(one.points), holds=int, left=False),
 )
 
 
@@ -124,9 +126,6 @@ def map_account(view: MapView, about: About) -> Account:
         "Method": Text(_method(view)),
     }
     return Account(view, title, "map/3", MAP, answer, facts, sections)
-
-
-_AXES = ("Across", "x"), ("Up", "y")
 
 
 def _axis_words(axis: _Axis) -> str:

@@ -41,6 +41,29 @@ DOCTOR: Schema = (
     Quantity("kernels", holds=_KERNELS, missing=True),
     *keys(tools=[_TOOL], broken=[_BROKEN]),
 )
+_PRESET: Schema = (
+    Quantity("name", head="name", read=itemgetter(0)),
+    Quantity("title", head="title", read=itemgetter(1)),
+)
+# What is reported of the designs that come with Stepwell.
+PRESETS: Schema = keys(presets=([_PRESET], lambda found: found.items()))
+_ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
+_STATEMENT = Quantity("claim", head="statement", read="claim.claim")
+_WITHIN = Quantity("tolerance", head="within", read="claim.tolerance")
+_COMPARED: Schema = (
+    Quantity("where", head="where", read="claim.where"),
+    Quantity("paper", head="published", read="claim.paper_value"),
+    Quantity("ours", head="Stepwell"),
+    Quantity("verdict", head="verdict", read=lambda one: str(one.verdict)),
+)
+_CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
+# What is reported of verdicts.
+PAPER = keys(claims=([_CLAIM], lambda found: found))
+# What is reported of a folder; `files.staged_folder` writes it.
+FOLDER: Schema = (
+    Quantity("command"),
+    Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
+)
 
 
 def installation_account(found: base.Installation, about: About) -> Account:
@@ -86,14 +109,6 @@ def _versions(row: Row) -> str:
     return ", ".join(versions) if row["present"] else "no"
 
 
-_PRESET: Schema = (
-    Quantity("name", head="name", read=itemgetter(0)),
-    Quantity("title", head="title", read=itemgetter(1)),
-)
-# What is reported of the designs that come with Stepwell.
-PRESETS: Schema = keys(presets=([_PRESET], lambda found: found.items()))
-
-
 def presets_account(found: Presets, about: About) -> Account:
     """What is reported of the designs that come with Stepwell."""
     table = replace(_table(_PRESET, found.items()), more="designs", level=CARD)
@@ -102,22 +117,6 @@ def presets_account(found: Presets, about: About) -> Account:
     return Account(
         found, title, "presets/1", PRESETS, answer=answer, sections=sections, computed=False
     )
-
-
-_ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
-_STATEMENT = Quantity("claim", head="statement", read="claim.claim")
-_WITHIN = Quantity("tolerance", head="within", read="claim.tolerance")
-_COMPARED: Schema = (
-    Quantity("where", head="where", read="claim.where"),
-    Quantity("paper", head="published", read="claim.paper_value"),
-    Quantity("ours", head="Stepwell"),
-    Quantity("verdict", head="verdict", read=lambda one: str(one.verdict)),
-)
-_CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
-
-
-# What is reported of verdicts.
-PAPER = keys(claims=([_CLAIM], lambda found: found))
 
 
 def verdicts_account(found: Verdicts, about: About) -> Account:
@@ -132,10 +131,3 @@ def verdicts_account(found: Verdicts, about: About) -> Account:
         "Reasons and limits": given,
     }
     return Account(found, title, "paper/1", PAPER, answer, sections=sections)
-
-
-# What is reported of a folder; `files.staged_folder` writes it.
-FOLDER: Schema = (
-    Quantity("command"),
-    Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
-)

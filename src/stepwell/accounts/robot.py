@@ -47,6 +47,9 @@ _LEG: Schema = (
 )
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
+_LEG_NAME = Column("leg", lambda row: row["leg"])
+# The unit of the values is in the key.
+_VALUES = Column("value", lambda row: ", ".join(f"{one:.6g}" for one in row["values"]), True)
 
 
 def _legs(found: Prediction) -> Sequence[Row]:
@@ -167,11 +170,8 @@ def _gain(push: Row) -> str:
     return f"{push['gain_mm']:.1f} of {push['step_mm']:.1f}"
 
 
-_LEG_NAME = Column("leg", lambda row: row["leg"])
 _PUSHES = (_LEG_NAME, _PUSH[0], Column("gains [mm]", _gain, True), *_PUSH[4:])
 _FLIPS = (_FLIP[0], _LEG_NAME, _FLIP[1], Column("interval [mm]", _interval, True), *_FLIP[4:])
-# The unit of the values is in the key.
-_VALUES = Column("value", lambda row: ", ".join(f"{one:.6g}" for one in row["values"]), True)
 
 
 def turn_words(turn: float) -> str:

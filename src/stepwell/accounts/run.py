@@ -15,6 +15,8 @@ from stepwell.statics import EventKind, Path
 
 # A longer sequence is not read in a line.
 _MOST_LETTERS = 100
+_NOT_PLAYED = "Not shown here: the command stepwell replay writes the motion as a page of its own."
+_CHECK = "--mobility-ratio 10 checks the landings for other mobilities."
 
 
 def run_schema(shape: Shape) -> Schema:
@@ -112,10 +114,6 @@ def run_account(run: Run, about: About) -> Account:
     return Account(
         run, title, "run/2", schema, answer, facts, sections, warned, origin, hints=hints
     )
-
-
-_NOT_PLAYED = "Not shown here: the command stepwell replay writes the motion as a page of its own."
-_CHECK = "--mobility-ratio 10 checks the landings for other mobilities."
 
 
 def _answer(cycle: Cycle) -> str:

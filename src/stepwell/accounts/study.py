@@ -12,6 +12,40 @@ from stepwell.studies import Extent, Status, Varied, gaps_text
 
 # Of what decides a column so many are shown.
 _FOREMOST = 5
+_GAP = keys(first=int, last=int, damaged=bool)
+_SHARE = keys(times=int, of=int, low=float, high=float, share=float)
+_SCREEN: Schema = (
+    Quantity("engine", read=lambda found: found.study.given["engine"]),
+    Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
+    *read_off(keys(designs=int, kept=int, computed=int), "screened"),
+    *(
+        Quantity(name, read=f"screened.{name}", holds=_SHARE, missing=True)
+        for name in ("alike", "held", "missed")
+    ),
+)
+_OUTCOME: Schema = (
+    Quantity("column", head="column"),
+    Quantity("value", head="value"),
+    Quantity("designs", head="designs", read="share.times", holds=int, left=False),
+    Quantity("share", head="fraction", read="share.share", holds=float, form=percent, left=False),
+    Quantity("share_low", read=lambda one: one.share.low if one.sampled else None, holds=float),
+    Quantity("share_high", read=lambda one: one.share.high if one.sampled else None, holds=float),
+)
+_INFLUENCE = keys(parameter=(str, "name"), share=float, trend=float)
+_DECIDED: Schema = (
+    Quantity("column"),
+    Quantity("value", read=lambda one: one.value or None, missing=True),
+    *keys(designs=int, floor=float, influences=[_INFLUENCE]),
+)
+# A row for each number that decides a column.
+_DECIDING: Columns = (
+    Quantity("column", head="column"),
+    Quantity("parameter", head="parameter"),
+    Quantity("share", head="fraction of its variance", form=percent, left=False),
+    Quantity("trend", head="rank correlation", form="+.2f", left=False),
+)
+# Of what a screen kept and what was computed: which designs have the fraction.
+_AMONG = {"alike": "drawn at random", "held": "kept", "missed": "drawn at random and not kept"}
 
 
 def _unit(unit: str) -> str:
@@ -34,25 +68,6 @@ VARIED: Schema = (
     _end("from", "low"),
     _end("to", "high"),
 )
-_GAP = keys(first=int, last=int, damaged=bool)
-_SHARE = keys(times=int, of=int, low=float, high=float, share=float)
-_SCREEN: Schema = (
-    Quantity("engine", read=lambda found: found.study.given["engine"]),
-    Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
-    *read_off(keys(designs=int, kept=int, computed=int), "screened"),
-    *(
-        Quantity(name, read=f"screened.{name}", holds=_SHARE, missing=True)
-        for name in ("alike", "held", "missed")
-    ),
-)
-_OUTCOME: Schema = (
-    Quantity("column", head="column"),
-    Quantity("value", head="value"),
-    Quantity("designs", head="designs", read="share.times", holds=int, left=False),
-    Quantity("share", head="fraction", read="share.share", holds=float, form=percent, left=False),
-    Quantity("share_low", read=lambda one: one.share.low if one.sampled else None, holds=float),
-    Quantity("share_high", read=lambda one: one.share.high if one.sampled else None, holds=float),
-)
 _NUMBER: Schema = (
     Quantity("column", head="column"),
     Quantity("unit", head="unit", read=_told, form=_unit),
@@ -61,23 +76,6 @@ _NUMBER: Schema = (
     _end("most"),
     Quantity("designs", head="designs", holds=int, left=False),
 )
-_INFLUENCE = keys(parameter=(str, "name"), share=float, trend=float)
-_DECIDED: Schema = (
-    Quantity("column"),
-    Quantity("value", read=lambda one: one.value or None, missing=True),
-    *keys(designs=int, floor=float, influences=[_INFLUENCE]),
-)
-# A row for each number that decides a column.
-_DECIDING: Columns = (
-    Quantity("column", head="column"),
-    Quantity("parameter", head="parameter"),
-    Quantity("share", head="fraction of its variance", form=percent, left=False),
-    Quantity("trend", head="rank correlation", form="+.2f", left=False),
-)
-
-
-# Of what a screen kept and what was computed: which designs have the fraction.
-_AMONG = {"alike": "drawn at random", "held": "kept", "missed": "drawn at random and not kept"}
 
 
 # What is reported of a study.

@@ -46,6 +46,40 @@ _LEG: Schema = (
     *keys(gaits=[str], predicted_gait=str | None, slip="mm"),
     FEET,
 )
+_SIMULATED: dict[str, Any] = {"hints": [SOURCES], "packages": ["mujoco"]}
+_GAITS = (
+    Quantity("cycles", head="cycles"),
+    Quantity("states", head="states"),
+    Quantity("slip", "mm", "slip per cycle", form=3),
+)
+_TOUCHED: Schema = (
+    Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
+    Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
+)
+_CONTACT: Schema = (
+    Quantity("antenna", head="antenna"),
+    Quantity("begin", "s", "from"),
+    Quantity("end", "s", "to"),
+    Quantity("swing", "deg", "swing", form=3),
+    Quantity("moved", "mm", "anchor moved", form=3),
+)
+_CHANGE: Schema = (
+    Quantity("time", "s", "from"),
+    Quantity("leg", head="leg"),
+    Quantity("before", head="before", form=lambda gait: gait or "none"),
+    Quantity("after", head="after", form=lambda gait: gait or "none"),
+)
+_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(robots.TRIAL, "trial"))
+_TIME_STEP: Schema = (
+    Quantity("time_step", "ms", "time step"),
+    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("forces_off", "percent", read="off", form=".2f"),
+    Quantity("jumps", "percent", "jumps", form=".1f"),
+)
+_DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
+# What is reported of a walk at several time steps.
+CONVERGENCE = keys(title=(str, "robot.title"), time_steps=([_TIME_STEP], "rows"))
 
 
 def _legs(walk: Walk) -> Sequence[Row]:
@@ -117,9 +151,6 @@ def walk_account(walk: Walk, about: About) -> Account:
     )
 
 
-_SIMULATED: dict[str, Any] = {"hints": [SOURCES], "packages": ["mujoco"]}
-
-
 def _given(walk: Walk) -> parts.Sections:
     """What a simulation was given, and what it assumes."""
     assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
@@ -143,13 +174,6 @@ def _stopped_early(walk: Walk) -> list[parts.Warned]:
     return [parts.Warned("Stopped early", "The simulation ended before its time.", stopped)]
 
 
-_GAITS = (
-    Quantity("cycles", head="cycles"),
-    Quantity("states", head="states"),
-    Quantity("slip", "mm", "slip per cycle", form=3),
-)
-
-
 def _cycles(walk: Walk) -> list[Row]:
     rows = base.rows_of(base.record(_CYCLES, walk))
     return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
@@ -166,25 +190,6 @@ def _gaits(legs: Sequence[Row]) -> list[Row]:
             found.append({**leg, "cycles": cycles, "states": gait or "none"})
             first = last + 1
     return found
-
-
-_TOUCHED: Schema = (
-    Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
-    Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
-)
-_CONTACT: Schema = (
-    Quantity("antenna", head="antenna"),
-    Quantity("begin", "s", "from"),
-    Quantity("end", "s", "to"),
-    Quantity("swing", "deg", "swing", form=3),
-    Quantity("moved", "mm", "anchor moved", form=3),
-)
-_CHANGE: Schema = (
-    Quantity("time", "s", "from"),
-    Quantity("leg", head="leg"),
-    Quantity("before", head="before", form=lambda gait: gait or "none"),
-    Quantity("after", head="after", form=lambda gait: gait or "none"),
-)
 
 
 def _hash(maze: Maze) -> str | None:
@@ -261,7 +266,6 @@ def _trials(sweep: Sweep) -> Sequence[Row]:
     return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-_TRIAL: Schema = (Quantity("values", holds=[float]), *base.read_off(robots.TRIAL, "trial"))
 # What is reported of a sweep over robots.
 SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _trials))
 
@@ -293,18 +297,6 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     return Account(
         sweep, count, "sweep/1", SWEEP, answer, (), sections, warned, origin, seed=seed, **of
     )
-
-
-_TIME_STEP: Schema = (
-    Quantity("time_step", "ms", "time step"),
-    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
-    Quantity("turn", "deg", "turn", form="z.1f"),
-    Quantity("forces_off", "percent", read="off", form=".2f"),
-    Quantity("jumps", "percent", "jumps", form=".1f"),
-)
-_DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
-# What is reported of a walk at several time steps.
-CONVERGENCE = keys(title=(str, "robot.title"), time_steps=([_TIME_STEP], "rows"))
 
 
 def convergence_account(found: Convergence, about: About) -> Account:

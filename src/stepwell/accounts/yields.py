@@ -18,6 +18,19 @@ PICTURES = (
 )
 _MOST_ROWS = 12
 CHAIN = keys(title=(str, "chain.title"), cells=([str], "chain.names"))
+_OUTCOME = keys(outcome=(str, itemgetter(0)), count=(int, itemgetter(1)))
+_CRITICAL: Schema = (
+    *keys(first=int, second=int, names=[str]),
+    Quantity("while", read="way"),
+    *keys(share=float, narrowest=float),
+)
+# An estimate may be a little below zero.
+_INDEX = Quantity("", form=lambda at: f"{max(0.0, at):.2f}", holds=float, left=False)
+_PART: Schema = (
+    Quantity("part", head="part", read=itemgetter(0)),
+    replace(_INDEX, name="first_order", head="alone", read=itemgetter(1)),
+    replace(_INDEX, name="total", head="with others", read=itemgetter(2)),
+)
 
 
 def counted_schema(shape: Shape) -> Schema:
@@ -100,21 +113,6 @@ def inner_yield_schema(shape: Shape) -> Schema:
 
 def _of_gap(name: str) -> Any:
     return lambda found: found.sensitivities and getattr(found.sensitivities, name)
-
-
-_OUTCOME = keys(outcome=(str, itemgetter(0)), count=(int, itemgetter(1)))
-_CRITICAL: Schema = (
-    *keys(first=int, second=int, names=[str]),
-    Quantity("while", read="way"),
-    *keys(share=float, narrowest=float),
-)
-# An estimate may be a little below zero.
-_INDEX = Quantity("", form=lambda at: f"{max(0.0, at):.2f}", holds=float, left=False)
-_PART: Schema = (
-    Quantity("part", head="part", read=itemgetter(0)),
-    replace(_INDEX, name="first_order", head="alone", read=itemgetter(1)),
-    replace(_INDEX, name="total", head="with others", read=itemgetter(2)),
-)
 
 
 def _parts(found: Yield) -> list[tuple[str, float, float]] | None:

@@ -8,6 +8,30 @@ from stepwell.accounts.yields import tolerance_words
 from stepwell.base import Quantity, Schema
 from stepwell.lab import AsBuilt, Known
 
+_PLACED: Schema = (
+    Quantity("anchor", read="anchor.name"),
+    Quantity("was", "mm", holds=[float]),
+    Quantity("to", "mm", holds=[float]),
+)
+_MOVE: Schema = (
+    Quantity("move", head="move", read=str),
+    *_PLACED,
+    Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
+    Quantity("share", head="yield", form=base.percent, left=False, holds=float),
+)
+_WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
+_PULL = keys(direction=int, stroke="mm", force="N")
+_ANCHORS = (
+    "A motion identifies only q - p of the anchors: p is taken as nominal, and q has the deviation "
+    "of both."
+)
+_ASSUMED = (
+    "Parts vary independently within the tolerances; an anchor may be in the hole next to its own. "
+    "An observation counts by its uncertainty alone.",
+    "Several builds explain the same motion; where an observation does not identify a parameter, "
+    "its mean is that of all builds within the tolerances.",
+)
+
 
 def _in_unit(name: str, head: str, read: str) -> Quantity:
     """A number of a parameter, in the unit of this parameter."""
@@ -31,19 +55,6 @@ _KNOWN: Schema = (
     Quantity("unit", head="unit", read=_unit),
     Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
 )
-_PLACED: Schema = (
-    Quantity("anchor", read="anchor.name"),
-    Quantity("was", "mm", holds=[float]),
-    Quantity("to", "mm", holds=[float]),
-)
-_MOVE: Schema = (
-    Quantity("move", head="move", read=str),
-    *_PLACED,
-    Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
-    Quantity("share", head="yield", form=base.percent, left=False, holds=float),
-)
-_WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
-_PULL = keys(direction=int, stroke="mm", force="N")
 
 
 def _seen(shape: Shape) -> Schema:
@@ -95,18 +106,6 @@ def as_built_account(found: AsBuilt, about: About) -> Account:
     return Account(
         found, title, "lab.as_built/2", schema, answer, facts, sections, (), origin, seed=seed
     )
-
-
-_ANCHORS = (
-    "A motion identifies only q - p of the anchors: p is taken as nominal, and q has the deviation "
-    "of both."
-)
-_ASSUMED = (
-    "Parts vary independently within the tolerances; an anchor may be in the hole next to its own. "
-    "An observation counts by its uncertainty alone.",
-    "Several builds explain the same motion; where an observation does not identify a parameter, "
-    "its mean is that of all builds within the tolerances.",
-)
 
 
 def _samples(found: AsBuilt) -> str:

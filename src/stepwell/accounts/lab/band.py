@@ -34,6 +34,14 @@ _LAW: Schema = (
     *keys(values=({str: _ESTIMATE}, "estimates"), at_bound=([str], "fitted.at_bound")),
     *keys(above_best=float),
 )
+_MANY = (
+    "Intervals are Student's, from the scatter between samples, taken as independent and normal; "
+    "cycles of one sample are no samples."
+)
+_ONE = (
+    "Intervals are Student's, from the scatter of the readings around the law and the digits of "
+    "the readings."
+)
 
 
 def _losses(found: BandFit) -> list[Any]:
@@ -92,16 +100,6 @@ def band_account(found: BandFit, about: About) -> Account:
     warned = [parts.Warned("Check the recordings", "", found.test.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
     return Account(found, title, "lab.band/1", BAND, answer, facts, sections, warned, given=given)
-
-
-_MANY = (
-    "Intervals are Student's, from the scatter between samples, taken as independent and normal; "
-    "cycles of one sample are no samples."
-)
-_ONE = (
-    "Intervals are Student's, from the scatter of the readings around the law and the digits of "
-    "the readings."
-)
 
 
 def band_test_account(found: BandTest, about: About) -> Account:

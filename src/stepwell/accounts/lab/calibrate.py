@@ -10,12 +10,6 @@ from stepwell.base import Quantity, Schema, counted, number, rows_of
 from stepwell.lab import Calibration, calibrated_table
 
 _MM = Quantity("stroke", "mm").factor
-
-
-def _snap(name: str, head: str, read: str = "") -> Quantity:
-    return Quantity(name, "mm", head, read, ".2f", none="none")
-
-
 _PARAMETER: Schema = (
     Quantity("name", head="parameter"),
     Quantity("value", head="value", left=False, holds=float),
@@ -28,17 +22,6 @@ _WEIGHING = keys(
     weight_doubt=("N", "doubt"),
     machine_friction=("N", "friction"),
     loading_and_unloading=(bool, "both"),
-)
-_SNAP: Schema = (
-    Quantity("series", head="series"),
-    _snap("measured", "seen"),
-    *keys(spread="mm", reached="mm"),
-    _snap("plain", "no fit"),
-    _snap("fitted", "own curves"),
-    _snap("left_out", "left out"),
-    _snap("doubt", "±"),
-    *keys(covered=bool | None, order_seen=[str], order_predicted=([str], "order")),
-    *keys(order_error_ratio=(float, "ratio")),
 )
 _SNAP_ERRORS: Schema = tuple(
     Quantity(name, holds=float, read=lambda found, name=name: found.snap_error(name))
@@ -57,6 +40,24 @@ _ERROR: Schema = (
 )
 _MEAN = keys(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
 _CORRELATED = keys(parameter=str, other=str, correlation=float)
+_SEEN = "Seen and predicted; no snap has a part in a fit."
+
+
+def _snap(name: str, head: str, read: str = "") -> Quantity:
+    return Quantity(name, "mm", head, read, ".2f", none="none")
+
+
+_SNAP: Schema = (
+    Quantity("series", head="series"),
+    _snap("measured", "seen"),
+    *keys(spread="mm", reached="mm"),
+    _snap("plain", "no fit"),
+    _snap("fitted", "own curves"),
+    _snap("left_out", "left out"),
+    _snap("doubt", "±"),
+    *keys(covered=bool | None, order_seen=[str], order_predicted=([str], "order")),
+    *keys(order_error_ratio=(float, "ratio")),
+)
 
 
 def _errors(found: Calibration) -> Sequence[Row]:
@@ -161,9 +162,6 @@ def calibration_account(found: Calibration, about: About) -> Account:
     }
     given = {"data_sha256": about.data_sha256, "table": table}
     return Account(found, title, "lab.calibrate/2", CALIBRATE, answer, facts, sections, given=given)
-
-
-_SEEN = "Seen and predicted; no snap has a part in a fit."
 
 
 def _snapping(rows: Sequence[Row]) -> list[Row]:

@@ -29,6 +29,7 @@ _RECORDING: base.Schema = (
 )
 _READ: base.Schema = (*base.read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
 _REFUSED = keys(source=(str, "name"), problem=str)
+_SHOWN = [quantity for quantity in _RECORDING if quantity.head]
 
 
 def _rows(batch: Batch) -> Sequence[Row]:
@@ -95,7 +96,6 @@ def _forces(row: Row) -> str:
     return f"{base.number(row['force_least_N'])} to {base.number(row['force_most_N'])}"
 
 
-_SHOWN = [quantity for quantity in _RECORDING if quantity.head]
 _COLUMNS = (
     *_SHOWN[:4],
     base.Column("stroke [mm]", _strokes, True),

@@ -19,6 +19,7 @@ _CARD = (
 _CELL = "padding:0.15em 1.1em 0.15em 0;border:0;background:none;vertical-align:top;text-align:"
 _FAINT = "opacity:0.7;font-weight:normal"
 _NUMBERS = "white-space:nowrap;font-variant-numeric:tabular-nums"
+_ROW = '<tr style="background:none">'
 
 
 def card(account: Account) -> str:
@@ -77,9 +78,6 @@ def _rows(head: str, rows: Iterable[str]) -> str:
         '<table style="border-collapse:collapse;border:0;margin:0.4em 0 0.1em;font-size:inherit">'
         f"{line if head else ''}<tbody>{body}</tbody></table>"
     )
-
-
-_ROW = '<tr style="background:none">'
 
 
 def _safe(text: str) -> str:
