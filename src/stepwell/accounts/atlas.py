@@ -68,10 +68,6 @@ def _told(found: Atlas, name: str) -> tuple[str, float]:
     return ("", 1.0) if unit == "1" else told_in(unit)
 
 
-def _drawn(found: Atlas, designs: Sequence[Machine | Cycling]) -> list[_Drawn]:
-    return [_Drawn(found, one) for one in designs]
-
-
 def _share(name: str, read: str) -> Schema:
     """A fraction of the designs with its interval."""
     ends = {name: "share", f"{name}_low": "low", f"{name}_high": "high"}
@@ -131,7 +127,10 @@ ATLAS: Schema = (
     *keys(space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
     *keys(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
-    *keys(cycles=([_CYCLE], lambda found: _drawn(found, found.cycles)), borders=[_BORDER]),
+    *keys(
+        cycles=([_CYCLE], lambda found: [_Drawn(found, one) for one in found.cycles]),
+        borders=[_BORDER],
+    ),
 )
 
 
@@ -158,7 +157,10 @@ def atlas_account(
         matching = counted(len(shown), "machine") if shown else "no machine"
         answer = f"{query}: {matching} of this atlas"
     bordering = [_Bordering(one, *_told(found, one.parameter)) for one in borders]
-    given: dict[str, Any] = {"machines": _drawn(found, shown), "borders": bordering}
+    given: dict[str, Any] = {
+        "machines": [_Drawn(found, one) for one in shown],
+        "borders": bordering,
+    }
     rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(found))
     full = recorded(_CYCLES, found.cycles)
     sections = {
@@ -177,13 +179,23 @@ def atlas_account(
 
 def _facts(found: Atlas) -> list[Fact]:
     varied = counted(len(found.axes), "parameter")
+    unseen = "unknown of a single block of designs"
+    if found.unseen is not None:
+        most = number(found.unseen.high * 100)
+        unseen = f"at most {most} % of designs have another graph, at 95 %"
+    sampled, known = found.sampled, {one.name for one in found.machines}
+    others = (
+        f"{found.designs - found.told} designs; of a sample of {sampled.asked} the engine finds "
+        f"{counted(len(sampled.machines), 'graph')}, "
+        f"{len(sampled.machines.keys() - known) or 'none'} of them new"
+    )
     return [
         Fact("Proved", _proved(found)),
-        Fact("Unseen", "" if found.whole else _unseen(found)),
+        Fact("Unseen", "" if found.whole else unseen),
         Fact("Space", f"{len(found.chain)} cells driven by {found.drive}, {varied} varied"),
         Fact("Designs", f"{found.designs} drawn evenly, {found.told} of them in closed form"),
         Fact("Engine", f"the same graph for {found.agreed} of {found.checked} more designs"),
-        Fact("Others", _sampled(found) if found.sampled.asked else ""),
+        Fact("Others", others if sampled.asked else ""),
     ]
 
 
@@ -203,18 +215,3 @@ def _proved(found: Atlas) -> str:
     cells = "every design" if found.space_proved else "not every design"
     of = "" if found.possible is None else f"; at most {found.possible} graphs can occur"
     return f"{cells} of the space has concave cells{of}"
-
-
-def _unseen(found: Atlas) -> str:
-    if found.unseen is None:
-        return "unknown of a single block of designs"
-    return f"at most {number(found.unseen.high * 100)} % of designs have another graph, at 95 %"
-
-
-def _sampled(found: Atlas) -> str:
-    sampled, known = found.sampled, {one.name for one in found.machines}
-    others = len(sampled.machines.keys() - known)
-    return (
-        f"{found.designs - found.told} designs; of a sample of {sampled.asked} the engine finds "
-        f"{counted(len(sampled.machines), 'graph')}, {others or 'none'} of them new"
-    )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.accounts.head import About, keys
+from stepwell.accounts.head import About, Row, keys
 from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Text
 from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
 from stepwell.sequences import Pathway
@@ -115,15 +115,26 @@ def map_account(view: MapView, about: About) -> Account:
         Column("share of the map", lambda row: percent(row["share"]), True),
     ][0 if "pathway" in data else 1 :]
     share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD)
+    notes = data.attrs
+    method = (
+        f"Monostable: {notes['moved_cell']} on {percent(_monostable(view))} of the map. "
+        f"{notes['closed_form_designs']} designs in closed form, {notes['engine_designs']} by the "
+        f"engine; {_degenerate(view)} are on a boundary."
+    )
+
+    def error(curve: Row) -> str:
+        within = f"{number(curve['error_of_axes'], 2)} of the axes"
+        return "" if curve["method"] == "exact" else within
+
     between = "The curves between the sequences."
-    curves = (*_BOUNDARY, Column("within", _error))
+    curves = (*_BOUNDARY, Column("within", error))
     title = str(data.attrs["title"]) or "Map"
     facts = [Fact(label, _axis_words(_axis(view, name))) for label, name in _AXES]
     sections = {
         "Map": Picture("map", "Sequence at each point of the map"),
         "Sequences": share,
         "Boundaries": RecordTable(curves, "boundaries", between, most=None),
-        "Method": Text(_method(view)),
+        "Method": Text(method),
     }
     return Account(view, title, "map/3", MAP, answer, facts, sections)
 
@@ -134,18 +145,4 @@ def _axis_words(axis: _Axis) -> str:
     return (
         f"{found['parameter']} {number(found['from'])} to {number(found['to'])}{unit}, "
         f"{found['count']} values"
-    )
-
-
-def _error(boundary: Any) -> str:
-    exact = boundary["method"] == "exact"
-    return "" if exact else f"{number(boundary['error_of_axes'], 2)} of the axes"
-
-
-def _method(view: MapView) -> str:
-    notes = view.dataset.attrs
-    return (
-        f"Monostable: {notes['moved_cell']} on {percent(_monostable(view))} of the map. "
-        f"{notes['closed_form_designs']} designs in closed form, {notes['engine_designs']} by the "
-        f"engine; {_degenerate(view)} are on a boundary."
     )

@@ -48,6 +48,10 @@ _LEG: Schema = (
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
 _LEG_NAME = Column("leg", lambda row: row["leg"])
+_GAIN = Column("gains [mm]", lambda p: f"{p['gain_mm']:.1f} of {p['step_mm']:.1f}", True)
+_PUSHES = (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:])
+_INTERVAL = Column("interval [mm]", lambda flip: _interval(flip), True)
+_FLIPS = (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:])
 # The unit of the values is in the key.
 _VALUES = Column("value", lambda row: ", ".join(f"{one:.6g}" for one in row["values"]), True)
 
@@ -166,14 +170,6 @@ def _interval(flip: Row) -> str:
     return f"from {earliest}, or never" if latest is None else f"{earliest} to {number(latest, 3)}"
 
 
-def _gain(push: Row) -> str:
-    return f"{push['gain_mm']:.1f} of {push['step_mm']:.1f}"
-
-
-_PUSHES = (_LEG_NAME, _PUSH[0], Column("gains [mm]", _gain, True), *_PUSH[4:])
-_FLIPS = (_FLIP[0], _LEG_NAME, _FLIP[1], Column("interval [mm]", _interval, True), *_FLIP[4:])
-
-
 def turn_words(turn: float) -> str:
     """A rotation [rad]."""
     return f"{math.degrees(turn):z.1f}° to the left"
@@ -200,8 +196,5 @@ def parameter_section(robot: Robot, level: parts.Level = PAGE) -> parts.Sections
     """Every number of a robot with its source."""
     columns = (PARAMETER[0], _VALUES, *PARAMETER[2:])
     about = "Every number with its source; its key is that of the design file."
-
-    def rows() -> list[Row]:
-        return [base.record(PARAMETER, one) for one in files.provenance(robot)]
-
+    rows = recorded(PARAMETER, files.provenance(robot))
     return {"Parameters": RecordTable(columns, rows, about, most=None, level=level)}

@@ -1,7 +1,5 @@
 """A run: what a design does in a full cycle, and how far it is from doing something else."""
 
-from collections.abc import Sequence
-
 from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
 from stepwell.accounts.head import About, Shape, keys
@@ -9,7 +7,6 @@ from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
 from stepwell.accounts.yields import PICTURES, sample_words, yield_words
 from stepwell.base import Quantity, Schema, in_measure, number, read_off, record
 from stepwell.design import Run
-from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Pathway
 from stepwell.statics import EventKind, Path
 
@@ -38,12 +35,8 @@ def run_schema(shape: Shape) -> Schema:
         ),
         *read_off(cycle_schema(shape), "cycle"),
         Quantity("margin", holds=changes.margin_schema(shape)),
-        Quantity("ties", read=_ties, holds=[str]),
+        *keys(ties=([str], lambda run: words.tie_notes(run.cycle.degenerate, run.chain))),
     )
-
-
-def _ties(run: Run) -> list[str]:
-    return words.tie_notes(run.cycle.degenerate, run.chain)
 
 
 def _spelled(cycle: Cycle) -> str | None:
@@ -98,6 +91,14 @@ def run_account(run: Run, about: About) -> Account:
     )
     samples = Text(lambda: _samples(run, tied), PAGE), PICTURES[0]
     rest = Text(lambda: run.built.assumptions if run.built else "", PAGE)
+    measure = chain.measure
+    captions = {
+        "mechanism": "The mechanism in the states of its cycle",
+        "landscape": "The energy landscape and the path through it",
+        "force-stroke": f"Actuator {measure.force} against {measure.stroke}",
+        "travel-stroke": f"{measure.travel.capitalize()} of each cell against {measure.stroke}",
+        "element-curves": f"{measure.force.capitalize()} of each element and its phases",
+    }
     sections = {
         **events.event_section(chain, cycle.events, run.landings),
         **events.elsewhere_section(chain, cycle.events, run.landings),
@@ -105,7 +106,7 @@ def run_account(run: Run, about: About) -> Account:
         **changes.margin_section(margin, *nearby),
         "Yield within the usual tolerances": (*samples, rest),
         "Motion": Replay(chain.title, _NOT_PLAYED),
-        "Figures": _pictures(chain),
+        "Figures": [Picture(*one) for one in captions.items()],
         **words.assumed(chain),
     }
     title, answer = chain.title or about.source or "Untitled chain", _answer(cycle)
@@ -125,25 +126,21 @@ def _answer(cycle: Cycle) -> str:
 
 def cycle_facts(cycle: Cycle) -> list[Fact]:
     """What a chain does in a full cycle."""
-    chain = cycle.chain
+    chain, names = cycle.chain, cycle.chain.names
     schema = cycle_schema(Shape.of(chain))
     found = record(schema, cycle)
     lost, peak, full, *driven = (with_sign(q, found[q.key]) for q in schema)
     snaps = sum(event.kind is EventKind.SNAP for event in cycle.events)
     return [
         Fact("Pathway", cycle.pathway.label if cycle.pathway is not None else ""),
-        Fact("Loading", _order(chain, cycle.loading_order)),
-        Fact("Unloading", _order(chain, cycle.unloading_order)),
+        Fact("Loading", words.listed([names[cell] for cell in cycle.loading_order])),
+        Fact("Unloading", words.listed([names[cell] for cell in cycle.unloading_order])),
         Fact("Snaps", str(snaps)),
         Fact(f"Peak {chain.measure.force}", peak),
         Fact("Driven", "".join(driven)),
         Fact(f"Full {chain.measure.stroke}", "" if driven else full),
         Fact("Dissipated", f"{lost} in a cycle"),
     ]
-
-
-def _order(chain: Chain, cells: Sequence[int]) -> str:
-    return words.listed([chain.names[cell] for cell in cells])
 
 
 def _samples(run: Run, tied: bool) -> str:
@@ -155,18 +152,6 @@ def _samples(run: Run, tied: bool) -> str:
         return "Not computed here: the command stepwell yield counts samples."
     verdict = judged(does_it=True, tied=tied, interval=found.interval)
     return f"{verdict}: {yield_words(found)}, of {sample_words(found)}"
-
-
-def _pictures(chain: Chain) -> list[Picture]:
-    measure = chain.measure
-    captions = {
-        "mechanism": "The mechanism in the states of its cycle",
-        "landscape": "The energy landscape and the path through it",
-        "force-stroke": f"Actuator {measure.force} against {measure.stroke}",
-        "travel-stroke": f"{measure.travel.capitalize()} of each cell against {measure.stroke}",
-        "element-curves": f"{measure.force.capitalize()} of each element and its phases",
-    }
-    return [Picture(*one) for one in captions.items()]
 
 
 def path_account(path: Path, about: About) -> Account:

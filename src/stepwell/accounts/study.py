@@ -1,6 +1,6 @@
 """Many designs: a study, the outcomes of its designs and what decides them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from stepwell.accounts import parts
@@ -95,6 +95,15 @@ def study_account(found: Status, about: About) -> Account:
     study, deciding = found.study, _deciding(found)
     missing = [gaps_text(found.gaps, study.count)] if found.gaps else []
     problems = [f"{counted(n, 'design')}: {kind}" for kind, n in found.problems.items()]
+    answer = ""
+    if found.outcomes:
+        first = found.outcomes[0]
+        share = _share(first.share, first.sampled, " of the designs")
+        answer = f"{share} have {first.column} {first.value}"
+    elif deciding:
+        foremost = deciding[0]
+        share = f"{percent(foremost['share'])} of the variance of {foremost['column']}"
+        answer = f"{foremost['parameter']} explains {share}"
     designs = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
     done = f"{found.done} of {study.chunks} chunks are done"
     facts = (
@@ -124,7 +133,7 @@ def study_account(found: Status, about: About) -> Account:
         "Varied parameters": table(VARIED, found.varied, "", "parameters"),
         "Assumptions": Notes(_assumed(found), PAGE),
     }
-    title, answer = study.subject.title or "A study", _answer(found, deciding)
+    title = study.subject.title or "A study"
     warned = (
         parts.Warned("Missing designs", "", missing),
         parts.Warned("Designs that could not be computed", "", problems),
@@ -146,19 +155,6 @@ def _deciding(found: Status) -> list[dict[str, Any]]:
         for one in found.decided
         for each in one.sure[:_FOREMOST]
     ]
-
-
-def _answer(found: Status, deciding: Sequence[Mapping[str, Any]]) -> str:
-    """What most of the designs do, or else what decides most."""
-    if found.outcomes:
-        first = found.outcomes[0]
-        share = _share(first.share, first.sampled, " of the designs")
-        return f"{share} have {first.column} {first.value}"
-    if not deciding:
-        return ""
-    first = deciding[0]
-    share = percent(first["share"])
-    return f"{first['parameter']} explains {share} of the variance of {first['column']}"
 
 
 def _share(share: Share, sampled: bool = True, of: str = "") -> str:

@@ -129,6 +129,11 @@ def walk_account(walk: Walk, about: About) -> Account:
         Fact("Foot depth", lambda: depth_words(robot, walk.comparison.depths), TERMINAL),
         assumed(robot),
     )
+
+    def by_cycle() -> list[Row]:
+        rows = base.rows_of(base.record(_CYCLES, walk))
+        return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
+
     gaits = "The states of the cells in a cycle, and how far the foot slips."
     advance = "d/u_max is the advance over the largest step of the legs."
     cells = (Column("cycle", lambda row: str(row["cycle"]), True), *_CYCLES)
@@ -140,7 +145,7 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("contacts", "Contacts, actuator force and work"),
         ),
         "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
-        "Cycles": RecordTable(cells, lambda: _cycles(walk), advance, more="cycles", level=CARD),
+        "Cycles": RecordTable(cells, by_cycle, advance, more="cycles", level=CARD),
         **_given(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
@@ -172,11 +177,6 @@ def _stopped_early(walk: Walk) -> list[parts.Warned]:
     """The warning of a run that did not go on to its end."""
     stopped = [walk.stopped] if walk.stopped else []
     return [parts.Warned("Stopped early", "The simulation ended before its time.", stopped)]
-
-
-def _cycles(walk: Walk) -> list[Row]:
-    rows = base.rows_of(base.record(_CYCLES, walk))
-    return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
 
 
 def _gaits(legs: Sequence[Row]) -> list[Row]:

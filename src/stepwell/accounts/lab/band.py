@@ -69,14 +69,20 @@ BAND: Schema = (
 def band_account(found: BandFit, about: About) -> Account:
     """What is reported of bands."""
     choice, alone, many = found.choice, found.alone, found.stiffness
-    table = band_table(found, about.source or "")
+    table, loss, length = (
+        band_table(found, about.source or ""),
+        found.loss,
+        alone and alone.rest_length,
+    )
+    rest = f"{number(length.value * _MM)} mm; 95 % {_between(length, 'mm', _MM)}" if length else ""
+    lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
     facts = (
-        Fact("This band, 95 %", "" if alone is None else _between(alone.stiffness, "N/m")),
-        Fact("Rest length", _rest_length(found)),
+        Fact("This band, 95 %", _between(alone.stiffness, "N/m") if alone else ""),
+        Fact("Rest length", rest),
         Fact("Mean of bands, 95 %", _of_many(many, "low", "high")),
         Fact("Next band, 95 %", _of_many(many, "next_low", "next_high")),
         Fact("By sample", f"{_each(many, '.4g')} N/m"),
-        Fact("Work lost in a cycle", _lost(found)),
+        Fact("Work lost in a cycle", lost),
         Fact("Force law", choice.chosen.law.name),
         *_used(found.test),
     )
@@ -135,20 +141,8 @@ def _between(interval: Any, unit: str, factor: float = 1.0) -> str:
     return f"{interval.low * factor:.4g} to {interval.high * factor:.4g} {unit}"
 
 
-def _rest_length(found: BandFit) -> str:
-    length = None if found.alone is None else found.alone.rest_length
-    if length is None:
-        return ""
-    return f"{number(length.value * _MM)} mm; 95 % {_between(length, 'mm', _MM)}"
-
-
 def _each(estimate: Estimate, form: str) -> str:
     return ", ".join(f"{sample}: {value:{form}}" for sample, value in estimate.each.items())
-
-
-def _lost(found: BandFit) -> str:
-    loss = found.loss
-    return "" if loss is None else f"{percent(loss.value)}; by sample {_each(loss, '.1%')}"
 
 
 def _laws(found: BandFit) -> list[Quantity | Column]:

@@ -1,6 +1,5 @@
 """The JSON Schema of every record, generated from the schemas of its kind."""
 
-from collections.abc import Iterable
 from enum import Enum
 from functools import reduce
 from types import UnionType
@@ -40,9 +39,7 @@ def schema_of(kind: str) -> JsonSchema:
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
     found, first = taken_from(KINDS[name]), _FIRST.get(kind, HEAD)
-    schemas: list[Schema] = (
-        [found] if isinstance(found, tuple) else [found(shape) for shape in shapes()]
-    )
+    schemas = [found] if isinstance(found, tuple) else map(found, shapes())
     body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
     properties = {"schema": {"const": f"stepwell.{name}"}, **body["properties"]}
     properties.setdefault("files", {"type": "array", "items": {"type": "string"}})
@@ -65,14 +62,14 @@ def _object(schema: Schema) -> JsonSchema:
 
 
 def _property(quantity: Quantity) -> JsonSchema:
-    found = _held(quantity.holds if quantity.holds is not None else _usual(quantity))
+    found = _held(quantity.holds or (float if quantity.unit else str))
     if quantity.doc:
         found["description"] = quantity.doc
-    return _or_null(found) if quantity.missing else found
-
-
-def _usual(quantity: Quantity) -> Any:
-    return float if quantity.unit else str
+    if not quantity.missing:
+        return found
+    if "enum" in found:
+        found["enum"] = [*found["enum"], None]
+    return found | {"type": [*dict.fromkeys([*_listed(found["type"]), "null"])]}
 
 
 def _held(holds: Any) -> JsonSchema:
@@ -92,13 +89,6 @@ def _held(holds: Any) -> JsonSchema:
     return {"type": _TYPES[holds]}
 
 
-def _or_null(found: JsonSchema) -> JsonSchema:
-    types = [found["type"]] if isinstance(found["type"], str) else found["type"]
-    if "enum" in found:
-        found["enum"] = [*found["enum"], None]
-    return found | {"type": [*dict.fromkeys([*types, "null"])]}
-
-
 def _merged(a: JsonSchema, b: JsonSchema) -> JsonSchema:
     """What allows all that either of two schemas of the same quantity allows."""
     if a == b:
@@ -109,17 +99,13 @@ def _merged(a: JsonSchema, b: JsonSchema) -> JsonSchema:
         if isinstance(a[part], dict) and isinstance(b[part], dict):
             found[part] = _merged(a[part], b[part])
     if "properties" in a and "properties" in b:
-        names = dict.fromkeys([*a["properties"], *b["properties"]])
+        both = a["properties"], b["properties"]
+        names = dict.fromkeys([*both[0], *both[1]])
         found["properties"] = {
-            name: reduce(_merged, [one["properties"][name] for one in _having(name, a, b)])
-            for name in names
+            name: reduce(_merged, [one[name] for one in both if name in one]) for name in names
         }
         found["required"] = [one for one in a["required"] if one in b["required"]]
     return found
-
-
-def _having(name: str, *schemas: JsonSchema) -> Iterable[JsonSchema]:
-    return (one for one in schemas if name in one["properties"])
 
 
 def _listed(types: str | list[str]) -> list[str]:
