@@ -21,12 +21,13 @@ _SAMPLED: Schema = (
 )
 # What machines and cycles have of the most robust design that was drawn of them.
 _DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
+# Of a border, the unit in which it is reported, and how many of the unit make one in SI.
 _BORDER: Schema = (
-    *keys(machine=(str, "of.machine"), parameter=(str, "of.parameter")),
-    Quantity("unit", read=lambda one: one.unit or "1"),
-    Quantity("at", read=lambda one: one.of.value * one.factor, holds=float),
-    Quantity("step", read=lambda one: one.of.step * one.factor, holds=float),
-    Quantity("beyond", read="of.beyond"),
+    *keys(machine=(str, lambda one: one[0].machine), parameter=(str, lambda one: one[0].parameter)),
+    Quantity("unit", read=lambda one: one[1] or "1"),
+    Quantity("at", read=lambda one: one[0].value * one[2], holds=float),
+    Quantity("step", read=lambda one: one[0].step * one[2], holds=float),
+    Quantity("beyond", read=lambda one: one[0].beyond),
 )
 _EVENLY = "All designs were drawn evenly between these ends."
 
@@ -46,20 +47,9 @@ class _Drawn(NamedTuple):
         return [float(a) * b for a, b in zip(values, factors, strict=True)]  # type: ignore[arg-type]
 
 
-class _Bordering(NamedTuple):
-    """A border of an atlas, and the unit in which it is reported."""
-
-    of: Border
-    unit: str
-    factor: float
-
-
 def _space(found: Atlas) -> list[Varied]:
-    axes = ((axis, *_told(found, axis.name)) for axis in found.axes)
-    return [
-        Varied(axis.name, unit, axis.low * factor, axis.high * factor)
-        for axis, unit, factor in axes
-    ]
+    told = ((one, *_told(found, one.name)) for one in found.axes)
+    return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in told]
 
 
 def _told(found: Atlas, name: str) -> tuple[str, float]:
@@ -141,22 +131,14 @@ def atlas_account(
     borders: Sequence[Border] = (),
     query: str = "",
 ) -> Account:
-    """What is reported of an atlas.
-
-    Args:
-        found: the atlas.
-        about: the design file that was varied.
-        machines: those of the atlas that are reported; all by default.
-        borders: where one becomes another, as `borders` finds them.
-        query: what was asked of the machines, where they are the answer to a query.
-    """
+    """What is reported of an atlas: all machines or those that answer a query, and borders."""
     shown = found.machines if machines is None else machines
     cycles = counted(len(found.cycles), "cycle")
     answer = f"{counted(len(found.machines), 'graph')} and {cycles}"
     if query:
         matching = counted(len(shown), "machine") if shown else "no machine"
         answer = f"{query}: {matching} of this atlas"
-    bordering = [_Bordering(one, *_told(found, one.parameter)) for one in borders]
+    bordering = [(one, *_told(found, one.parameter)) for one in borders]
     given: dict[str, Any] = {
         "machines": [_Drawn(found, one) for one in shown],
         "borders": bordering,

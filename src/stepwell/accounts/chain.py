@@ -77,8 +77,8 @@ def cell_schema(shape: Shape) -> Schema:
     return in_measure((name, *read_off((*rest, *alone), "cell")), shape.measure)
 
 
-def _count(name: str, read: Any, head: str = "") -> Quantity:
-    return Quantity(name, head=head, read=read, holds=int, left=False)
+def _sheets(cell: Cell | Element) -> int:
+    return len(cell.laws) if isinstance(cell, Element) else 1
 
 
 def _forces(name: str, head: str, read: Any) -> Quantity:
@@ -88,12 +88,10 @@ def _forces(name: str, head: str, read: Any) -> Quantity:
 def _element(shape: Shape) -> Schema:
     return (
         Quantity("name", head="cell"),
-        _count("phases", lambda cell: len(cell.phases), "phases"),
-        _count(
-            "sheets",
-            lambda cell: len(cell.laws) if isinstance(cell, Element) else 1,
-            "sheets" if shape.folds else "",
+        Quantity(
+            "phases", head="phases", read=lambda cell: len(cell.phases), holds=int, left=False
         ),
+        Quantity("sheets", head="sheets" * shape.folds, read=_sheets, holds=int, left=False),
         _forces("force_up", "up at", lambda cell: [one.force_high for one in cell.phases[:-1]]),
         _forces("force_down", "down at", lambda cell: [one.force_low for one in cell.phases[1:]]),
         Quantity("travel_low", "mm", "from", "low"),

@@ -48,27 +48,16 @@ class Notes:
 
 @dataclass(frozen=True)
 class RecordTable:
-    """Records as a table.
+    """Records as a table, made when it is shown."""
 
-    Args:
-        columns: what is shown of each record; quantities without a head are not.
-        rows: makes the records, so that a table that is not shown costs nothing; or the key under
-            which the account's record has them.
-        about: how to read the table; pages alone have it.
-        wide: further columns, which pages alone have room for.
-        most: how many rows a terminal shows; None for all.
-        more: what the rows are, in the plural: of cut cards, and of pages where `about` is empty.
-        level: the shortest form that has it.
-        pick: makes the rows of what the record has under the key.
-    """
-
-    columns: Columns
-    rows: str | Callable[[], Sequence[Row]]
-    about: str = ""
-    wide: Columns = ()
-    most: int | None = 40
-    more: str = "rows"
+    columns: Columns  # Quantities without a head are not shown.
+    rows: str | Callable[[], Sequence[Row]]  # A function, or the key in the account's record.
+    about: str = ""  # How to read the table; pages alone have it.
+    wide: Columns = ()  # Further columns, which pages alone have room for.
+    most: int | None = 40  # How many rows a terminal shows; None for all.
+    more: str = "rows"  # What the rows are: of cut cards, and of pages where `about` is empty.
     level: Level = TERMINAL
+    # Makes the rows of what the record has under the key.
     pick: Callable[[Any], Sequence[Row]] | None = None
 
 
@@ -106,13 +95,7 @@ Sections = Mapping[str, Part | Sequence[Part]]
 
 @dataclass(frozen=True)
 class Warned:
-    """What a reader has to know before the numbers: every form shows it first.
-
-    Args:
-        heading: in a few words.
-        text: what it means.
-        lines: what it applies to, a sentence each; without any it is not shown.
-    """
+    """What a reader has to know before the numbers: every form shows it first, if it has lines."""
 
     heading: str
     text: str

@@ -64,8 +64,7 @@ def _points(shape: Shape) -> Quantity:
 def cycle_account(cycle: Cycle, about: About) -> Account:
     """What a notebook shows of a cycle."""
     chain = cycle.chain
-    title = f"Cycle of {chain.title}" if chain.title else "Cycle"
-    answer = _answer(cycle)
+    title, answer = f"Cycle of {chain.title}" if chain.title else "Cycle", _answer(cycle)
     facts = cycle_facts(cycle)
     sections = events.event_section(chain, cycle.events, None)
     warnings = [words.degenerate(cycle.degenerate, chain)]

@@ -292,11 +292,9 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     }
     answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
-    warned, of = [parts.Warned("Stopped early", text, stopped)], {"packages": ["mujoco"]}
-    seed = about.seeds.get("values")
-    return Account(
-        sweep, count, "sweep/1", SWEEP, answer, (), sections, warned, origin, seed=seed, **of
-    )
+    warned = [parts.Warned("Stopped early", text, stopped)]
+    of: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
+    return Account(sweep, count, "sweep/1", SWEEP, answer, (), sections, warned, origin, **of)
 
 
 def convergence_account(found: Convergence, about: About) -> Account:

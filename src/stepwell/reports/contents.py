@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,10 +15,13 @@ import stepwell as sw
 from stepwell import figures, mechanism
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, write_netcdf
-from stepwell.design import LONGEST_FOLLOWED, Yield, boundaries, transition_map
+from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transition_map
 from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
 from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
 from stepwell.studio import replay
+
+if TYPE_CHECKING:
+    from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
 
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
@@ -41,7 +44,7 @@ def _netcdf(found: Any) -> Callable[[Path], object]:
     return lambda file: write_netcdf(file, found.to_xarray())
 
 
-def _run(run: sw.design.Run, account: Account) -> Contents:
+def _run(run: Run, account: Account) -> Contents:
     draws = figures.standard_draws(run.cycle)
     draws = {name.replace("_", "-"): draw for name, draw in draws.items()} | _of_margin(run.margin)
     if run.built is not None:
@@ -51,7 +54,7 @@ def _run(run: sw.design.Run, account: Account) -> Contents:
     return Contents("run", "result.json", files, draws, motion=motion)
 
 
-def _of_margin(margin: sw.design.Margin) -> dict[str, Draw]:
+def _of_margin(margin: Margin) -> dict[str, Draw]:
     """The margin, and a map round the anchor that is nearest to another sequence."""
     chain, draws = margin.chain, {"margins": partial(figures.margins, margin)}
     anchors = [change for change in margin.changes if change.parameter == "anchor"]
@@ -80,7 +83,7 @@ def _program(program: sw.Program, account: Account) -> Contents:
     return Contents("program", "program.json", files, draws, motion=motion)
 
 
-def _map(view: sw.design.MapView, account: Account) -> Contents:
+def _map(view: MapView, account: Account) -> Contents:
     data, curves = view.dataset, view.boundaries
     ends = [(float(axis[0]), float(axis[-1])) for axis in (data["x"], data["y"])]
     inside = {
@@ -93,19 +96,19 @@ def _map(view: sw.design.MapView, account: Account) -> Contents:
     return Contents("map", "map.json", files, draws)
 
 
-def _check(found: sw.design.Check, account: Account) -> Contents:
+def _check(found: Check, account: Account) -> Contents:
     files, chain = {"design.toml": design_text(account)}, found.chain
     on_page = _of_yield(found.yield_) if isinstance(found.yield_, Yield) else {}
     motion = _replay(chain, chain, MOST_PLAYED)
     return Contents("check", "check.json", files, on_page=on_page, motion=motion)
 
 
-def _design(found: sw.design.Design, account: Account) -> Contents:
+def _design(found: Design, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv}
     return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, found)})
 
 
-def _reprogramming(found: sw.design.Reprogramming, _account: Account) -> Contents:
+def _reprogramming(found: Reprogramming, _account: Account) -> Contents:
     """Of a reprogramming: the changed design and the way there."""
     files: dict[str, Content] = {}
     if found.chain_after is not None:
@@ -120,7 +123,7 @@ def _yield(found: Yield, account: Account) -> Contents:
     return Contents("yield", "yield.json", files, _of_yield(found))
 
 
-def _survival(_found: sw.design.Survival, account: Account) -> Contents:
+def _survival(_found: Survival, account: Account) -> Contents:
     return Contents("yield", "survival.json", {"design.toml": design_text(account)})
 
 
@@ -194,7 +197,7 @@ def _walk(
         {"robot.toml": design_text(account), "walk.nc": walk.to_netcdf},
         {name: partial(getattr(figures, name), walk) for name in drawn},
         motion=partial(replay, walk),
-        film=partial(_film, walk, "walk", warn) if video else None,
+        film=partial(_film, walk, warn) if video else None,
     )
 
 
@@ -209,7 +212,7 @@ def _maze(
         {"robot.toml": text, "arena.toml": arena, "walk.nc": maze.walk.to_netcdf},
         {name: partial(draw, maze) for name, draw in draws.items()},
         motion=partial(replay, maze),
-        film=partial(_film, maze, "maze", warn) if video else None,
+        film=partial(_film, maze, warn) if video else None,
     )
 
 
@@ -220,12 +223,12 @@ def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
 
 def _film(
     result: sw.simulation.Walk | sw.simulation.Maze,
-    name: str,
     warn: Warn,
     folder: Path,
     progress: Progress | None,
 ) -> None:
-    walk = result.walk if isinstance(result, sw.simulation.Maze) else result
+    maze = isinstance(result, sw.simulation.Maze)
+    walk, name = result.walk if maze else result, "maze" if maze else "walk"
     if len(walk.time) < 2:
         return
     speed = max(1.0, float(walk.time[-1]) / _LONGEST_VIDEO)
@@ -243,14 +246,7 @@ def _film(
 
 
 def _study(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
-    """Of a study: its table, `partial` without designs that are missing, and its figures.
-
-    Influences are drawn of 50 designs or more.
-
-    Raises:
-        GapError: designs are missing.
-        ValueError: an atlas, which `stepwell atlas show` reports.
-    """
+    """Of a study, `partial` without designs that are missing; 50 designs have influences too."""
     study = found.study
     if study.what == "atlas":
         raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")

@@ -33,20 +33,16 @@ def unit_cells() -> Figure:
 
 
 def pathways() -> Figure:
-    """Energy, force and travels of a pair of cells for each pathway (Figs. 2B and 2D to 2G).
+    """Energy, force and travels of a pair for each pathway (Figs. 2B and 2D to 2G).
 
     One more has an outer cell that is monostable by itself.
     """
     lone = monostable_pair()
     name = f"Outer monostable: q = ({_mm(lone.chain.levers[1].bands[0].q)}) mm"
     drawn = figures.landscape, figures.force_stroke, figures.travel_stroke
-    return figures.compose(
-        {
-            name: [partial(draw, one) for draw in drawn]
-            for name, one in (_pairs() | {name: lone}).items()
-        },
-        width=_NARROW,
-    )
+    pairs = (_pairs() | {name: lone}).items()
+    rows = {name: [partial(draw, one) for draw in drawn] for name, one in pairs}
+    return figures.compose(rows, width=_NARROW)
 
 
 def map_() -> Figure:
@@ -115,11 +111,7 @@ def _mm(q: tuple[float, float]) -> str:
 
 
 def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = False) -> Contents:
-    """Of verdicts on the claims of the paper: its figures.
-
-    Args:
-        everything: also the figures that take many simulated runs, minutes of them.
-    """
+    """Of verdicts: the paper's figures, with `everything` those of many simulated runs too."""
     files: dict[str, Content] = {}
     for name, draw in figures_of(everything).items():
         # Drawn when its first file is written: some take minutes. The page has none of them.

@@ -35,25 +35,15 @@ PHONE = 85.0
 
 @dataclass(frozen=True)
 class Contents:
-    """What a folder has besides report.html.
-
-    Args:
-        command: whose results these are.
-        record: the name of the record's file.
-        files: text by the name of its file, or a function that writes a file.
-        draws: what draws each figure, by its name: on the page, and as .png and .svg in the folder.
-        on_page: what draws each figure that is on the page alone.
-        motion: makes the replay as a page; raises StepwellError where there is none.
-        film: called with the draft folder and `progress`, to add a video to it.
-    """
+    """What a folder has besides report.html: texts, or functions that write or draw, by name."""
 
     command: str
-    record: str
+    record: str  # The name of the record's file.
     files: Mapping[str, Content] = field(default_factory=dict)
-    draws: Mapping[str, Draw] = field(default_factory=dict)
+    draws: Mapping[str, Draw] = field(default_factory=dict)  # On the page, and .png and .svg.
     on_page: Mapping[str, Draw] = field(default_factory=dict)
-    motion: Callable[[], str] | None = None
-    film: Callable[[Path, Progress | None], None] | None = None
+    motion: Callable[[], str] | None = None  # Raises StepwellError where there is none.
+    film: Callable[[Path, Progress | None], None] | None = None  # Adds a video to a folder.
 
 
 def write(

@@ -1,7 +1,6 @@
 """Unit cells and pairs on a test machine, compared with their models."""
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from stepwell import base
@@ -123,7 +122,10 @@ COMPARE: Schema = (
 def comparison_account(found: Comparison, about: About) -> Account:
     """What is reported of a comparison."""
     cells, pairs, tests = found.cells, found.pairs, found.tests
-    of_cells, of_pairs = partial(_of_kind, "cell"), partial(_of_kind, "pair")
+
+    def of_kind(kind: str) -> Callable[[Sequence[Row]], Sequence[Row]]:
+        return lambda series: [one for one in series if one["kind"] == kind]
+
     means = (f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in _means(found))
     facts = (
         Fact("Unit cells", f"{len(cells)}" if cells else ""),
@@ -131,23 +133,21 @@ def comparison_account(found: Comparison, about: About) -> Account:
         Fact("Mean RMSE of unit cells", "; ".join(means)),
         Fact("Force rises", _rises(cells), TERMINAL),
     )
-    verdicts = Notes([f"{test.series.name}: {test.verdict}" for test in tests])
     odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.told]
     level = TERMINAL if cells else CARD
-    title = "Measured against model"
-    answer = _answer(found)
+    title, answer = "Measured against model", _answer(found)
     sections = {
         "Verdicts": (
-            verdicts,
+            Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
             Picture("forces", "Forces of unit cells, measured and modelled"),
             Picture("energies", "Energies of unit cells, measured and modelled"),
             Picture("pairs", "Forces of pairs, measured and modelled"),
         ),
         "Unit cells: measured (model); errors in k r and k r²": RecordTable(
-            (*_EACH, *_CELL), "series", "", (), None, "unit cells", CARD, of_cells
+            (*_EACH, *_CELL), "series", "", (), None, "unit cells", CARD, of_kind("cell")
         ),
         "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
-            _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_pairs
+            _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_kind("pair")
         ),
         "Rig": Text(_rig_words(found.rig) if pairs else ""),
         "Used, dropped and odd": Notes([*odd, *found.told]),
@@ -155,10 +155,6 @@ def comparison_account(found: Comparison, about: About) -> Account:
     }
     given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
     return Account(found, title, "lab.compare/2", COMPARE, answer, facts, sections, given=given)
-
-
-def _of_kind(kind: str, series: Sequence[Row]) -> list[Row]:
-    return [one for one in series if one["kind"] == kind]
 
 
 def _answer(found: Comparison) -> str:
