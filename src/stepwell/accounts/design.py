@@ -106,12 +106,15 @@ def design_account(found: Design, about: About) -> Account:
     columns, rows = cell_columns(built, chain), recorded(built, named(chain))
     anchors = "" if chain.elements else "p is the anchor on the inner block, q on the outer block."
     cells = RecordTable(columns, rows, anchors, most=None, more="cells", level=CARD)
-    reached, states = found.reached, _states(found)
-    count = f"{reached.count} states" + " surely" * (not reached.whole)
-    more = "" if reached.whole else f"more states may be reachable: {reached.how}"
 
     def reachable() -> str:
-        return count if states is None else f"{count}: {listed(states, _MOST_STATES)}"
+        count, states = found.reached.count, _states(found)
+        text = f"{count} states" + " surely" * (not found.reached.whole)
+        return text if states is None else f"{text}: {listed(states, _MOST_STATES)}"
+
+    def more() -> str:
+        reached = found.reached
+        return "" if reached.whole else f"more states may be reachable: {reached.how}"
 
     sections = {
         "Cells, innermost first": cells,
