@@ -101,8 +101,8 @@ def _pairs() -> dict[str, sequences.Cycle]:
     found: dict[str, sequences.Cycle] = {}
     for cycle in map(pair_cycle, PAIRS):
         words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
-        q = cycle.chain.levers[1].bands[0].q
-        found[f"{words.capitalize()}: outer q = ({_mm(q)}) mm"] = cycle
+        q = _mm(cycle.chain.levers[1].bands[0].q)
+        found[f"{words.capitalize()}: outer q = ({q}) mm"] = cycle
     return found
 
 
@@ -116,12 +116,12 @@ def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = F
     for name, draw in figures_of(everything).items():
         # Drawn when its first file is written: some take minutes. The page has none of them.
         drawn = cache(draw)
-        files |= {f"{name}{end}": partial(_saved, drawn) for end in (".png", ".svg")}
+
+        def save(file: Path, drawn: Callable[[], Figure] = drawn) -> None:
+            figures.save(drawn(), file)
+
+        files |= {f"{name}.png": save, f"{name}.svg": save}
     return Contents("paper", "claims.json", files)
-
-
-def _saved(draw: Callable[[], Figure], file: Path) -> None:
-    figures.save(draw(), file)
 
 
 def figure_of(name: str) -> Figure:

@@ -56,7 +56,7 @@ def page(
     """
     template = Template((files("stepwell.accounts.rendering") / "page.html").read_text("utf-8"))
     sections = (
-        (heading, _section(account, found, pictures or {}, motion))
+        (escape(heading), _section(account, found, pictures or {}, motion))
         for heading, found in account.within(parts.PAGE)
     )
     return template.substitute(
@@ -72,7 +72,7 @@ def page(
             if one.lines
         ),
         body="\n".join(
-            f"<section>\n<h2>{escape(heading)}</h2>\n{inside}\n</section>" if inside else ""
+            f"<section>\n<h2>{heading}</h2>\n{inside}\n</section>" if inside else ""
             for heading, inside in sections
         ),
     )
@@ -90,16 +90,13 @@ def _section(account: parts.Account, of: Iterable[parts.Part], drawn: _Drawn, mo
             figures = "\n".join(_figure(one.caption, drawn[one.name]) for one in known)
             found.append(f'<div class="figures">\n{figures}\n</div>' if figures else "")
         else:
-            found += [
-                _table(one, account.rows(one))
-                if isinstance(one, parts.RecordTable)
-                else _part(one, motion)
-                for one in group
-            ]
+            found += [_part(account, one, motion) for one in group]
     return "\n".join(filter(None, found))
 
 
-def _part(part: parts.Part, motion: str) -> str:
+def _part(account: parts.Account, part: parts.Part, motion: str) -> str:
+    if isinstance(part, parts.RecordTable):
+        return _table(part, account.rows(part))
     if isinstance(part, parts.Text):
         return _paragraph(parts.text_of(part))
     if isinstance(part, parts.Notes):
@@ -124,17 +121,13 @@ def _list(lines: Iterable[str]) -> str:
 
 def _facts(found: Mapping[str, str]) -> str:
     """Short facts as boxes, long ones as rows below."""
-    boxes = {label: text for label, text in found.items() if len(text) <= _SHORT}
-    rows = {label: text for label, text in found.items() if label not in boxes}
+    kinds: dict[str, list[str]] = {"boxes": [], "rows": []}
+    for label, text in found.items():
+        fact = f"<div><dt>{escape(label)}</dt><dd>{escape(arrows(minus(text)))}</dd></div>"
+        kinds["boxes" if len(text) <= _SHORT else "rows"].append(fact)
     return "\n".join(
-        f'<dl class="{kind}">{"".join(_fact(*one) for one in part.items())}</dl>'
-        for kind, part in (("boxes", boxes), ("rows", rows))
-        if part
+        f'<dl class="{k}">{"".join(facts)}</dl>' for k, facts in kinds.items() if facts
     )
-
-
-def _fact(label: str, text: str) -> str:
-    return f"<div><dt>{escape(label)}</dt><dd>{escape(arrows(minus(text)))}</dd></div>"
 
 
 def _figure(caption: str, drawn: FigurePair) -> str:
