@@ -1,10 +1,12 @@
 """Simulated walks on a bare floor and in an arena, sweeps over robots, one walk by time step."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from functools import partial
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stepwell import base, files, robot as robots
 from stepwell.accounts import parts
@@ -21,7 +23,9 @@ from stepwell.accounts.robot import (
 )
 from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Column, Quantity, Schema, amount, counted, number
-from stepwell.simulation import Convergence, Maze, Sweep, Trial, Walk
+
+if TYPE_CHECKING:
+    from stepwell.simulation import Convergence, Maze, Sweep, Trial, Walk
 
 _SETTINGS = keys(
     time_step="ms",
@@ -94,8 +98,15 @@ def _legs(walk: Walk) -> Sequence[Row]:
     )
 
 
+def _trial(walk: Walk) -> Trial:
+    # The schemas of walks can be read without the simulator.
+    from stepwell.simulation import Trial
+
+    return Trial.of(walk)
+
+
 def _mean(name: str, walk: Walk) -> float:
-    return getattr(Trial.of(walk), name)
+    return getattr(_trial(walk), name)
 
 
 # What is reported of a walk.
@@ -113,7 +124,7 @@ WALK: Schema = (
 
 def walk_account(walk: Walk, about: About) -> Account:
     """What is reported of a walk."""
-    robot, mean = walk.robot, Trial.of(walk)
+    robot, mean = walk.robot, _trial(walk)
     title = robot.title or "A walk"
     cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
     after = " after the first" if walk.cycles > 1 else ""
