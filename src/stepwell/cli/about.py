@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -10,11 +9,10 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import installation
 from stepwell.cli import options, screen
+from stepwell.cli.options import argument, option
 
 
-def presets(
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
-) -> None:
+def presets(as_json: bool = option(False, "Print JSON and nothing else.", "--json")) -> None:
     """List the designs that come with Stepwell.
 
     The paper's come first, then some that go further, then robots.
@@ -25,17 +23,13 @@ def presets(
 
 
 def new(
-    file: Annotated[
-        Path, typer.Argument(metavar="NAME.toml", help="The file to write.", callback=options.local)
-    ],
-    preset: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="Which design; see `stepwell presets`.",
-            autocompletion=options.presets,
-        ),
-    ] = "paper-forward",
+    file: Path = argument(..., "The file to write.", "NAME.toml", callback=options.local),
+    preset: str = option(
+        "paper-forward",
+        "Which design; see `stepwell presets`.",
+        "NAME",
+        autocompletion=options.presets,
+    ),
     force: options.ForceFile = False,
 ) -> None:
     """Write a design file to start from.
@@ -54,17 +48,13 @@ def new(
     screen.show_lines(f"Wrote {file}. Next: stepwell {command} {file}")
 
 
-@options.grouped
 def paper(
-    everything: Annotated[
-        bool, typer.Option("--all", help="Also what takes many simulated runs: several minutes.")
-    ] = False,
-    data: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH", help="The authors' recordings, for the claims that they decide."
-        ),
-    ] = None,
+    everything: bool = option(
+        False, "Also what takes many simulated runs: several minutes.", "--all"
+    ),
+    data: Path | None = option(
+        None, "The authors' recordings, for the claims that they decide.", "PATH"
+    ),
     *,
     output: options.Output,
 ) -> None:
@@ -96,14 +86,12 @@ def validate(as_json: options.Json = False) -> None:
 
 
 def schema(
-    kind: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="RESULT",
-            help="Which result, such as run or lab.read; a list of all by default.",
-            autocompletion=options.results,
-        ),
-    ] = None,
+    kind: str | None = argument(
+        None,
+        "Which result, such as run or lab.read; a list of all by default.",
+        "RESULT",
+        autocompletion=options.results,
+    ),
 ) -> None:
     """Print the JSON Schema of a result.
 

@@ -12,6 +12,7 @@ import typer
 from stepwell.__main__ import leave
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
+from stepwell.cli.options import grouped
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
@@ -61,7 +62,7 @@ for group, commands in _GROUPS.items():
         if isinstance(one, typer.Typer):
             app.add_typer(one, **how)
         else:
-            app.command(**how)(one)
+            app.command(**how)(grouped(one))
 
 
 def _version(wanted: bool) -> None:

@@ -12,8 +12,8 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
-from stepwell.cli.options import Group, Json, Output, grouped, local, read_design
-from stepwell.cli.screen import EXIT_CODES, progress, report, show_lines, subcommands, usable, warn
+from stepwell.cli.options import Group, Json, Output, argument, command, local, option, read_design
+from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn
 from stepwell.cli.sweep import Effort, going_on, read_axes
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
@@ -34,31 +34,19 @@ _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)
 class SpaceOptions(Group):
     """The space of designs, and which of them are drawn."""
 
-    design: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="DESIGN", help="What is varied; the paper's cells, all alike, by default."
-        ),
-    ] = None
-    cells: Annotated[
-        int,
-        typer.Option(help="How many of the paper's cells, where no design is named.", min=1, max=6),
-    ] = 2
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--vary",
-            metavar="NAME=FROM:TO",
-            help="What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
-            "given again. By default anchors and stiffness of the paper's cells.",
-        ),
-    ] = None
-    designs: Annotated[
-        float,
-        typer.Option(
-            metavar="N", help="Designs, drawn evenly; 1e8 is understood.", min=1, show_default="1e6"
-        ),
-    ] = 1e6
+    design: str | None = argument(
+        None, "What is varied; the paper's cells, all alike, by default.", "DESIGN"
+    )
+    cells: int = option(2, "How many of the paper's cells, where no design is named.", min=1, max=6)
+    vary: list[str] | None = option(
+        None,
+        "What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
+        "given again. By default anchors and stiffness of the paper's cells.",
+        "--vary NAME=FROM:TO",
+    )
+    designs: float = option(
+        1e6, "Designs, drawn evenly; 1e8 is understood.", "N", min=1, show_default="1e6"
+    )
     seed: parts.Seed = 0
 
     def read(self) -> tuple[sw.Chain, tuple[sw.studies.Axis, ...]]:
@@ -85,18 +73,12 @@ class SpaceOptions(Group):
         )
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
+@command(commands)
 def build(
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="STORE", help="The store, a folder of Zarr.", callback=local
-        ),
-    ],
-    space: SpaceOptions,
-    drive: Annotated[str, typer.Option(help="stroke or force.")] = "stroke",
     *,
+    out: Path = option(..., "The store, a folder of Zarr.", "--out -o STORE", callback=local),
+    space: SpaceOptions,
+    drive: str = option("stroke", "stroke or force."),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
@@ -120,8 +102,7 @@ def build(
     _show(found.study, _charted(found.study, parts.BandTolerances()), Output(as_json=as_json))
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
+@command(commands)
 def show(store: _There = None, *, within: parts.BandTolerances, output: Output) -> None:
     """List the machines of a store: their fractions and yields, what is proved.
 
@@ -132,32 +113,23 @@ def show(store: _There = None, *, within: parts.BandTolerances, output: Output) 
     _show(study, _charted(study, within), output)
 
 
-@commands.command(epilog=EXIT_CODES)
-@grouped
+@command(commands)
 def find(
-    query: Annotated[
-        str,
-        typer.Argument(
-            metavar="QUERY",
-            help='What they do, such as "counts to two by hand and not remembers", or a cycle such '
-            "as 00>10>11>01>00.",
-        ),
-    ],
+    query: str = argument(
+        ...,
+        'What they do, such as "counts to two by hand and not remembers", or a cycle such '
+        "as 00>10>11>01>00.",
+        "QUERY",
+    ),
     store: _There = None,
-    least: Annotated[
-        str, typer.Option("--yield", metavar="PERCENT", help="At least, for sure; 99 or 99%.")
-    ] = "0",
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="Write the first one as a design file, .toml.",
-            dir_okay=False,
-            callback=local,
-        ),
-    ] = None,
+    least: str = option("0", "At least, for sure; 99 or 99%.", "--yield PERCENT"),
+    out: Path | None = option(
+        None,
+        "Write the first one as a design file, .toml.",
+        "--out -o FILE",
+        dir_okay=False,
+        callback=local,
+    ),
     *,
     within: parts.BandTolerances,
     as_json: Json = False,

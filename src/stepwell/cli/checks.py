@@ -1,29 +1,25 @@
 """`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import typer
 
 import stepwell as sw
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
-from stepwell.cli.options import Design, Group, Output, Robust, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, Robust, option, read_chain
 from stepwell.cli.screen import answered, progress, usable
 from stepwell.cli.tolerances import Data, calibrated_on
 
 
-@grouped
 def check(
     design: Design,
-    target: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SEQUENCE",
-            help="The cycle that counts, as 00>10>11>01>00; by default the design's own program, "
-            "or without one the cycle of the drawing.",
-        ),
-    ] = None,
+    target: str | None = option(
+        None,
+        "The cycle that counts, as 00>10>11>01>00; by default the design's own program, "
+        "or without one the cycle of the drawing.",
+        "SEQUENCE",
+    ),
     *,
     within: given.ToleranceOptions,
     data: Data = None,
@@ -61,23 +57,18 @@ def check(
 class CountedOptions(Group):
     """Which mechanisms count as working."""
 
-    target: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TARGET",
-            help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
-            "no others, as 00,10,11; the cycle of the drawing by default.",
-        ),
-    ] = None
-    sensitivity: Annotated[
-        bool, typer.Option("--sensitivity", help="Compute how much each part's tolerance counts.")
-    ] = False
-    program: Annotated[
-        bool,
-        typer.Option(
-            "--program", help="Count those that the design's own program brings where it should."
-        ),
-    ] = False
+    target: str | None = option(
+        None,
+        "The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
+        "no others, as 00,10,11; the cycle of the drawing by default.",
+        "TARGET",
+    )
+    sensitivity: bool = option(
+        False, "Compute how much each part's tolerance counts.", "--sensitivity"
+    )
+    program: bool = option(
+        False, "Count those that the design's own program brings where it should.", "--program"
+    )
     robust: Robust = None
 
     def refuse_two(self) -> None:
@@ -92,7 +83,6 @@ class CountedOptions(Group):
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
 
 
-@grouped
 def yield_(
     design: Design,
     within: given.ToleranceOptions,

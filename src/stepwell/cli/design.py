@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import Design, Group, Output, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, argument, option, read_chain
 from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable
 
@@ -77,57 +77,41 @@ class Parts(Group):
 
     x: _Side = None
     y: _Side = None
-    place: Annotated[
-        Free,
-        typer.Option(
-            "--free",
-            help="Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
-            "or both, each p the mirror image of q.",
-        ),
-    ] = Free.Q
-    holes: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            help="Anchors only in holes this far apart, from the lower left corner on [mm].",
-            min=0.01,
-        ),
-    ] = None
-    bands: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--band",
-            metavar="NAME|K:LENGTH[:SPREAD]",
-            help="A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
-            "its bands, measured ones too; may be given again.",
-        ),
-    ] = None
-    levers: Annotated[
-        list[float] | None,
-        typer.Option(
-            "--lever",
-            metavar="MM",
-            help="A lever there is [mm]; may be given again. The paper's by default.",
-        ),
-    ] = None
-    mixed_levers: Annotated[
-        bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
-    ] = False
-    elements: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--element",
-            metavar="NAME|DESIGN",
-            help="An element there is instead of bands: one of the library, or those of a design "
-            "file; may be given again.",
-        ),
-    ] = None
+    place: Free = option(
+        Free.Q,
+        "Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
+        "or both, each p the mirror image of q.",
+        "--free",
+    )
+    holes: float | None = option(
+        None,
+        "Anchors only in holes this far apart, from the lower left corner on [mm].",
+        "MM",
+        min=0.01,
+    )
+    bands: list[str] | None = option(
+        None,
+        "A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
+        "its bands, measured ones too; may be given again.",
+        "--band NAME|K:LENGTH[:SPREAD]",
+    )
+    levers: list[float] | None = option(
+        None, "A lever there is [mm]; may be given again. The paper's by default.", "--lever MM"
+    )
+    mixed_levers: bool = option(
+        False, "Cells may have different ones of these levers.", "--mixed-levers"
+    )
+    elements: list[str] | None = option(
+        None,
+        "An element there is instead of bands: one of the library, or those of a design "
+        "file; may be given again.",
+        "--element NAME|DESIGN",
+    )
     force_scale: _Scale = FORCE_SCALE
     travel_scale: _Scale = TRAVEL_SCALE
-    unusual: Annotated[
-        bool,
-        typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit."),
-    ] = False
+    unusual: bool = option(
+        False, "Sizes far off the levers are meant, and no slip of unit.", "--unusual"
+    )
 
     def allowed(self) -> dict[str, Any]:
         """The same as `design.design` takes it."""
@@ -162,28 +146,22 @@ class Parts(Group):
 class AimOptions(Group):
     """What is made as large as possible, with which actuator."""
 
-    objective: Annotated[
-        Objective,
-        typer.Option(
-            help="Make the yield largest, or the distance by which all anchors may be off at once."
-        ),
-    ] = Objective.YIELD
-    force_limit: Annotated[
-        float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
-    ] = None
+    objective: Objective = option(
+        Objective.YIELD,
+        "Make the yield largest, or the distance by which all anchors may be off at once.",
+    )
+    force_limit: float | None = option(None, "Largest force of the actuator [N].", "N", min=0)
     drive: NewDrive = None
 
 
-@grouped
 def design(
-    target: Annotated[
-        str,
-        typer.Argument(
-            metavar="TARGET",
-            help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
-            "all:N for N cells with all their states.",
-        ),
-    ],
+    *,
+    target: str = argument(
+        ...,
+        "A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
+        "all:N for N cells with all their states.",
+        "TARGET",
+    ),
     parts: Parts,
     aim: AimOptions,
     within: given.DesignTolerances,
@@ -248,44 +226,30 @@ def along(text: str) -> Direction:
 class Way(Group):
     """The way that the anchor is moved."""
 
-    line: Annotated[
-        Direction | None,
-        typer.Option(
-            "--along",
-            parser=along,
-            metavar="X:Y|DEGREES",
-            help="The line that the anchor keeps to; anywhere in the plane by default.",
-        ),
-    ] = None
-    one_way: Annotated[
-        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
-    ] = False
-    reach: Annotated[
-        float,
-        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
-    ] = to_unit(REACH, "mm")
+    line: Direction | None = option(
+        None,
+        "The line that the anchor keeps to; anywhere in the plane by default.",
+        "--along X:Y|DEGREES",
+        parser=along,
+    )
+    one_way: bool = option(False, "Only in the sense of --along, not against it.", "--one-way")
+    reach: float = option(
+        to_unit(REACH, "mm"), "Farthest that is looked at [mm].", "MM", min=0.001, max=1e6
+    )
 
 
-@grouped
 def reprogram(
     design: Design,
-    by: Annotated[
-        str,
-        typer.Option(
-            "--by",
-            metavar="ANCHOR|NUMBER",
-            help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
-            ".q on its outer one, as in inner.p; or a number of an element, as in "
-            "dome.force_scale, dome.travel_scale or dome.friction.",
-        ),
-    ],
-    target: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SEQUENCE",
-            help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
-        ),
-    ] = None,
+    by: str = option(
+        ...,
+        "The anchor that is moved: a cell's name or number, then .p on its inner block or "
+        ".q on its outer one, as in inner.p; or a number of an element, as in "
+        "dome.force_scale, dome.travel_scale or dome.friction.",
+        "--by ANCHOR|NUMBER",
+    ),
+    target: str | None = option(
+        None, "The cycle wanted, as in '00>01>11>10>00'; any other than now by default.", "SEQUENCE"
+    ),
     *,
     way: Way,
     output: Output,

@@ -11,14 +11,237 @@ import typer
 import stepwell as sw
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import Design, Group, Output, grouped, read_chain
+from stepwell.cli.options import Design, Group, Output, argument, command, option, read_chain
 from stepwell.cli.ranges import window as read_window
-from stepwell.cli.screen import EXIT_CODES, progress, usable
+from stepwell.cli.screen import progress, subcommands, usable
 from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
     from stepwell.lab import BandTest, Pull, Recording, Rig
     from stepwell.mechanism import Chain
+
+
+commands = subcommands("Read recordings of a test machine, fit bands, and compare with the model.")
+
+
+@command(commands)
+def read(
+    *,
+    files: list[Path] = argument(
+        ...,
+        "Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
+        "FILE...",
+    ),
+    output: Output,
+) -> None:
+    """List what recordings hold: samples, cycles, columns and units.
+
+    A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
+    With --out, all samples are written into a folder as one tidy table with units.
+
+    Example: stepwell lab read recordings --out tidy
+    """
+    output.free("lab read")
+    with progress("reading") as tell:
+        batch = sw.lab.read_all(files, progress=tell)
+    if not batch.recordings:
+        output = replace(output, out=None)
+    output.report(sw.accounts.account(batch))
+    if not batch.recordings:
+        raise typer.Exit(2)
+
+
+@dataclass(frozen=True)
+class FittedPart(Group):
+    """Which part of tension tests is fitted."""
+
+    window: str | None = option(
+        None,
+        "Stroke between which bands are fitted; 5:35 where it is measured, else all.",
+        "--window-mm FROM:TO",
+    )
+    cycles: str | None = option(
+        None,
+        "Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
+        "FROM:TO",
+    )
+    drop: list[int] | None = option(None, "A sample to leave out; may be given again.", "SAMPLE")
+    cycles_per_sample: int | None = option(
+        None, "How many files in a row are of one sample, where names only count.", "N", min=1
+    )
+
+    def test(self, recordings: list[Recording]) -> BandTest:
+        """This part of the recordings of a tension test."""
+        edges = None if self.window is None else read_window(self.window)
+        counted = None if self.cycles is None else read_window(self.cycles, whole=True)
+        return sw.lab.band_test(
+            recordings,
+            window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
+            cycles=None if counted is None else (int(counted[0]), int(counted[1])),
+            drop=self.drop or (),
+            cycles_per_sample=self.cycles_per_sample,
+        )
+
+
+@command(commands)
+def band(
+    *,
+    folders: list[Path] = argument(
+        ...,
+        "Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
+        "PATH...",
+    ),
+    part: FittedPart,
+    gauge: float | None = option(
+        None, "Length of the band at stroke 0, if you know it.", "--gauge-mm LENGTH"
+    ),
+    law: str | None = option(None, "The law to write, whatever is chosen.", "NAME"),
+    output: Output,
+) -> None:
+    """Fit the stiffness of bands, and write a `band` table for a design file.
+
+    Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
+    force law that explains it best. A table of lengths and weights is enough, such as
+    length (mm), weight (g). The defaults for window and cycles are the paper's.
+    With --out, the table, the numbers and a figure are written into a folder.
+
+    Example: stepwell lab band recordings --window-mm 5:35
+    """
+    output.free("lab band")
+    # Before all of them are fitted.
+    known = [one.name for one in sw.lab.LAWS]
+    if law is not None and law not in known:
+        raise typer.BadParameter(f"{law!r}: must be one of {', '.join(known)}.", param_hint="--law")
+    given = recordings_in(folders)
+    test = part.test(given)
+    with usable("--gauge-mm"):
+        choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
+    with usable("--law"):
+        found = sw.lab.fit_bands(test, choice, law)
+    source = ", ".join(folder.name for folder in folders)
+    about = sw.accounts.About(source=source, data_sha256=sw.lab.hashes(given))
+    output.report(sw.accounts.account(found, about))
+
+
+_Data = Annotated[
+    Path,
+    typer.Argument(metavar="DATA", help="A folder of recordings, at any depth, or one recording."),
+]
+
+
+@dataclass(frozen=True)
+class BaselineOptions(Group):
+    """Which friction is subtracted."""
+
+    baseline: Path | None = option(
+        None,
+        "Runs without a band; by default those in DATA whose name says friction.",
+        "--baseline PATH",
+    )
+    no_baseline: bool = option(False, "Subtract no friction, whatever is there.", "--no-baseline")
+
+    def read(self) -> list[Recording] | None:
+        """The runs to subtract: those given, none, or None where names decide."""
+        if self.baseline is not None and self.no_baseline:
+            raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
+        if self.no_baseline:
+            return []
+        return None if self.baseline is None else recordings_in([self.baseline])
+
+
+@dataclass(frozen=True)
+class RigOptions(Group):
+    """The rig of a test machine."""
+
+    bar: float | None = option(
+        None, "Bar of the rig, inf for none; 70 if not said.", "--bar-mm LENGTH", min=20
+    )
+    rig: Path | None = option(
+        None,
+        "The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
+        "FILE",
+    )
+
+    def read(self) -> Rig:
+        """The rig of a file, or the paper's with another bar."""
+        if self.rig is not None:
+            if self.bar is not None:
+                message = "cannot stand with --bar-mm: FILE has bar_mm."
+                raise typer.BadParameter(message, param_hint="--rig")
+            return sw.files.loads_rig(sw.files.text_of(self.rig), str(self.rig))
+        return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
+
+
+@command(commands)
+def compare(
+    data: _Data,
+    designs: list[str] | None = argument(
+        None,
+        "What was tested, or what file names leave open; the paper's cell by default.",
+        "[DESIGN]...",
+    ),
+    as_designed: bool = option(
+        False, "Take the design as it is, whatever file names say.", "--as-designed"
+    ),
+    *,
+    friction: BaselineOptions,
+    machine: RigOptions,
+    output: Output,
+) -> None:
+    """Compare unit cells and pairs on a test machine with their models.
+
+    Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
+    energy judged, a pair the order of its cells and its snaps.
+    With --out, verdicts, curves and figures are written into a folder.
+
+    Example: stepwell lab compare recordings --out verdicts
+    """
+    output.free("lab compare")
+    given = recordings_in([data])
+    designed = {design: sw.files.text_of(design) for design in designs or ()}
+    comparison = sw.lab.compare(
+        given,
+        [sw.files.loads(text, design).chain for design, text in designed.items()],
+        baseline=friction.read(),
+        as_designed=as_designed,
+        rig=machine.read(),
+    )
+    about = sw.accounts.About(
+        data_sha256=sw.lab.hashes(given),
+        designs_sha256={design: sw.files.digest(text) for design, text in designed.items()},
+    )
+    output.report(sw.accounts.account(comparison, about))
+
+
+@command(commands)
+def calibrate(
+    data: _Data,
+    law: str | None = option(
+        None,
+        "linear, cubic, or tension tests in DATA by their folder; by default the law that "
+        "predicts best.",
+        "NAME",
+    ),
+    *,
+    friction: BaselineOptions,
+    output: Output,
+) -> None:
+    """Fit one physical model to the curves of all cells at once, single and in pairs.
+
+    Law and stiffness of the bands, loss on the way back, friction of machine and joints, weight and
+    rig, with what is predicted of each geometry from the others: forces, orders, snaps.
+    With --out, the numbers, a band and a pair for design files and a figure go into a folder.
+
+    Example: stepwell lab calibrate recordings
+    """
+    output.free("lab calibrate")
+    given = recordings_in([data])
+    found = sw.lab.sort_series(given, baseline=friction.read())
+    prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
+    with progress("fits") as tell:
+        calibration = sw.lab.calibrate(prepared, law, progress=tell)
+    about = sw.accounts.About(source=data.name, data_sha256=sw.lab.hashes(given))
+    output.report(sw.accounts.account(calibration, about))
 
 
 _Strokes = Annotated[
@@ -37,18 +260,10 @@ class BuiltTolerances(given.BandTolerances):
     friction: given.Friction = 0.0
     travel_tolerance: given.TravelTolerance = 5.0
 
-    hole: Annotated[
-        float, typer.Option("--hole-mm", metavar="MM", help="How far apart holes are.", min=0.1)
-    ] = 5.0
-    wrong_hole: Annotated[
-        float,
-        typer.Option(
-            metavar="PERCENT",
-            help="How likely an anchor is in the hole beside its own.",
-            min=0,
-            max=40,
-        ),
-    ] = 5.0
+    hole: float = option(5.0, "How far apart holes are.", "--hole-mm MM", min=0.1)
+    wrong_hole: float = option(
+        5.0, "How likely an anchor is in the hole beside its own.", "PERCENT", min=0, max=40
+    )
 
 
 BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
@@ -58,9 +273,7 @@ BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 class BuildSampling(Group):
     """How many first builds are drawn, and which."""
 
-    samples: Annotated[
-        int, typer.Option(metavar="N", help="How many builds are drawn.", min=100)
-    ] = 200
+    samples: int = option(200, "How many builds are drawn.", "N", min=100)
     seed: given.Seed = 0
 
 
@@ -68,47 +281,33 @@ class BuildSampling(Group):
 class SeenOptions(Group):
     """What was seen of a first build, and how surely."""
 
-    seen: Annotated[
-        str | None,
-        typer.Option(metavar="STATES", help="The states it went through, as 00>10>11>01>00."),
-    ] = None
+    seen: str | None = option(None, "The states it went through, as 00>10>11>01>00.", "STATES")
     snaps_out: _Strokes = None
     snaps_back: _Strokes = None
-    pulls: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LIST",
-            help="Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].",
-        ),
-    ] = None
-    data: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="A recording of stroke and force [mm, N].", exists=True),
-    ] = None
-    ruler: Annotated[
-        float,
-        typer.Option(
-            metavar="DOUBT", help="Standard deviation of a stroke [mm, mL or deg].", min=0.01
-        ),
-    ] = 1.0
-    scale: Annotated[
-        float | None,
-        typer.Option(
-            metavar="DOUBT",
-            help="Standard deviation of a force [N, kPa or N mm]; 5 % of the drawing's peak force.",
-            min=1e-6,
-        ),
-    ] = None
+    pulls: str | None = option(
+        None,
+        "Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].",
+        "LIST",
+    )
+    data: Path | None = option(
+        None, "A recording of stroke and force [mm, N].", "FILE", exists=True
+    )
+    ruler: float = option(1.0, "Standard deviation of a stroke [mm, mL or deg].", "DOUBT", min=0.01)
+    scale: float | None = option(
+        None,
+        "Standard deviation of a force [N, kPa or N mm]; 5 % of the drawing's peak force.",
+        "DOUBT",
+        min=1e-6,
+    )
 
 
-@grouped
+@command(commands)
 def as_built(
     design: Design,
     observed: SeenOptions,
-    target: Annotated[
-        str | None,
-        typer.Option(metavar="STATES", help="What it should do; by default what the drawing does."),
-    ] = None,
+    target: str | None = option(
+        None, "What it should do; by default what the drawing does.", "STATES"
+    ),
     within: BuiltTolerances = BUILT,
     *,
     sampling: BuildSampling,
@@ -181,278 +380,3 @@ def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
 
 def _recorded(file: Path, chain: Chain) -> tuple[Pull, ...]:
     return sw.lab.pulls_of(sw.lab.read(file), chain.full_stroke)
-
-
-commands = typer.Typer(no_args_is_help=True, add_completion=False)
-
-
-@commands.callback()
-def lab() -> None:
-    """Read recordings of a test machine, fit bands, and compare with the model."""
-
-
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def read(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="FILE...",
-            help="Recordings or folders of them: Bluehill raw data as text, or CSV with named "
-            "columns.",
-        ),
-    ],
-    output: Output,
-) -> None:
-    """List what recordings hold: samples, cycles, columns and units.
-
-    A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
-    With --out, all samples are written into a folder as one tidy table with units.
-
-    Example: stepwell lab read recordings --out tidy
-    """
-    output.free("lab read")
-    with progress("reading") as tell:
-        batch = sw.lab.read_all(files, progress=tell)
-    if not batch.recordings:
-        output = replace(output, out=None)
-    output.report(sw.accounts.account(batch))
-    if not batch.recordings:
-        raise typer.Exit(2)
-
-
-@dataclass(frozen=True)
-class FittedPart(Group):
-    """Which part of tension tests is fitted."""
-
-    window: Annotated[
-        str | None,
-        typer.Option(
-            "--window-mm",
-            metavar="FROM:TO",
-            help="Stroke between which bands are fitted; 5:35 where it is measured, else all.",
-        ),
-    ] = None
-    cycles: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FROM:TO",
-            help="Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
-        ),
-    ] = None
-    drop: Annotated[
-        list[int] | None,
-        typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
-    ] = None
-    cycles_per_sample: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="How many files in a row are of one sample, where names only count.",
-        ),
-    ] = None
-
-    def test(self, recordings: list[Recording]) -> BandTest:
-        """This part of the recordings of a tension test."""
-        edges = None if self.window is None else read_window(self.window)
-        counted = None if self.cycles is None else read_window(self.cycles, whole=True)
-        return sw.lab.band_test(
-            recordings,
-            window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
-            cycles=None if counted is None else (int(counted[0]), int(counted[1])),
-            drop=self.drop or (),
-            cycles_per_sample=self.cycles_per_sample,
-        )
-
-
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def band(
-    folders: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="PATH...",
-            help="Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
-        ),
-    ],
-    part: FittedPart,
-    gauge: Annotated[
-        float | None,
-        typer.Option(
-            "--gauge-mm", metavar="LENGTH", help="Length of the band at stroke 0, if you know it."
-        ),
-    ] = None,
-    law: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The law to write, whatever is chosen.")
-    ] = None,
-    *,
-    output: Output,
-) -> None:
-    """Fit the stiffness of bands, and write a `band` table for a design file.
-
-    Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
-    force law that explains it best. A table of lengths and weights is enough, such as
-    length (mm), weight (g). The defaults for window and cycles are the paper's.
-    With --out, the table, the numbers and a figure are written into a folder.
-
-    Example: stepwell lab band recordings --window-mm 5:35
-    """
-    output.free("lab band")
-    # Before all of them are fitted.
-    known = [one.name for one in sw.lab.LAWS]
-    if law is not None and law not in known:
-        raise typer.BadParameter(f"{law!r}: must be one of {', '.join(known)}.", param_hint="--law")
-    given = recordings_in(folders)
-    test = part.test(given)
-    with usable("--gauge-mm"):
-        choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
-    with usable("--law"):
-        found = sw.lab.fit_bands(test, choice, law)
-    source = ", ".join(folder.name for folder in folders)
-    about = sw.accounts.About(source=source, data_sha256=sw.lab.hashes(given))
-    output.report(sw.accounts.account(found, about))
-
-
-_Data = Annotated[
-    Path,
-    typer.Argument(metavar="DATA", help="A folder of recordings, at any depth, or one recording."),
-]
-
-
-@dataclass(frozen=True)
-class BaselineOptions(Group):
-    """Which friction is subtracted."""
-
-    baseline: Annotated[
-        Path | None,
-        typer.Option(
-            "--baseline",
-            metavar="PATH",
-            help="Runs without a band; by default those in DATA whose name says friction.",
-        ),
-    ] = None
-    no_baseline: Annotated[
-        bool, typer.Option("--no-baseline", help="Subtract no friction, whatever is there.")
-    ] = False
-
-    def read(self) -> list[Recording] | None:
-        """The runs to subtract: those given, none, or None where names decide."""
-        if self.baseline is not None and self.no_baseline:
-            raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
-        if self.no_baseline:
-            return []
-        return None if self.baseline is None else recordings_in([self.baseline])
-
-
-@dataclass(frozen=True)
-class RigOptions(Group):
-    """The rig of a test machine."""
-
-    bar: Annotated[
-        float | None,
-        typer.Option(
-            "--bar-mm",
-            metavar="LENGTH",
-            min=20,
-            help="Bar of the rig, inf for none; 70 if not said.",
-        ),
-    ] = None
-    rig: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
-        ),
-    ] = None
-
-    def read(self) -> Rig:
-        """The rig of a file, or the paper's with another bar."""
-        if self.rig is not None:
-            if self.bar is not None:
-                message = "cannot stand with --bar-mm: FILE has bar_mm."
-                raise typer.BadParameter(message, param_hint="--rig")
-            return sw.files.loads_rig(sw.files.text_of(self.rig), str(self.rig))
-        return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
-
-
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def compare(
-    data: _Data,
-    designs: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[DESIGN]...",
-            help="What was tested, or what file names leave open; the paper's cell by default.",
-        ),
-    ] = None,
-    as_designed: Annotated[
-        bool,
-        typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
-    ] = False,
-    *,
-    friction: BaselineOptions,
-    machine: RigOptions,
-    output: Output,
-) -> None:
-    """Compare unit cells and pairs on a test machine with their models.
-
-    Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
-    energy judged, a pair the order of its cells and its snaps.
-    With --out, verdicts, curves and figures are written into a folder.
-
-    Example: stepwell lab compare recordings --out verdicts
-    """
-    output.free("lab compare")
-    given = recordings_in([data])
-    designed = {design: sw.files.text_of(design) for design in designs or ()}
-    comparison = sw.lab.compare(
-        given,
-        [sw.files.loads(text, design).chain for design, text in designed.items()],
-        baseline=friction.read(),
-        as_designed=as_designed,
-        rig=machine.read(),
-    )
-    about = sw.accounts.About(
-        data_sha256=sw.lab.hashes(given),
-        designs_sha256={design: sw.files.digest(text) for design, text in designed.items()},
-    )
-    output.report(sw.accounts.account(comparison, about))
-
-
-@commands.command(epilog=EXIT_CODES)
-@grouped
-def calibrate(
-    data: _Data,
-    law: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="linear, cubic, or tension tests in DATA by their folder; by default the law that "
-            "predicts best.",
-        ),
-    ] = None,
-    *,
-    friction: BaselineOptions,
-    output: Output,
-) -> None:
-    """Fit one physical model to the curves of all cells at once, single and in pairs.
-
-    Law and stiffness of the bands, loss on the way back, friction of machine and joints, weight and
-    rig, with what is predicted of each geometry from the others: forces, orders, snaps.
-    With --out, the numbers, a band and a pair for design files and a figure go into a folder.
-
-    Example: stepwell lab calibrate recordings
-    """
-    output.free("lab calibrate")
-    given = recordings_in([data])
-    found = sw.lab.sort_series(given, baseline=friction.read())
-    prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
-    with progress("fits") as tell:
-        calibration = sw.lab.calibrate(prepared, law, progress=tell)
-    about = sw.accounts.About(source=data.name, data_sha256=sw.lab.hashes(given))
-    output.report(sw.accounts.account(calibration, about))
-
-
-commands.command("as-built", epilog=EXIT_CODES)(as_built)

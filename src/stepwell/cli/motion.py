@@ -12,6 +12,7 @@ import typer
 import stepwell as sw
 from stepwell.cli import options, screen
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
+from stepwell.cli.options import option
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
-@options.grouped
 def run(
     design: options.Design, mobility_ratio: options.MobilityRatio = None, *, output: options.Output
 ) -> None:
@@ -51,24 +51,18 @@ def run(
 def graph(
     design: options.Design,
     drive: Drive = None,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            metavar="STATE",
-            help="Only what can be reached from this state, such as 000; all states by default.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
-            dir_okay=False,
-            callback=options.local,
-        ),
-    ] = None,
+    start: str | None = option(
+        None,
+        "Only what can be reached from this state, such as 000; all states by default.",
+        "STATE",
+    ),
+    out: Path | None = option(
+        None,
+        "Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
+        "--out -o FILE",
+        dir_okay=False,
+        callback=options.local,
+    ),
     force: options.ForceFile = False,
     as_json: options.Json = False,
 ) -> None:
@@ -108,7 +102,6 @@ def graph(
         screen.show_verbatim(f"Wrote {out}")
 
 
-@options.grouped
 def program(
     design: options.Design,
     start: From = None,
@@ -145,13 +138,11 @@ def program(
 class MotionOptions(options.Group):
     """Which motion of a design is shown."""
 
-    program: Annotated[
-        bool,
-        typer.Option(
-            "--program",
-            help="Play the design's own program, or one planned to --target, not a full cycle.",
-        ),
-    ] = False
+    program: bool = option(
+        False,
+        "Play the design's own program, or one planned to --target, not a full cycle.",
+        "--program",
+    )
     start: From = None
     target: Target = None
 
@@ -167,17 +158,13 @@ class MotionOptions(options.Group):
         return own(sw.files.text_of(design), design)
 
 
-@options.grouped
 def animate(
     design: options.Design,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="FILE.gif", help="The file to write.", callback=options.local
-        ),
-    ] = Path("cycle.gif"),
-    seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
+    out: Path = option(
+        Path("cycle.gif"), "The file to write.", "--out -o FILE.gif", callback=options.local
+    ),
+    seconds: float = option(8.0, "How long one round lasts [s].", min=0.5),
+    fps: float = option(20.0, "Frames a second.", min=1, max=50),
     *,
     motion: MotionOptions,
     force: options.ForceFile = False,
@@ -219,13 +206,10 @@ _Parameter = Annotated[
 class PlaneOptions(options.Group):
     """What varies on a map: an anchor, or two parameters."""
 
-    cell: Annotated[
-        str,
-        typer.Option(
-            help="Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the "
-            "innermost."
-        ),
-    ] = CELL
+    cell: str = option(
+        CELL,
+        "Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the innermost.",
+    )
     x: _Axis = ACROSS
     y: _Axis = UP
     across: _Parameter = None
@@ -244,7 +228,6 @@ class PlaneOptions(options.Group):
         return self.across, self.up
 
 
-@options.grouped
 def map_(design: options.Design, plane: PlaneOptions, output: options.Output) -> None:
     """Compute the transition map over an anchor, or over two parameters.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
@@ -13,7 +13,7 @@ import typer
 
 import stepwell as sw
 from stepwell.base import need, refuse_address
-from stepwell.cli.screen import report, warn
+from stepwell.cli.screen import EXIT_CODES, report, warn
 
 
 def designs(incomplete: str) -> list[str]:
@@ -115,33 +115,59 @@ Json = Annotated[
 ]
 
 
+def option(default: Any, help: str, spelled: str = "", **how: Any) -> Any:
+    """An option, as a field of a group or the default of a parameter; required where that is `...`.
+
+    `spelled` is how a user writes it, such as "--out -o FILE": names other than its own, metavar.
+    """
+    names = [word for word in spelled.split() if word.startswith("-")]
+    metavar = " ".join(word for word in spelled.split() if word not in names) or None
+    return _declared(default, typer.Option(*names, metavar=metavar, help=help, **how))
+
+
+def argument(default: Any, help: str, metavar: str, **how: Any) -> Any:
+    """The same of an argument."""
+    return _declared(default, typer.Argument(metavar=metavar, help=help, **how))
+
+
+def _declared(default: Any, told: Any) -> Any:
+    given = MISSING if default is ... else default
+    return field(default=given, kw_only=True, metadata={"typer": told})
+
+
 @dataclass(frozen=True)
 class Group:
     """Options that belong together, as one value: a dataclass of options."""
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """The same command with every option of a group as an option of its own, which Typer reads.
+    """The same command with its options as Typer reads them, those of a group one by one.
 
     A parameter is a group if its type is one; its default, or else the fields' own, are theirs.
     """
     groups: dict[str, type[Group]] = {}
     options: dict[str, inspect.Parameter] = {}
+
+    def add(name: str, kind: Any, default: Any, told: Any) -> None:
+        options[name] = inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if default is MISSING else default,
+            annotation=Annotated[kind, told] if told else kind,
+        )
+
     for name, one in inspect.signature(command, eval_str=True).parameters.items():
-        kind = one.annotation
-        if not (isinstance(kind, type) and issubclass(kind, Group)):
-            options[name] = one.replace(kind=inspect.Parameter.KEYWORD_ONLY)
-            continue
-        groups[name] = kind
-        hints = get_type_hints(kind, include_extras=True)
-        for part in fields(kind):  # type: ignore[arg-type]
-            default = getattr(one.default, part.name, part.default)
-            options[part.name] = inspect.Parameter(
-                part.name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=inspect.Parameter.empty if default is MISSING else default,
-                annotation=hints[part.name],
-            )
+        kind, own = one.annotation, one.default
+        if isinstance(kind, type) and issubclass(kind, Group):
+            groups[name] = kind
+            hints = get_type_hints(kind, include_extras=True)
+            for part in fields(kind):  # type: ignore[arg-type]
+                default = getattr(own, part.name, part.default)
+                add(part.name, hints[part.name], default, part.metadata.get("typer"))
+        elif isinstance(own, Field):
+            add(name, kind, own.default, own.metadata["typer"])
+        else:
+            add(name, kind, own, None)
 
     @wraps(command)
     def run(**given: Any) -> None:
@@ -152,6 +178,11 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = inspect.Signature([*options.values()])  # type: ignore[attr-defined]
     run.__annotations__ = {name: one.annotation for name, one in options.items()}
     return run
+
+
+def command(into: typer.Typer) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add a command to a group of commands, with its options as `grouped` gives them."""
+    return lambda one: into.command(epilog=EXIT_CODES)(grouped(one))
 
 
 @dataclass(frozen=True)
@@ -182,7 +213,7 @@ class Folder(Output):
 class FilmedOutput(Output):
     """The same of a simulation, whose folder holds a video too."""
 
-    no_video: Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")] = False
+    no_video: bool = option(False, "Write the figures alone.", "--no-video")
 
     def report(self, account: sw.accounts.Account, **options: Any) -> None:
         """Write, print or show what is reported of a simulation."""

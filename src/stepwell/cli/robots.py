@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
 import stepwell as sw
 from stepwell.base import require
 from stepwell.cli import options, screen
+from stepwell.cli.options import argument, option
 from stepwell.cli.ranges import Range, read_range
 
 commands = screen.subcommands(
@@ -19,8 +20,7 @@ commands = screen.subcommands(
 )
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@options.grouped
+@options.command(commands)
 def show(robot: options.Robot, output: options.Output) -> None:
     """List a robot's numbers with their sources, and predict its gait by statics.
 
@@ -34,28 +34,19 @@ def show(robot: options.Robot, output: options.Output) -> None:
     output.report(sw.accounts.account(design.predict(), sw.accounts.About(text, robot)))
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@options.grouped
+@options.command(commands)
 def sweep(
     robot: options.Robot,
-    ranges: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="KEY=FROM:TO:COUNT...",
-            help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
-        ),
-    ],
-    random: Annotated[
-        int | None,
-        typer.Option(
-            "--random",
-            metavar="N",
-            help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
-            min=1,
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
-    cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
+    ranges: list[str] = argument(
+        ...,
+        "What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        "KEY=FROM:TO:COUNT...",
+    ),
+    random: int | None = option(
+        None, "Draw N robots instead of a grid; ranges are then KEY=FROM:TO.", "--random N", min=1
+    ),
+    seed: int = option(0, "Of the draws.", min=0),
+    cycles: int = option(4, "How many cycles each robot walks.", min=1),
     *,
     output: options.Folder,
 ) -> None:
@@ -79,12 +70,10 @@ def sweep(
     _forget(keep)
 
 
-@commands.command(epilog=screen.EXIT_CODES)
+@options.command(commands)
 def converge(
     robot: options.Robot,
-    cycles: Annotated[
-        int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
-    ] = 2,
+    cycles: int = option(2, "How many cycles each walk lasts.", "--cycles", min=2),
     as_json: options.Json = False,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
@@ -182,12 +171,9 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
-@options.grouped
 def walk(
     robot: options.Robot,
-    cycles: Annotated[
-        float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
-    ] = 8,
+    cycles: float = option(8, "How often the actuator goes out and back.", min=0.01),
     *,
     output: options.FilmedOutput,
 ) -> None:
@@ -220,22 +206,19 @@ def _list(wanted: bool) -> None:
 class Course(options.Group):
     """Where a robot walks, from where and for how long."""
 
-    arena: Annotated[
-        str,
-        typer.Argument(
-            metavar="ARENA",
-            help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
-            autocompletion=options.arenas,
-        ),
-    ]
-    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0
-    start_seed: Annotated[
-        int | None,
-        typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
-    ] = None
-    layout_seed: Annotated[
-        int | None, typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
-    ] = None
+    arena: str = argument(
+        ...,
+        "An arena's name (--list shows them), or a file of your own (.toml, .txt).",
+        "ARENA",
+        autocompletion=options.arenas,
+    )
+    limit: float = option(600.0, "Time it is given [s].", min=1)
+    start_seed: int | None = option(
+        None, "Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0
+    )
+    layout_seed: int | None = option(
+        None, "Move walls up to 40 mm and 8°, drawn from this seed.", min=0
+    )
 
     def read(self) -> sw.robot.Arena:
         """The arena, with its walls and its start moved."""
@@ -253,12 +236,8 @@ class Course(options.Group):
 class Control(options.Group):
     """What is taken off a robot, as a control."""
 
-    disconnect: Annotated[
-        bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")
-    ] = False
-    no_antennas: Annotated[
-        bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
-    ] = False
+    disconnect: bool = option(False, "Take the antennas' levers off the anchors.", "--disconnect")
+    no_antennas: bool = option(False, "Take the antennas off altogether.", "--no-antennas")
 
     def of(self, robot: sw.robot.Robot) -> sw.robot.Robot:
         """The robot as given, or one of the two controls."""
@@ -273,18 +252,14 @@ class Control(options.Group):
         return replace(robot, antennas=() if self.no_antennas else off)
 
 
-@options.grouped
 def maze(
     robot: options.Robot,
     course: Course,
     control: Control,
     output: options.FilmedOutput,
-    _: Annotated[
-        bool,
-        typer.Option(
-            "--list", help="List the arenas that come along.", callback=_list, is_eager=True
-        ),
-    ] = False,
+    _: bool = option(
+        False, "List the arenas that come along.", "--list", callback=_list, is_eager=True
+    ),
 ) -> None:
     """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
 
@@ -317,17 +292,13 @@ NO_DISPLAY = (
 
 def export(
     robot: options.Robot,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE.xml",
-            help="The file to write.",
-            show_default=False,
-            callback=options.local,
-        ),
-    ] = Path("robot.xml"),
+    out: Path = option(
+        Path("robot.xml"),
+        "The file to write.",
+        "--out -o FILE.xml",
+        show_default=False,
+        callback=options.local,
+    ),
     arena: options.Arena = None,
     force: options.ForceFile = False,
 ) -> None:

@@ -6,13 +6,14 @@ import webbrowser
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 import stepwell as sw
 from stepwell.cli import options, screen
 from stepwell.cli.driving import own
+from stepwell.cli.options import argument, option
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,25 +35,15 @@ _KINDS = ("pdf", "svg", "png")
 class PageOptions(options.Group):
     """The page that a figure is for."""
 
-    width: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
-            "help lists them; 180mm by default.",
-        ),
-    ] = None
-    height: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Of the page; what the panels want by default."),
-    ] = None
-    columns: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Panels in a row, where no / says so.", min=1, max=26),
-    ] = None
-    letters: Annotated[
-        str, typer.Option(metavar="A|a|(a)|none", help="How panels are lettered.")
-    ] = "A"
+    width: str | None = option(
+        None,
+        "Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
+        "help lists them; 180mm by default.",
+        "LENGTH",
+    )
+    height: str | None = option(None, "Of the page; what the panels want by default.", "LENGTH")
+    columns: int | None = option(None, "Panels in a row, where no / says so.", "N", min=1, max=26)
+    letters: str = option("A", "How panels are lettered.", "A|a|(a)|none")
 
     def layout(self) -> dict[str, Any]:
         """The same as `reports.figure` takes it; lengths in mm."""
@@ -67,39 +58,20 @@ class PageOptions(options.Group):
 class SnapOptions(options.Group):
     """What the panel of a snap needs to know of the cells."""
 
-    mass: Annotated[
-        float | None,
-        typer.Option("--mass", metavar="G", help="Outside each cell [g], for the panel snap."),
-    ] = None
-    damping: Annotated[
-        float | None,
-        typer.Option(metavar="N_S/M", help="Of each cell [N s/m], for the panel snap."),
-    ] = None
+    mass: float | None = option(None, "Outside each cell [g], for the panel snap.", "--mass G")
+    damping: float | None = option(None, "Of each cell [N s/m], for the panel snap.", "N_S/M")
 
 
 @dataclass(frozen=True)
 class FigureFile(options.Group):
     """The file of a figure."""
 
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="The file to write.",
-            dir_okay=False,
-            callback=options.local,
-        ),
-    ] = None
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            "--format",
-            metavar="pdf|svg|png",
-            help="Of the file, if its name does not say; pdf by default.",
-        ),
-    ] = None
+    out: Path | None = option(
+        None, "The file to write.", "--out -o FILE", dir_okay=False, callback=options.local
+    )
+    kind: str | None = option(
+        None, "Of the file, if its name does not say; pdf by default.", "--format pdf|svg|png"
+    )
     force: options.ForceFile = False
 
     def place(self) -> Path:
@@ -122,25 +94,20 @@ class FigureFile(options.Group):
         return out.with_name(f"{out.name}.{kind}")
 
 
-@options.grouped
 def figure(
     design: options.Design,
-    panels: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAMES",
-            help="What to show, as mechanism,force,landscape; a / begins a new row; help lists "
-            "all. By default what suits the design.",
-        ),
-    ] = None,
-    measured: Annotated[
-        list[Path] | None,
-        typer.Option(
-            metavar="FILE",
-            help="A recording to draw behind the force, as `stepwell lab read` reads it; may be "
-            "given up to four times.",
-        ),
-    ] = None,
+    panels: str | None = option(
+        None,
+        "What to show, as mechanism,force,landscape; a / begins a new row; help lists "
+        "all. By default what suits the design.",
+        "NAMES",
+    ),
+    measured: list[Path] | None = option(
+        None,
+        "A recording to draw behind the force, as `stepwell lab read` reads it; may be "
+        "given up to four times.",
+        "FILE",
+    ),
     *,
     page: PageOptions,
     snap: SnapOptions,
@@ -182,9 +149,9 @@ def figure(
 
 def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     """A figure of the paper, which has its own panels."""
-    for option, value in others.items():
+    for other, value in others.items():
         if value:
-            raise typer.BadParameter(f"cannot stand with {name}.", param_hint=option)
+            raise typer.BadParameter(f"cannot stand with {name}.", param_hint=other)
     with screen.usable("DESIGN"):
         return sw.reports.figure_of(name.removeprefix(_PAPER))
 
@@ -233,29 +200,22 @@ _CYCLES = 8.0
 
 
 def replay(
-    design: Annotated[
-        str,
-        typer.Argument(
-            metavar="DESIGN",
-            help="A design file (TOML) of a chain or a robot, or preset:NAME.",
-            autocompletion=options.designs,
-        ),
-    ],
+    design: str = argument(
+        ...,
+        "A design file (TOML) of a chain or a robot, or preset:NAME.",
+        "DESIGN",
+        autocompletion=options.designs,
+    ),
     arena: options.Arena = None,
-    cycles: Annotated[
-        float | None,
-        typer.Option(
-            help="How often a robot's actuator goes out and back: 8 times by default, in an arena "
-            "until the robot reaches the goal or gets nowhere, for 600 s at most.",
-            min=0.01,
-        ),
-    ] = None,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="FILE.html", help="The file to write.", callback=options.local
-        ),
-    ] = Path("replay.html"),
+    cycles: float | None = option(
+        None,
+        "How often a robot's actuator goes out and back: 8 times by default, in an arena "
+        "until the robot reaches the goal or gets nowhere, for 600 s at most.",
+        min=0.01,
+    ),
+    out: Path = option(
+        Path("replay.html"), "The file to write.", "--out -o FILE.html", callback=options.local
+    ),
     force: options.ForceFile = False,
 ) -> None:
     """Write a design in motion as one HTML page that plays anywhere.
@@ -297,41 +257,30 @@ def _run(
 
 
 def studio(
-    design: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[DESIGN]",
-            help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
-            "default.",
-            autocompletion=options.designs,
-        ),
-    ] = None,
-    port: Annotated[
-        int | None,
-        typer.Option(
-            help="The port on this machine, 0 for any; by default 7473, where the browser finds "
-            "the last design again, or any free one.",
-            min=0,
-            max=65535,
-            show_default=False,
-        ),
-    ] = None,
-    studies: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Where the page finds and keeps studies; by default a folder of your own data.",
-            file_okay=False,
-            show_default=False,
-            callback=options.local,
-        ),
-    ] = None,
-    demo: Annotated[
-        bool, typer.Option("--demo", help="Begin with a guided tour of two minutes.")
-    ] = False,
-    no_open: Annotated[
-        bool, typer.Option("--no-open", help="Print the page's address and open no browser.")
-    ] = False,
+    design: str | None = argument(
+        None,
+        "What the page shows first: a design file (TOML), or preset:NAME; the gallery by default.",
+        "[DESIGN]",
+        autocompletion=options.designs,
+    ),
+    port: int | None = option(
+        None,
+        "The port on this machine, 0 for any; by default 7473, where the browser finds "
+        "the last design again, or any free one.",
+        min=0,
+        max=65535,
+        show_default=False,
+    ),
+    studies: Path | None = option(
+        None,
+        "Where the page finds and keeps studies; by default a folder of your own data.",
+        "FOLDER",
+        file_okay=False,
+        show_default=False,
+        callback=options.local,
+    ),
+    demo: bool = option(False, "Begin with a guided tour of two minutes.", "--demo"),
+    no_open: bool = option(False, "Print the page's address and open no browser.", "--no-open"),
 ) -> None:
     """Open a page on which a design is dragged and everything follows.
 
@@ -359,17 +308,16 @@ def studio(
 
 
 def demo(
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", metavar="DIR", help="Write the page and the designs into this folder.",
-            file_okay=False, callback=options.local),
-    ] = Path("stepwell-demo"),
-    no_open: Annotated[
-        bool, typer.Option("--no-open", help="Name the page and open no browser.")
-    ] = False,
+    out: Path = option(
+        Path("stepwell-demo"),
+        "Write the page and the designs into this folder.",
+        "--out -o DIR",
+        file_okay=False,
+        callback=options.local,
+    ),
+    no_open: bool = option(False, "Name the page and open no browser.", "--no-open"),
     force: options.Force = False,
-) -> None:  # fmt: skip
+) -> None:
     """Run a seven-step demonstration, and write it as one HTML page.
 
     It cycles a two-cell chain, moves an anchor, designs for a target sequence, plans a program, and

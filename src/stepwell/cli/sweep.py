@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +16,17 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import Measure
 from stepwell.cli import screen, tolerances as parts
-from stepwell.cli.options import Design, Folder, Group, Json, grouped, local, read_design
+from stepwell.cli.options import (
+    Design,
+    Folder,
+    Group,
+    Json,
+    command,
+    grouped,
+    local,
+    option,
+    read_design,
+)
 from stepwell.cli.ranges import read_range
 
 commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
@@ -82,15 +92,15 @@ _Engine = Annotated[
 class _Program(Group):
     """What a program is searched for."""
 
-    start: Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")] = None
-    target: Annotated[str, typer.Option(metavar="STATE", help="As in 01.")] = field(kw_only=True)
+    start: str | None = option(None, "As in 00.", "--from STATE")
+    target: str = option(..., "As in 01.", "STATE")
 
 
 @dataclass(frozen=True)
 class _Walk(Group):
     """How every robot walks."""
 
-    cycles: Annotated[int, typer.Option(help="How many cycles each walks.", min=1)] = 4
+    cycles: int = option(4, "How many cycles each walks.", min=1)
     engine: _Engine = "cpu"
 
 
@@ -98,40 +108,26 @@ class _Walk(Group):
 class _Maze(Group):
     """Where every robot walks."""
 
-    arena: Annotated[str, typer.Option(metavar="ARENA", help="A name, or a file of your own.")]
-    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0
-    layouts: Annotated[
-        int,
-        typer.Option(
-            help="So many layouts with walls and start a little elsewhere, the same for "
-            "every design; 0 takes the arena as it is.",
-            min=0,
-        ),
-    ] = 0
-    first: Annotated[
-        int,
-        typer.Option(
-            help="Number of the first of these layouts; another range than the one by "
-            "which a design was chosen is an independent test of it.",
-            min=0,
-        ),
-    ] = 0
-    place: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            help="How far a layout shifts each wall at most [mm]; 40 by default.",
-            min=0,
-        ),
-    ] = None
-    angle: Annotated[
-        float | None,
-        typer.Option(
-            metavar="DEG",
-            help="How far a layout turns each wall at most [deg]; 8 by default.",
-            min=0,
-        ),
-    ] = None
+    arena: str = option(..., "A name, or a file of your own.", "ARENA")
+    limit: float = option(600.0, "Time it is given [s].", min=1)
+    layouts: int = option(
+        0,
+        "So many layouts with walls and start a little elsewhere, the same for "
+        "every design; 0 takes the arena as it is.",
+        min=0,
+    )
+    first: int = option(
+        0,
+        "Number of the first of these layouts; another range than the one by "
+        "which a design was chosen is an independent test of it.",
+        min=0,
+    )
+    place: float | None = option(
+        None, "How far a layout shifts each wall at most [mm]; 40 by default.", "MM", min=0
+    )
+    angle: float | None = option(
+        None, "How far a layout turns each wall at most [deg]; 8 by default.", "DEG", min=0
+    )
     engine: _Engine = "cpu"
 
 
@@ -139,34 +135,23 @@ class _Maze(Group):
 class _Call(Group):
     """What is computed of every design."""
 
-    function: Annotated[
-        str,
-        typer.Option(
-            metavar="FILE.py:NAME",
-            help="A function of a design and a seed that gives numbers and texts by name.",
-        ),
-    ]
+    function: str = option(
+        ...,
+        "A function of a design and a seed that gives numbers and texts by name.",
+        "FILE.py:NAME",
+    )
 
 
 @dataclass(frozen=True)
 class Effort(Group):
     """On which processes the work is done."""
 
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="Processes at once; one for every core by default, 0 to do without any.",
-        ),
-    ] = None
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.",
-        ),
-    ] = None
+    workers: int | None = option(
+        None, "Processes at once; one for every core by default, 0 to do without any.", "N", min=0
+    )
+    scheduler: str | None = option(
+        None, "A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.", "ADDRESS"
+    )
 
 
 @dataclass(frozen=True)
@@ -215,12 +200,9 @@ class _Drawn(Group):
 class _Sampled(_Drawn):
     """The same of chains, which can be sampled too."""
 
-    built: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="N random samples of the design within these tolerances:"
-        ),
-    ] = None
+    built: int | None = option(
+        None, "N random samples of the design within these tolerances:", "N", min=1
+    )
 
 
 @dataclass(frozen=True)
@@ -287,8 +269,7 @@ for _what, _doc in {
     )
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@grouped
+@command(commands)
 def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     """Compute what is missing in a store.
 
@@ -297,11 +278,11 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     _resumed(sw.studies.opened(store), effort, as_json)
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@grouped
+@command(commands)
 def extend(
+    *,
     store: _There,
-    count: Annotated[int, typer.Option(metavar="N", help="Designs in all.", min=1)],
+    count: int = option(..., "Designs in all.", "N", min=1),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
@@ -314,7 +295,7 @@ def extend(
     _resumed(study, effort, as_json)
 
 
-@commands.command(epilog=screen.EXIT_CODES)
+@command(commands)
 def cancel(store: _There) -> None:
     """Stop all workers of a study after their current chunk; finished chunks are kept.
 
@@ -324,7 +305,7 @@ def cancel(store: _There) -> None:
     screen.show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
 
 
-@commands.command(epilog=screen.EXIT_CODES)
+@command(commands)
 def status(store: _There, as_json: Json = False) -> None:
     """List the progress of a study, and its results so far.
 
@@ -336,37 +317,26 @@ def status(store: _There, as_json: Json = False) -> None:
         raise typer.Exit(screen.FAILED)
 
 
-@commands.command(epilog=screen.EXIT_CODES)
+@command(commands)
 def export(
+    *,
     store: _There,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="The table: .csv, or .parquet.",
-            dir_okay=False,
-            callback=local,
-        ),
-    ],
-    best: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="Only the N best designs, best first, and only what varies: a list that another "
-            "study takes as --table.",
-        ),
-    ] = None,
-    by: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="COLUMN",
-            help="What makes them the best: the largest values of a column, or the least with - "
-            "before it; given again, what decides between ties.",
-        ),
-    ] = None,
+    out: Path = option(
+        ..., "The table: .csv, or .parquet.", "--out -o FILE", dir_okay=False, callback=local
+    ),
+    best: int | None = option(
+        None,
+        "Only the N best designs, best first, and only what varies: a list that another "
+        "study takes as --table.",
+        "N",
+        min=1,
+    ),
+    by: list[str] | None = option(
+        None,
+        "What makes them the best: the largest values of a column, or the least with - "
+        "before it; given again, what decides between ties.",
+        "COLUMN",
+    ),
     partial: _Partial = False,
 ) -> None:
     """Export the designs of a store as a table, units in the headings.
@@ -391,8 +361,7 @@ def export(
     screen.show_lines(f"Written into {out}: {count}{of} designs.")
 
 
-@commands.command(epilog=screen.EXIT_CODES)
-@grouped
+@command(commands)
 def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
     """Plot the results of a study on one page, and compute which number decides them.
 

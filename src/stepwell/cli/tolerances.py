@@ -11,7 +11,7 @@ import typer
 
 import stepwell as sw
 from stepwell import base
-from stepwell.cli.options import Group
+from stepwell.cli.options import Group, option
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -42,15 +42,13 @@ Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 class Sampling(Group):
     """How many mechanisms are made at random, and which."""
 
-    samples: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            help=f"How many mechanisms are made at random; {base.QUICKLY}, or {base.ONE_BY_ONE} "
-            "where each is followed by the engine.",
-            min=1,
-        ),
-    ] = None
+    samples: int | None = option(
+        None,
+        f"How many mechanisms are made at random; {base.QUICKLY}, or {base.ONE_BY_ONE} "
+        "where each is followed by the engine.",
+        "N",
+        min=1,
+    )
     seed: Seed = 0
 
 
@@ -58,34 +56,22 @@ class Sampling(Group):
 class BandTolerances(Group):
     """The tolerances of bands and elements that all commands with tolerances take."""
 
-    anchor: Annotated[
-        float,
-        typer.Option(
-            "--anchor",
-            metavar="MM",
-            help="Anchor tolerance: radius of a uniform distribution [mm].",
-            min=0,
-        ),
-    ] = base.to_unit(base.USUAL_ANCHOR, "mm")
-    stiffness_tolerance: Annotated[
-        float,
-        typer.Option(
-            metavar="PERCENT",
-            help="Standard deviation of a band's stiffness, or of all forces of an element alike "
-            "[%].",
-            min=0,
-            max=24.9,
-        ),
-    ] = base.to_unit(base.USUAL_STIFFNESS, "percent")
-    rest_length_tolerance: Annotated[
-        float,
-        typer.Option(
-            metavar="PERCENT",
-            help="Standard deviation of a band's rest length [%].",
-            min=0,
-            max=24.9,
-        ),
-    ] = 0.0
+    anchor: float = option(
+        base.to_unit(base.USUAL_ANCHOR, "mm"),
+        "Anchor tolerance: radius of a uniform distribution [mm].",
+        "--anchor MM",
+        min=0,
+    )
+    stiffness_tolerance: float = option(
+        base.to_unit(base.USUAL_STIFFNESS, "percent"),
+        "Standard deviation of a band's stiffness, or of all forces of an element alike [%].",
+        "PERCENT",
+        min=0,
+        max=24.9,
+    )
+    rest_length_tolerance: float = option(
+        0.0, "Standard deviation of a band's rest length [%].", "PERCENT", min=0, max=24.9
+    )
 
     # Options of the groups below.
     lever_tolerance = friction = travel_tolerance = 0.0
@@ -110,10 +96,9 @@ class BandTolerances(Group):
 class DesignTolerances(BandTolerances):
     """The tolerances of a mechanism that is being designed."""
 
-    lever_tolerance: Annotated[
-        float,
-        typer.Option(metavar="MM", help="Every cell's lever is off by up to this [mm].", min=0),
-    ] = 0.0
+    lever_tolerance: float = option(
+        0.0, "Every cell's lever is off by up to this [mm].", "MM", min=0
+    )
     friction: Friction = 0.0
 
 
