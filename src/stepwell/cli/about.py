@@ -12,7 +12,9 @@ from stepwell.cli import options, screen
 from stepwell.cli.options import argument, option
 
 
-def presets(as_json: bool = option(False, "Print JSON and nothing else.", "--json")) -> None:
+def presets(
+    as_json: bool = option("Print JSON and nothing else.", "--json", default=False),
+) -> None:
     """List the designs that come with Stepwell.
 
     The paper's come first, then some that go further, then robots.
@@ -23,11 +25,11 @@ def presets(as_json: bool = option(False, "Print JSON and nothing else.", "--jso
 
 
 def new(
-    file: Path = argument(..., "The file to write.", "NAME.toml", callback=options.local),
+    file: Path = argument("The file to write.", "NAME.toml", default=..., callback=options.local),
     preset: str = option(
-        "paper-forward",
         "Which design; see `stepwell presets`.",
         "NAME",
+        default="paper-forward",
         autocompletion=options.presets,
     ),
     force: options.ForceFile = False,
@@ -39,9 +41,7 @@ def new(
     Example: stepwell new leg.toml --preset three-wave
     """
     if file.suffix != ".toml":
-        raise typer.BadParameter(
-            f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
-        )
+        raise screen.wrong(str(file), f"must end in .toml, as in {file.stem}.toml.")
     options.free_file(file, force)
     sw.files.write_atomic(file, sw.files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
@@ -50,11 +50,9 @@ def new(
 
 def paper(
     everything: bool = option(
-        False, "Also what takes many simulated runs: several minutes.", "--all"
+        "Also what takes many simulated runs: several minutes.", "--all", default=False
     ),
-    data: Path | None = option(
-        None, "The authors' recordings, for the claims that they decide.", "PATH"
-    ),
+    data: Path | None = option("The authors' recordings, for the claims that they decide.", "PATH"),
     *,
     output: options.Output,
 ) -> None:
@@ -87,7 +85,6 @@ def validate(as_json: options.Json = False) -> None:
 
 def schema(
     kind: str | None = argument(
-        None,
         "Which result, such as run or lab.read; a list of all by default.",
         "RESULT",
         autocompletion=options.results,

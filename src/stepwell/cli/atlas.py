@@ -13,7 +13,7 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
 from stepwell.cli.options import Group, Json, Output, argument, command, local, option, read_design
-from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn
+from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn, wrong
 from stepwell.cli.sweep import Effort, going_on, read_axes
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
@@ -35,34 +35,34 @@ class SpaceOptions(Group):
     """The space of designs, and which of them are drawn."""
 
     design: str | None = argument(
-        None, "What is varied; the paper's cells, all alike, by default.", "DESIGN"
+        "What is varied; the paper's cells, all alike, by default.", "DESIGN"
     )
-    cells: int = option(2, "How many of the paper's cells, where no design is named.", min=1, max=6)
+    cells: int = option(
+        "How many of the paper's cells, where no design is named.", default=2, min=1, max=6
+    )
     vary: list[str] | None = option(
-        None,
         "What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
         "given again. By default anchors and stiffness of the paper's cells.",
         "--vary NAME=FROM:TO",
     )
     designs: float = option(
-        1e6, "Designs, drawn evenly; 1e8 is understood.", "N", min=1, show_default="1e6"
+        "Designs, drawn evenly; 1e8 is understood.", "N", default=1e6, min=1, show_default="1e6"
     )
     seed: parts.Seed = 0
 
     def read(self) -> tuple[sw.Chain, tuple[sw.studies.Axis, ...]]:
         """The chain that is varied, and what varies."""
         if not math.isfinite(self.designs) or self.designs > 1e12:
-            message = f"{self.designs}: must be at most 1e12."
-            raise typer.BadParameter(message, param_hint="--designs")
+            raise wrong("--designs", f"{self.designs}: must be at most 1e12.")
         if self.design is None:
             band = sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
             subject = sw.Chain([sw.Cell(band)] * self.cells)
         else:
             _, subject = read_design(self.design)
             if not isinstance(subject, sw.Chain):
-                raise typer.BadParameter("is a robot: must be a chain.", param_hint="DESIGN")
+                raise wrong("DESIGN", "is a robot: must be a chain.")
             if not self.vary:
-                raise typer.BadParameter("is needed with a design.", param_hint="--vary")
+                raise wrong("--vary", "is needed with a design.")
         if self.vary:
             with usable("--vary"):
                 return subject, read_axes(self.vary, subject, drawn=True)
@@ -76,9 +76,11 @@ class SpaceOptions(Group):
 @command(commands)
 def build(
     *,
-    out: Path = option(..., "The store, a folder of Zarr.", "--out -o STORE", callback=local),
+    out: Path = option(
+        "The store, a folder of Zarr.", "--out -o STORE", default=..., callback=local
+    ),
     space: SpaceOptions,
-    drive: str = option("stroke", "stroke or force."),
+    drive: str = option("stroke or force.", default="stroke"),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
@@ -91,7 +93,7 @@ def build(
     Example: stepwell atlas build --out two --designs 1e5
     """
     if drive not in sw.studies.DRIVES:
-        raise typer.BadParameter(f"{drive!r}: must be stroke or force.", param_hint="--drive")
+        raise wrong("--drive", f"{drive!r}: must be stroke or force.")
     subject, axes = space.read()
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
         found = sw.studies.atlas(
@@ -116,15 +118,14 @@ def show(store: _There = None, *, within: parts.BandTolerances, output: Output) 
 @command(commands)
 def find(
     query: str = argument(
-        ...,
         'What they do, such as "counts to two by hand and not remembers", or a cycle such '
         "as 00>10>11>01>00.",
         "QUERY",
+        default=...,
     ),
     store: _There = None,
-    least: str = option("0", "At least, for sure; 99 or 99%.", "--yield PERCENT"),
+    least: str = option("At least, for sure; 99 or 99%.", "--yield PERCENT", default="0"),
     out: Path | None = option(
-        None,
         "Write the first one as a design file, .toml.",
         "--out -o FILE",
         dir_okay=False,
@@ -139,7 +140,7 @@ def find(
     Example: stepwell atlas find '00>10>11>01>00' --yield 90
     """
     if out is not None and out.suffix != ".toml":
-        raise typer.BadParameter(f"{out}: must end in .toml.", param_hint="--out")
+        raise wrong("--out", f"{out}: must end in .toml.")
     yields = _percent(least)
     study = _opened(store)
     with usable("QUERY"):
@@ -169,7 +170,7 @@ def _percent(text: str) -> float:
     except ValueError:
         share = math.nan
     if not 0 <= share <= 1:
-        raise typer.BadParameter(f"{text!r}: must be from 0 to 100 %.", param_hint="--yield")
+        raise wrong("--yield", f"{text!r}: must be from 0 to 100 %.")
     return share
 
 

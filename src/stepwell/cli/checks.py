@@ -2,20 +2,17 @@
 
 from dataclasses import dataclass
 
-import typer
-
 import stepwell as sw
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
 from stepwell.cli.options import Design, Group, Output, Robust, option, read_chain
-from stepwell.cli.screen import answered, progress, usable
+from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
 
 
 def check(
     design: Design,
     target: str | None = option(
-        None,
         "The cycle that counts, as 00>10>11>01>00; by default the design's own program, "
         "or without one the cycle of the drawing.",
         "SEQUENCE",
@@ -58,16 +55,17 @@ class CountedOptions(Group):
     """Which mechanisms count as working."""
 
     target: str | None = option(
-        None,
         "The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
         "no others, as 00,10,11; the cycle of the drawing by default.",
         "TARGET",
     )
     sensitivity: bool = option(
-        False, "Compute how much each part's tolerance counts.", "--sensitivity"
+        "Compute how much each part's tolerance counts.", "--sensitivity", default=False
     )
     program: bool = option(
-        False, "Count those that the design's own program brings where it should.", "--program"
+        "Count those that the design's own program brings where it should.",
+        "--program",
+        default=False,
     )
     robust: Robust = None
 
@@ -80,7 +78,7 @@ class CountedOptions(Group):
         }
         option = next((option for option, value in others.items() if value), None)
         if self.program and option:
-            raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+            raise wrong(option, "cannot stand with --program.")
 
 
 def yield_(

@@ -14,7 +14,7 @@ from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
 from stepwell.cli.options import Design, Group, Output, argument, option, read_chain
 from stepwell.cli.ranges import Range, span
-from stepwell.cli.screen import answered, progress, report, usable
+from stepwell.cli.screen import answered, progress, report, usable, wrong
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
@@ -78,31 +78,26 @@ class Parts(Group):
     x: _Side = None
     y: _Side = None
     place: Free = option(
-        Free.Q,
         "Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
         "or both, each p the mirror image of q.",
         "--free",
+        default=Free.Q,
     )
     holes: float | None = option(
-        None,
-        "Anchors only in holes this far apart, from the lower left corner on [mm].",
-        "MM",
-        min=0.01,
+        "Anchors only in holes this far apart, from the lower left corner on [mm].", "MM", min=0.01
     )
     bands: list[str] | None = option(
-        None,
         "A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
         "its bands, measured ones too; may be given again.",
         "--band NAME|K:LENGTH[:SPREAD]",
     )
     levers: list[float] | None = option(
-        None, "A lever there is [mm]; may be given again. The paper's by default.", "--lever MM"
+        "A lever there is [mm]; may be given again. The paper's by default.", "--lever MM"
     )
     mixed_levers: bool = option(
-        False, "Cells may have different ones of these levers.", "--mixed-levers"
+        "Cells may have different ones of these levers.", "--mixed-levers", default=False
     )
     elements: list[str] | None = option(
-        None,
         "An element there is instead of bands: one of the library, or those of a design "
         "file; may be given again.",
         "--element NAME|DESIGN",
@@ -110,7 +105,7 @@ class Parts(Group):
     force_scale: _Scale = FORCE_SCALE
     travel_scale: _Scale = TRAVEL_SCALE
     unusual: bool = option(
-        False, "Sizes far off the levers are meant, and no slip of unit.", "--unusual"
+        "Sizes far off the levers are meant, and no slip of unit.", "--unusual", default=False
     )
 
     def allowed(self) -> dict[str, Any]:
@@ -119,9 +114,9 @@ class Parts(Group):
 
         kinds = [one for text in self.elements or () for one in elements_of(text)]
         if kinds and (self.x or self.y or self.holes or self.bands or self.levers):
-            raise typer.BadParameter(
+            raise wrong(
+                "--element",
                 "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
-                param_hint="--element",
             )
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         box = None if kinds else usual_box(max(levers), self.place)
@@ -147,20 +142,20 @@ class AimOptions(Group):
     """What is made as large as possible, with which actuator."""
 
     objective: Objective = option(
-        Objective.YIELD,
         "Make the yield largest, or the distance by which all anchors may be off at once.",
+        default=Objective.YIELD,
     )
-    force_limit: float | None = option(None, "Largest force of the actuator [N].", "N", min=0)
+    force_limit: float | None = option("Largest force of the actuator [N].", "N", min=0)
     drive: NewDrive = None
 
 
 def design(
     *,
     target: str = argument(
-        ...,
         "A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
         "all:N for N cells with all their states.",
         "TARGET",
+        default=...,
     ),
     parts: Parts,
     aim: AimOptions,
@@ -227,28 +222,29 @@ class Way(Group):
     """The way that the anchor is moved."""
 
     line: Direction | None = option(
-        None,
         "The line that the anchor keeps to; anywhere in the plane by default.",
         "--along X:Y|DEGREES",
         parser=along,
     )
-    one_way: bool = option(False, "Only in the sense of --along, not against it.", "--one-way")
+    one_way: bool = option(
+        "Only in the sense of --along, not against it.", "--one-way", default=False
+    )
     reach: float = option(
-        to_unit(REACH, "mm"), "Farthest that is looked at [mm].", "MM", min=0.001, max=1e6
+        "Farthest that is looked at [mm].", "MM", default=to_unit(REACH, "mm"), min=0.001, max=1e6
     )
 
 
 def reprogram(
     design: Design,
     by: str = option(
-        ...,
         "The anchor that is moved: a cell's name or number, then .p on its inner block or "
         ".q on its outer one, as in inner.p; or a number of an element, as in "
         "dome.force_scale, dome.travel_scale or dome.friction.",
         "--by ANCHOR|NUMBER",
+        default=...,
     ),
     target: str | None = option(
-        None, "The cycle wanted, as in '00>01>11>10>00'; any other than now by default.", "SEQUENCE"
+        "The cycle wanted, as in '00>01>11>10>00'; any other than now by default.", "SEQUENCE"
     ),
     *,
     way: Way,
@@ -267,7 +263,7 @@ def reprogram(
     from stepwell.design import reprogram
 
     if way.one_way and way.line is None:
-        raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
+        raise wrong("--one-way", "needs --along X:Y, the way to go.")
     text, chain = read_chain(design)
     output.free("reprogram")
     with usable(design), progress("search") as tell:
@@ -300,10 +296,10 @@ def wish(text: str) -> dict[str, Any]:
         return {"sequence": text}
     if "," in text:
         return {"states": [state.strip() for state in text.split(",")]}
-    raise typer.BadParameter(
+    raise wrong(
+        "TARGET",
         f"{text!r}: must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or all:N for "
         f"N cells in all their states (quotes keep > from the shell).",
-        param_hint="TARGET",
     )
 
 
@@ -313,10 +309,10 @@ def elements_of(text: str) -> "tuple[sw.Element, ...]":
         return (sw.mechanism.LIBRARY[text].make(name=text),)
     _, chain = read_chain(text)
     if not chain.elements:
-        raise typer.BadParameter(
+        raise wrong(
+            "--element",
             f"{text!r} has no elements: must be a design file that has, or one of "
             f"{', '.join(sw.mechanism.LIBRARY)}.",
-            param_hint="--element",
         )
     return chain.elements
 
@@ -343,10 +339,10 @@ def stock(text: str) -> "Stock":
         k, length, *spread = map(float, text.split(":"))
         (part,) = spread or (None,)
     except ValueError:
-        raise typer.BadParameter(
+        raise wrong(
+            "--band",
             f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:SPREAD] in N/m, mm and %, as in "
             f"28.5:10:5, or a design file with bands, as in mine.toml.",
-            param_hint="--band",
         ) from None
     with usable("--band"):
         return Stock(

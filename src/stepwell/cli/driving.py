@@ -9,7 +9,7 @@ import typer
 
 import stepwell as sw
 from stepwell.base import told_in
-from stepwell.cli.screen import progress, usable
+from stepwell.cli.screen import progress, usable, wrong
 
 
 def drive(text: str) -> str | float:
@@ -70,13 +70,12 @@ def planned(
 ) -> sw.Program:
     """The shortest program; raises `Unreachable` where there is none."""
     if target is None:
-        raise typer.BadParameter("needs --target STATE, the state to end in.", param_hint="--from")
+        raise wrong("--from", "needs --target STATE, the state to end in.")
     last = chain.last_state
     digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
     for option, state in (("--from", start), ("--target", target)):
         if state is not None and not _is_state(state, last):
-            problem = f"{state!r}: must be {len(chain)} {digits}, inner cell first."
-            raise typer.BadParameter(problem, param_hint=option)
+            raise wrong(option, f"{state!r}: must be {len(chain)} {digits}, inner cell first.")
     with usable("--from", sw.Unreachable), progress("program") as tell:
         return chain.program(target, start=start, robust=robust, progress=tell)
 

@@ -13,7 +13,7 @@ from stepwell.base import told_in
 from stepwell.cli import tolerances as given
 from stepwell.cli.options import Design, Group, Output, argument, command, option, read_chain
 from stepwell.cli.ranges import window as read_window
-from stepwell.cli.screen import progress, subcommands, usable
+from stepwell.cli.screen import progress, subcommands, usable, wrong
 from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
@@ -28,9 +28,9 @@ commands = subcommands("Read recordings of a test machine, fit bands, and compar
 def read(
     *,
     files: list[Path] = argument(
-        ...,
         "Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
         "FILE...",
+        default=...,
     ),
     output: Output,
 ) -> None:
@@ -56,18 +56,15 @@ class FittedPart(Group):
     """Which part of tension tests is fitted."""
 
     window: str | None = option(
-        None,
         "Stroke between which bands are fitted; 5:35 where it is measured, else all.",
         "--window-mm FROM:TO",
     )
     cycles: str | None = option(
-        None,
-        "Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
-        "FROM:TO",
+        "Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.", "FROM:TO"
     )
-    drop: list[int] | None = option(None, "A sample to leave out; may be given again.", "SAMPLE")
+    drop: list[int] | None = option("A sample to leave out; may be given again.", "SAMPLE")
     cycles_per_sample: int | None = option(
-        None, "How many files in a row are of one sample, where names only count.", "N", min=1
+        "How many files in a row are of one sample, where names only count.", "N", min=1
     )
 
     def test(self, recordings: list[Recording]) -> BandTest:
@@ -87,15 +84,15 @@ class FittedPart(Group):
 def band(
     *,
     folders: list[Path] = argument(
-        ...,
         "Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
         "PATH...",
+        default=...,
     ),
     part: FittedPart,
     gauge: float | None = option(
-        None, "Length of the band at stroke 0, if you know it.", "--gauge-mm LENGTH"
+        "Length of the band at stroke 0, if you know it.", "--gauge-mm LENGTH"
     ),
-    law: str | None = option(None, "The law to write, whatever is chosen.", "NAME"),
+    law: str | None = option("The law to write, whatever is chosen.", "NAME"),
     output: Output,
 ) -> None:
     """Fit the stiffness of bands, and write a `band` table for a design file.
@@ -111,7 +108,7 @@ def band(
     # Before all of them are fitted.
     known = [one.name for one in sw.lab.LAWS]
     if law is not None and law not in known:
-        raise typer.BadParameter(f"{law!r}: must be one of {', '.join(known)}.", param_hint="--law")
+        raise wrong("--law", f"{law!r}: must be one of {', '.join(known)}.")
     given = recordings_in(folders)
     test = part.test(given)
     with usable("--gauge-mm"):
@@ -134,16 +131,16 @@ class BaselineOptions(Group):
     """Which friction is subtracted."""
 
     baseline: Path | None = option(
-        None,
-        "Runs without a band; by default those in DATA whose name says friction.",
-        "--baseline PATH",
+        "Runs without a band; by default those in DATA whose name says friction.", "--baseline PATH"
     )
-    no_baseline: bool = option(False, "Subtract no friction, whatever is there.", "--no-baseline")
+    no_baseline: bool = option(
+        "Subtract no friction, whatever is there.", "--no-baseline", default=False
+    )
 
     def read(self) -> list[Recording] | None:
         """The runs to subtract: those given, none, or None where names decide."""
         if self.baseline is not None and self.no_baseline:
-            raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
+            raise wrong("--baseline", "cannot stand with --no-baseline.")
         if self.no_baseline:
             return []
         return None if self.baseline is None else recordings_in([self.baseline])
@@ -154,20 +151,17 @@ class RigOptions(Group):
     """The rig of a test machine."""
 
     bar: float | None = option(
-        None, "Bar of the rig, inf for none; 70 if not said.", "--bar-mm LENGTH", min=20
+        "Bar of the rig, inf for none; 70 if not said.", "--bar-mm LENGTH", min=20
     )
     rig: Path | None = option(
-        None,
-        "The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
-        "FILE",
+        "The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.", "FILE"
     )
 
     def read(self) -> Rig:
         """The rig of a file, or the paper's with another bar."""
         if self.rig is not None:
             if self.bar is not None:
-                message = "cannot stand with --bar-mm: FILE has bar_mm."
-                raise typer.BadParameter(message, param_hint="--rig")
+                raise wrong("--rig", "cannot stand with --bar-mm: FILE has bar_mm.")
             return sw.files.loads_rig(sw.files.text_of(self.rig), str(self.rig))
         return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
 
@@ -176,12 +170,11 @@ class RigOptions(Group):
 def compare(
     data: _Data,
     designs: list[str] | None = argument(
-        None,
         "What was tested, or what file names leave open; the paper's cell by default.",
         "[DESIGN]...",
     ),
     as_designed: bool = option(
-        False, "Take the design as it is, whatever file names say.", "--as-designed"
+        "Take the design as it is, whatever file names say.", "--as-designed", default=False
     ),
     *,
     friction: BaselineOptions,
@@ -217,7 +210,6 @@ def compare(
 def calibrate(
     data: _Data,
     law: str | None = option(
-        None,
         "linear, cubic, or tension tests in DATA by their folder; by default the law that "
         "predicts best.",
         "NAME",
@@ -260,9 +252,9 @@ class BuiltTolerances(given.BandTolerances):
     friction: given.Friction = 0.0
     travel_tolerance: given.TravelTolerance = 5.0
 
-    hole: float = option(5.0, "How far apart holes are.", "--hole-mm MM", min=0.1)
+    hole: float = option("How far apart holes are.", "--hole-mm MM", default=5.0, min=0.1)
     wrong_hole: float = option(
-        5.0, "How likely an anchor is in the hole beside its own.", "PERCENT", min=0, max=40
+        "How likely an anchor is in the hole beside its own.", "PERCENT", default=5.0, min=0, max=40
     )
 
 
@@ -273,7 +265,7 @@ BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 class BuildSampling(Group):
     """How many first builds are drawn, and which."""
 
-    samples: int = option(200, "How many builds are drawn.", "N", min=100)
+    samples: int = option("How many builds are drawn.", "N", default=200, min=100)
     seed: given.Seed = 0
 
 
@@ -281,20 +273,17 @@ class BuildSampling(Group):
 class SeenOptions(Group):
     """What was seen of a first build, and how surely."""
 
-    seen: str | None = option(None, "The states it went through, as 00>10>11>01>00.", "STATES")
+    seen: str | None = option("The states it went through, as 00>10>11>01>00.", "STATES")
     snaps_out: _Strokes = None
     snaps_back: _Strokes = None
     pulls: str | None = option(
-        None,
-        "Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].",
-        "LIST",
+        "Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].", "LIST"
     )
-    data: Path | None = option(
-        None, "A recording of stroke and force [mm, N].", "FILE", exists=True
+    data: Path | None = option("A recording of stroke and force [mm, N].", "FILE", exists=True)
+    ruler: float = option(
+        "Standard deviation of a stroke [mm, mL or deg].", "DOUBT", default=1.0, min=0.01
     )
-    ruler: float = option(1.0, "Standard deviation of a stroke [mm, mL or deg].", "DOUBT", min=0.01)
     scale: float | None = option(
-        None,
         "Standard deviation of a force [N, kPa or N mm]; 5 % of the drawing's peak force.",
         "DOUBT",
         min=1e-6,
@@ -305,9 +294,7 @@ class SeenOptions(Group):
 def as_built(
     design: Design,
     observed: SeenOptions,
-    target: str | None = option(
-        None, "What it should do; by default what the drawing does.", "STATES"
-    ),
+    target: str | None = option("What it should do; by default what the drawing does.", "STATES"),
     within: BuiltTolerances = BUILT,
     *,
     sampling: BuildSampling,
@@ -362,8 +349,9 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
     try:
         return tuple(float(one) / factor for one in text.split(","))
     except ValueError:
-        message = f"{text!r}: must be numbers with commas, as 36.5,38, or none."
-        raise typer.BadParameter(message, param_hint=option) from None
+        raise wrong(
+            option, f"{text!r}: must be numbers with commas, as 36.5,38, or none."
+        ) from None
 
 
 def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
@@ -374,8 +362,9 @@ def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
         pairs = [tuple(map(float, one.split(":"))) for one in text.split(",")]
         return tuple(sw.lab.Pull(1, u / stroke, f / force) for u, f in pairs)
     except ValueError:
-        message = f"{text!r}: must be STROKE:FORCE with commas, as 10:0.35,20:0.1."
-        raise typer.BadParameter(message, param_hint="--pulls") from None
+        raise wrong(
+            "--pulls", f"{text!r}: must be STROKE:FORCE with commas, as 10:0.35,20:0.1."
+        ) from None
 
 
 def _recorded(file: Path, chain: Chain) -> tuple[Pull, ...]:

@@ -52,12 +52,9 @@ def graph(
     design: options.Design,
     drive: Drive = None,
     start: str | None = option(
-        None,
-        "Only what can be reached from this state, such as 000; all states by default.",
-        "STATE",
+        "Only what can be reached from this state, such as 000; all states by default.", "STATE"
     ),
     out: Path | None = option(
-        None,
         "Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
         "--out -o FILE",
         dir_okay=False,
@@ -139,9 +136,9 @@ class MotionOptions(options.Group):
     """Which motion of a design is shown."""
 
     program: bool = option(
-        False,
         "Play the design's own program, or one planned to --target, not a full cycle.",
         "--program",
+        default=False,
     )
     start: From = None
     target: Target = None
@@ -151,7 +148,7 @@ class MotionOptions(options.Group):
         if not self.program:
             if self.start or self.target:
                 option = "--target" if self.target else "--from"
-                raise typer.BadParameter("needs --program.", param_hint=option)
+                raise screen.wrong(option, "needs --program.")
             return sw.files.load(design).chain.cycle()
         if self.start or self.target:
             return planned(sw.files.load(design).chain, self.start, self.target)
@@ -161,10 +158,10 @@ class MotionOptions(options.Group):
 def animate(
     design: options.Design,
     out: Path = option(
-        Path("cycle.gif"), "The file to write.", "--out -o FILE.gif", callback=options.local
+        "The file to write.", "--out -o FILE.gif", default=Path("cycle.gif"), callback=options.local
     ),
-    seconds: float = option(8.0, "How long one round lasts [s].", min=0.5),
-    fps: float = option(20.0, "Frames a second.", min=1, max=50),
+    seconds: float = option("How long one round lasts [s].", default=8.0, min=0.5),
+    fps: float = option("Frames a second.", default=20.0, min=1, max=50),
     *,
     motion: MotionOptions,
     force: options.ForceFile = False,
@@ -177,11 +174,8 @@ def animate(
     """
     options.free_file(out, force)
     result = motion.of(design)
-    try:
-        with screen.progress("frames") as tell:
-            sw.figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+    with screen.usable(), screen.progress("frames") as tell:
+        sw.figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     screen.show_verbatim(f"Wrote {out}")
 
 
@@ -207,8 +201,8 @@ class PlaneOptions(options.Group):
     """What varies on a map: an anchor, or two parameters."""
 
     cell: str = option(
-        CELL,
         "Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the innermost.",
+        default=CELL,
     )
     x: _Axis = ACROSS
     y: _Axis = UP
@@ -221,10 +215,9 @@ class PlaneOptions(options.Group):
             return None
         if self.across is None or self.up is None:
             names = ("--across", "--up") if self.across is None else ("--up", "--across")
-            message = f"needs {names[0]} NAME=FROM:TO:COUNT too."
-            raise typer.BadParameter(message, param_hint=names[1])
+            raise screen.wrong(names[1], f"needs {names[0]} NAME=FROM:TO:COUNT too.")
         if (self.cell, self.x, self.y) != (CELL, ACROSS, UP):
-            raise typer.BadParameter("cannot stand with --cell, --x or --y.", param_hint="--across")
+            raise screen.wrong("--across", "cannot stand with --cell, --x or --y.")
         return self.across, self.up
 
 
@@ -295,17 +288,17 @@ def cell_of(chain: Chain, text: str) -> int:
     if text.isdecimal() and text.isascii() and 1 <= int(text) <= len(chain) and text not in names:
         return int(text) - 1
     known = ", ".join(f"{name} ({number})" for number, name in enumerate(names[:12], 1))
-    raise typer.BadParameter(f"{text!r}: must be one of {known}.", param_hint="--cell")
+    raise screen.wrong("--cell", f"{text!r}: must be one of {known}.")
 
 
 def marks(chain: Chain, cell: int) -> dict[str, tuple[float, float]]:
     """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
     own = chain.cells[cell]
     if isinstance(own, sw.Element):
-        raise typer.BadParameter(
+        raise screen.wrong(
+            "--cell",
             f"{chain.names[cell]} is an element and has no anchor: pass --across "
             f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",
-            param_hint="--cell",
         )
     anchors = {band.q for band in own.bands}
     return {"this design": anchors.pop()} if len(anchors) == 1 else {}

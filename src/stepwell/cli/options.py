@@ -13,7 +13,7 @@ import typer
 
 import stepwell as sw
 from stepwell.base import need, refuse_address
-from stepwell.cli.screen import EXIT_CODES, report, warn
+from stepwell.cli.screen import EXIT_CODES, report, usable, warn, wrong
 
 
 def designs(incomplete: str) -> list[str]:
@@ -92,10 +92,8 @@ Arena = Annotated[
 def local(out: Path | None) -> Path | None:
     """Where results go, if it is a place on this machine."""
     if out is not None:
-        try:
+        with usable():
             refuse_address(out)
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
     return out
 
 
@@ -115,7 +113,7 @@ Json = Annotated[
 ]
 
 
-def option(default: Any, help: str, spelled: str = "", **how: Any) -> Any:
+def option(help: str, spelled: str = "", *, default: Any = None, **how: Any) -> Any:
     """An option, as a field of a group or the default of a parameter; required where that is `...`.
 
     `spelled` is how a user writes it, such as "--out -o FILE": names other than its own, metavar.
@@ -125,7 +123,7 @@ def option(default: Any, help: str, spelled: str = "", **how: Any) -> Any:
     return _declared(default, typer.Option(*names, metavar=metavar, help=help, **how))
 
 
-def argument(default: Any, help: str, metavar: str, **how: Any) -> Any:
+def argument(help: str, metavar: str, *, default: Any = None, **how: Any) -> Any:
     """The same of an argument."""
     return _declared(default, typer.Argument(metavar=metavar, help=help, **how))
 
@@ -213,7 +211,7 @@ class Folder(Output):
 class FilmedOutput(Output):
     """The same of a simulation, whose folder holds a video too."""
 
-    no_video: bool = option(False, "Write the figures alone.", "--no-video")
+    no_video: bool = option("Write the figures alone.", "--no-video", default=False)
 
     def report(self, account: sw.accounts.Account, **options: Any) -> None:
         """Write, print or show what is reported of a simulation."""
@@ -289,5 +287,4 @@ def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
 def free_file(file: Path | None, force: bool) -> None:
     """Refuse a file that exists, unless it may be replaced."""
     if file is not None and file.exists() and not force:
-        message = "exists: choose another name, or pass --force to replace it."
-        raise typer.BadParameter(message, param_hint=str(file))
+        raise wrong(str(file), "exists: choose another name, or pass --force to replace it.")

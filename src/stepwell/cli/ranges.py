@@ -7,6 +7,7 @@ import typer
 
 import stepwell as sw
 from stepwell.base import require, short
+from stepwell.cli.screen import usable
 
 EXAMPLE = "outer.q.x=0:20:41"
 _PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
@@ -65,10 +66,8 @@ def _rising(text: str | Range, form: str, example: str, most: float, unit: str =
     if not -most <= found.start < found.stop <= most:
         bounds = f"-{short(most)} to {short(most)}{unit}"
         raise typer.BadParameter(f"{text!r}: must rise, as {example} does, within {bounds}.")
-    try:
+    with usable():
         require("points", found.count or 0, f"{text!r}:")
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
     return found
 
 

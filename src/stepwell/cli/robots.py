@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,15 +39,15 @@ def show(robot: options.Robot, output: options.Output) -> None:
 def sweep(
     robot: options.Robot,
     ranges: list[str] = argument(
-        ...,
         "What to vary, by the keys that `stepwell robot show` lists, in their units.",
         "KEY=FROM:TO:COUNT...",
+        default=...,
     ),
     random: int | None = option(
-        None, "Draw N robots instead of a grid; ranges are then KEY=FROM:TO.", "--random N", min=1
+        "Draw N robots instead of a grid; ranges are then KEY=FROM:TO.", "--random N", min=1
     ),
-    seed: int = option(0, "Of the draws.", min=0),
-    cycles: int = option(4, "How many cycles each robot walks.", min=1),
+    seed: int = option("Of the draws.", default=0, min=0),
+    cycles: int = option("How many cycles each robot walks.", default=4, min=1),
     *,
     output: options.Folder,
 ) -> None:
@@ -73,7 +74,7 @@ def sweep(
 @options.command(commands)
 def converge(
     robot: options.Robot,
-    cycles: int = option(2, "How many cycles each walk lasts.", "--cycles", min=2),
+    cycles: int = option("How many cycles each walk lasts.", "--cycles", default=2, min=2),
     as_json: options.Json = False,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
@@ -95,13 +96,9 @@ def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
     for key in keys:
         if keys.count(key) > 1:
             raise typer.BadParameter(f"{key} is there twice: give each key one range.")
-    total = drawn or 1
-    for one in found:
-        total *= one.count or 1
-    try:
+    total = (drawn or 1) * math.prod(one.count or 1 for one in found)
+    with screen.usable():
         require("robots", total, "these are")
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
     return found
 
 
@@ -173,7 +170,7 @@ def _forget(keep: Path) -> None:
 
 def walk(
     robot: options.Robot,
-    cycles: float = option(8, "How often the actuator goes out and back.", min=0.01),
+    cycles: float = option("How often the actuator goes out and back.", default=8, min=0.01),
     *,
     output: options.FilmedOutput,
 ) -> None:
@@ -207,18 +204,16 @@ class Course(options.Group):
     """Where a robot walks, from where and for how long."""
 
     arena: str = argument(
-        ...,
         "An arena's name (--list shows them), or a file of your own (.toml, .txt).",
         "ARENA",
+        default=...,
         autocompletion=options.arenas,
     )
-    limit: float = option(600.0, "Time it is given [s].", min=1)
+    limit: float = option("Time it is given [s].", default=600.0, min=1)
     start_seed: int | None = option(
-        None, "Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0
+        "Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0
     )
-    layout_seed: int | None = option(
-        None, "Move walls up to 40 mm and 8°, drawn from this seed.", min=0
-    )
+    layout_seed: int | None = option("Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
 
     def read(self) -> sw.robot.Arena:
         """The arena, with its walls and its start moved."""
@@ -236,8 +231,10 @@ class Course(options.Group):
 class Control(options.Group):
     """What is taken off a robot, as a control."""
 
-    disconnect: bool = option(False, "Take the antennas' levers off the anchors.", "--disconnect")
-    no_antennas: bool = option(False, "Take the antennas off altogether.", "--no-antennas")
+    disconnect: bool = option(
+        "Take the antennas' levers off the anchors.", "--disconnect", default=False
+    )
+    no_antennas: bool = option("Take the antennas off altogether.", "--no-antennas", default=False)
 
     def of(self, robot: sw.robot.Robot) -> sw.robot.Robot:
         """The robot as given, or one of the two controls."""
@@ -245,9 +242,9 @@ class Control(options.Group):
             return robot
         option = "--no-antennas" if self.no_antennas else "--disconnect"
         if self.disconnect and self.no_antennas:
-            raise typer.BadParameter(f"{option} leaves no lever to take off: give one of the two.")
+            raise screen.wrong(None, f"{option} leaves no lever to take off: give one of the two.")
         if not robot.antennas:
-            raise typer.BadParameter("this robot has no antennas.", param_hint=option)
+            raise screen.wrong(option, "this robot has no antennas.")
         off = tuple(replace(one, connected=False) for one in robot.antennas)
         return replace(robot, antennas=() if self.no_antennas else off)
 
@@ -258,7 +255,7 @@ def maze(
     control: Control,
     output: options.FilmedOutput,
     _: bool = option(
-        False, "List the arenas that come along.", "--list", callback=_list, is_eager=True
+        "List the arenas that come along.", "--list", default=False, callback=_list, is_eager=True
     ),
 ) -> None:
     """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
@@ -293,9 +290,9 @@ NO_DISPLAY = (
 def export(
     robot: options.Robot,
     out: Path = option(
-        Path("robot.xml"),
         "The file to write.",
         "--out -o FILE.xml",
+        default=Path("robot.xml"),
         show_default=False,
         callback=options.local,
     ),

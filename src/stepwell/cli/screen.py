@@ -324,15 +324,20 @@ def stopped(why: str) -> None:
         raise typer.Exit(FAILED)
 
 
+def wrong(what: str | None, problem: str) -> typer.BadParameter:
+    """The error of an option or an argument that cannot be used; None for the one being read."""
+    return typer.BadParameter(problem, param_hint=what)
+
+
 @contextmanager
-def usable(what: str, *answers: type[ValueError]) -> Iterator[None]:
+def usable(what: str | None = None, *answers: type[ValueError]) -> Iterator[None]:
     """Turn what the work cannot do with an argument into wrong usage, but not its answers."""
     try:
         yield
     except ValueError as error:
         if isinstance(error, answers) or outcome(error) is not None:
             raise
-        raise typer.BadParameter(str(error), param_hint=what) from None
+        raise wrong(what, str(error)) from None
 
 
 def answered(yes: bool) -> None:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 import stepwell as sw
 from stepwell.cli import options, screen
 from stepwell.cli.driving import own
@@ -36,14 +34,13 @@ class PageOptions(options.Group):
     """The page that a figure is for."""
 
     width: str | None = option(
-        None,
         "Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
         "help lists them; 180mm by default.",
         "LENGTH",
     )
-    height: str | None = option(None, "Of the page; what the panels want by default.", "LENGTH")
-    columns: int | None = option(None, "Panels in a row, where no / says so.", "N", min=1, max=26)
-    letters: str = option("A", "How panels are lettered.", "A|a|(a)|none")
+    height: str | None = option("Of the page; what the panels want by default.", "LENGTH")
+    columns: int | None = option("Panels in a row, where no / says so.", "N", min=1, max=26)
+    letters: str = option("How panels are lettered.", "A|a|(a)|none", default="A")
 
     def layout(self) -> dict[str, Any]:
         """The same as `reports.figure` takes it; lengths in mm."""
@@ -58,8 +55,8 @@ class PageOptions(options.Group):
 class SnapOptions(options.Group):
     """What the panel of a snap needs to know of the cells."""
 
-    mass: float | None = option(None, "Outside each cell [g], for the panel snap.", "--mass G")
-    damping: float | None = option(None, "Of each cell [N s/m], for the panel snap.", "N_S/M")
+    mass: float | None = option("Outside each cell [g], for the panel snap.", "--mass G")
+    damping: float | None = option("Of each cell [N s/m], for the panel snap.", "N_S/M")
 
 
 @dataclass(frozen=True)
@@ -67,10 +64,10 @@ class FigureFile(options.Group):
     """The file of a figure."""
 
     out: Path | None = option(
-        None, "The file to write.", "--out -o FILE", dir_okay=False, callback=options.local
+        "The file to write.", "--out -o FILE", dir_okay=False, callback=options.local
     )
     kind: str | None = option(
-        None, "Of the file, if its name does not say; pdf by default.", "--format pdf|svg|png"
+        "Of the file, if its name does not say; pdf by default.", "--format pdf|svg|png"
     )
     force: options.ForceFile = False
 
@@ -79,31 +76,27 @@ class FigureFile(options.Group):
         out, kind = self.out, self.kind
         if kind is not None and kind not in _KINDS:
             known = ", ".join(_KINDS)
-            raise typer.BadParameter(f"{kind!r}: must be {known}.", param_hint="--format")
+            raise screen.wrong("--format", f"{kind!r}: must be {known}.")
         if out is None:
             return Path(f"figure.{kind or _KINDS[0]}")
         suffix = out.suffix.lower().removeprefix(".")
         if suffix in _KINDS:
             if kind not in (None, suffix):
-                message = f"{kind} is not what {out} is called."
-                raise typer.BadParameter(message, param_hint="--format")
+                raise screen.wrong("--format", f"{kind} is not what {out} is called.")
             return out
         if kind is None:
-            message = f"must end in .{', .'.join(_KINDS)}, or pass --format."
-            raise typer.BadParameter(message, param_hint=str(out))
+            raise screen.wrong(str(out), f"must end in .{', .'.join(_KINDS)}, or pass --format.")
         return out.with_name(f"{out.name}.{kind}")
 
 
 def figure(
     design: options.Design,
     panels: str | None = option(
-        None,
         "What to show, as mechanism,force,landscape; a / begins a new row; help lists "
         "all. By default what suits the design.",
         "NAMES",
     ),
     measured: list[Path] | None = option(
-        None,
         "A recording to draw behind the force, as `stepwell lab read` reads it; may be "
         "given up to four times.",
         "FILE",
@@ -151,7 +144,7 @@ def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
     """A figure of the paper, which has its own panels."""
     for other, value in others.items():
         if value:
-            raise typer.BadParameter(f"cannot stand with {name}.", param_hint=other)
+            raise screen.wrong(other, f"cannot stand with {name}.")
     with screen.usable("DESIGN"):
         return sw.reports.figure_of(name.removeprefix(_PAPER))
 
@@ -174,7 +167,7 @@ def _rows(panels: str | None) -> list[str | list[str]]:
     ]
     rows = [row for row in rows if row]
     if panels is not None and not rows:
-        raise typer.BadParameter("names no panel; help lists them.", param_hint="--panels")
+        raise screen.wrong("--panels", "names no panel; help lists them.")
     return [*rows] if len(rows) > 1 else [*rows[0]] if rows else []
 
 
@@ -201,20 +194,22 @@ _CYCLES = 8.0
 
 def replay(
     design: str = argument(
-        ...,
         "A design file (TOML) of a chain or a robot, or preset:NAME.",
         "DESIGN",
+        default=...,
         autocompletion=options.designs,
     ),
     arena: options.Arena = None,
     cycles: float | None = option(
-        None,
         "How often a robot's actuator goes out and back: 8 times by default, in an arena "
         "until the robot reaches the goal or gets nowhere, for 600 s at most.",
         min=0.01,
     ),
     out: Path = option(
-        Path("replay.html"), "The file to write.", "--out -o FILE.html", callback=options.local
+        "The file to write.",
+        "--out -o FILE.html",
+        default=Path("replay.html"),
+        callback=options.local,
     ),
     force: options.ForceFile = False,
 ) -> None:
@@ -228,13 +223,13 @@ def replay(
     Example: stepwell replay preset:paper-forward --out leg.html
     """
     if out.suffix.lower() not in (".html", ".htm"):
-        raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
+        raise screen.wrong(str(out), f"must end in .html, as in {out.stem}.html.")
     options.free_file(out, force)
     text, found = options.read_design(design)
     if isinstance(found, sw.Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
-                raise typer.BadParameter("is for a robot: this is a chain.", param_hint=option)
+                raise screen.wrong(option, "is for a robot: this is a chain.")
         result = own(text, design) if sw.files.loads(text, design).program else found
         with screen.progress("margin") as tell:
             content = sw.studio.replay(result, progress=tell)
@@ -258,13 +253,11 @@ def _run(
 
 def studio(
     design: str | None = argument(
-        None,
         "What the page shows first: a design file (TOML), or preset:NAME; the gallery by default.",
         "[DESIGN]",
         autocompletion=options.designs,
     ),
     port: int | None = option(
-        None,
         "The port on this machine, 0 for any; by default 7473, where the browser finds "
         "the last design again, or any free one.",
         min=0,
@@ -272,15 +265,16 @@ def studio(
         show_default=False,
     ),
     studies: Path | None = option(
-        None,
         "Where the page finds and keeps studies; by default a folder of your own data.",
         "FOLDER",
         file_okay=False,
         show_default=False,
         callback=options.local,
     ),
-    demo: bool = option(False, "Begin with a guided tour of two minutes.", "--demo"),
-    no_open: bool = option(False, "Print the page's address and open no browser.", "--no-open"),
+    demo: bool = option("Begin with a guided tour of two minutes.", "--demo", default=False),
+    no_open: bool = option(
+        "Print the page's address and open no browser.", "--no-open", default=False
+    ),
 ) -> None:
     """Open a page on which a design is dragged and everything follows.
 
@@ -309,13 +303,13 @@ def studio(
 
 def demo(
     out: Path = option(
-        Path("stepwell-demo"),
         "Write the page and the designs into this folder.",
         "--out -o DIR",
+        default=Path("stepwell-demo"),
         file_okay=False,
         callback=options.local,
     ),
-    no_open: bool = option(False, "Name the page and open no browser.", "--no-open"),
+    no_open: bool = option("Name the page and open no browser.", "--no-open", default=False),
     force: options.Force = False,
 ) -> None:
     """Run a seven-step demonstration, and write it as one HTML page.

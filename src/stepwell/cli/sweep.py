@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,45 +31,6 @@ from stepwell.cli.ranges import read_range
 
 commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
 
-_Vary = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="NAME=FROM:TO:COUNT",
-        help="What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
-        "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
-        "COUNT with --sobol, --latin or --random. May be given again.",
-    ),
-]
-_Table = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Designs one by one, a line of a CSV file each.")
-]
-_Store = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="STORE",
-        help="The store, a folder that xarray opens as Zarr.",
-        callback=local,
-    ),
-]
-_Sobol = Annotated[
-    int | None, typer.Option(metavar="N", min=1, help="N designs of a Sobol' sequence, scrambled.")
-]
-_Latin = Annotated[
-    int | None, typer.Option(metavar="N", min=1, help="N designs of a Latin hypercube.")
-]
-_Random = Annotated[
-    int | None, typer.Option(metavar="N", min=1, help="N designs drawn independently.")
-]
-_Chunk = Annotated[
-    int | None,
-    typer.Option(metavar="N", min=1, help="Designs that are computed and written together."),
-]
-_Estimate = Annotated[
-    bool, typer.Option("--estimate", help="Print the estimated run time and disk space, then exit.")
-]
 _Partial = Annotated[
     bool, typer.Option("--partial", help="Go without designs that are missing, instead of failing.")
 ]
@@ -92,15 +53,15 @@ _Engine = Annotated[
 class _Program(Group):
     """What a program is searched for."""
 
-    start: str | None = option(None, "As in 00.", "--from STATE")
-    target: str = option(..., "As in 01.", "STATE")
+    start: str | None = option("As in 00.", "--from STATE")
+    target: str = option("As in 01.", "STATE", default=...)
 
 
 @dataclass(frozen=True)
 class _Walk(Group):
     """How every robot walks."""
 
-    cycles: int = option(4, "How many cycles each walks.", min=1)
+    cycles: int = option("How many cycles each walks.", default=4, min=1)
     engine: _Engine = "cpu"
 
 
@@ -108,25 +69,25 @@ class _Walk(Group):
 class _Maze(Group):
     """Where every robot walks."""
 
-    arena: str = option(..., "A name, or a file of your own.", "ARENA")
-    limit: float = option(600.0, "Time it is given [s].", min=1)
+    arena: str = option("A name, or a file of your own.", "ARENA", default=...)
+    limit: float = option("Time it is given [s].", default=600.0, min=1)
     layouts: int = option(
-        0,
         "So many layouts with walls and start a little elsewhere, the same for "
         "every design; 0 takes the arena as it is.",
+        default=0,
         min=0,
     )
     first: int = option(
-        0,
         "Number of the first of these layouts; another range than the one by "
         "which a design was chosen is an independent test of it.",
+        default=0,
         min=0,
     )
     place: float | None = option(
-        None, "How far a layout shifts each wall at most [mm]; 40 by default.", "MM", min=0
+        "How far a layout shifts each wall at most [mm]; 40 by default.", "MM", min=0
     )
     angle: float | None = option(
-        None, "How far a layout turns each wall at most [deg]; 8 by default.", "DEG", min=0
+        "How far a layout turns each wall at most [deg]; 8 by default.", "DEG", min=0
     )
     engine: _Engine = "cpu"
 
@@ -136,9 +97,9 @@ class _Call(Group):
     """What is computed of every design."""
 
     function: str = option(
-        ...,
         "A function of a design and a seed that gives numbers and texts by name.",
         "FILE.py:NAME",
+        default=...,
     )
 
 
@@ -147,10 +108,10 @@ class Effort(Group):
     """On which processes the work is done."""
 
     workers: int | None = option(
-        None, "Processes at once; one for every core by default, 0 to do without any.", "N", min=0
+        "Processes at once; one for every core by default, 0 to do without any.", "N", min=0
     )
     scheduler: str | None = option(
-        None, "A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.", "ADDRESS"
+        "A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.", "ADDRESS"
     )
 
 
@@ -159,8 +120,10 @@ class _Study(Effort):
     """How the designs of a study are computed."""
 
     seed: parts.Seed = 0
-    chunk: _Chunk = None
-    estimate: _Estimate = False
+    chunk: int | None = option("Designs that are computed and written together.", "N", min=1)
+    estimate: bool = option(
+        "Print the estimated run time and disk space, then exit.", "--estimate", default=False
+    )
     as_json: Json = False
 
 
@@ -168,11 +131,16 @@ class _Study(Effort):
 class _Drawn(Group):
     """Which designs are computed."""
 
-    vary: _Vary = None
-    table: _Table = None
-    sobol: _Sobol = None
-    latin: _Latin = None
-    random: _Random = None
+    vary: list[str] | None = option(
+        "What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
+        "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
+        "COUNT with --sobol, --latin or --random. May be given again.",
+        "--vary NAME=FROM:TO:COUNT",
+    )
+    table: Path | None = option("Designs one by one, a line of a CSV file each.", "FILE")
+    sobol: int | None = option("N designs of a Sobol' sequence, scrambled.", "N", min=1)
+    latin: int | None = option("N designs of a Latin hypercube.", "N", min=1)
+    random: int | None = option("N designs drawn independently.", "N", min=1)
 
     built = None  # an option of chains
 
@@ -191,9 +159,8 @@ class _Drawn(Group):
         count = self.sobol or self.latin or self.random or 0
         with screen.usable("--vary"):
             axes = read_axes(self.vary or [], subject, drawn=bool(count))
-            return sw.studies.Space(
-                axes, sw.studies.How(chosen[0] if chosen else "grid"), count, seed
-            )
+            how = sw.studies.How(chosen[0] if chosen else "grid")
+            return sw.studies.Space(axes, how, count, seed)
 
 
 @dataclass(frozen=True)
@@ -201,7 +168,7 @@ class _Sampled(_Drawn):
     """The same of chains, which can be sampled too."""
 
     built: int | None = option(
-        None, "N random samples of the design within these tolerances:", "N", min=1
+        "N random samples of the design within these tolerances:", "N", min=1
     )
 
 
@@ -210,10 +177,33 @@ class _Chosen(parts.ToleranceOptions, _Sampled):
     """The same with the tolerances of the samples."""
 
 
-def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
+_GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
+_FEET = "robot-forward --vary foot.below_mm=0.6:1.0:5"
+# What else a study asks for, with an example; the others ask for nothing more.
+_OWN: dict[str, tuple[type[Group], str]] = {
+    "program": (_Program, f"{_GRID} --target 01"),
+    "call": (_Call, f"{_GRID} --function mine.py:count"),
+    "walk": (_Walk, _FEET),
+    "maze": (_Maze, f"{_FEET} --arena three-walls"),
+}
+
+
+def _command(what: str, doc: str) -> None:
     """A command for something that is computed of chains, or of robots."""
 
-    def run(design: Design, own: Group, out: _Store, designs: _Drawn, how: _Study) -> None:
+    def run(
+        *,
+        design: Design,
+        own: Group,
+        out: Path = option(
+            "The store, a folder that xarray opens as Zarr.",
+            "--out -o STORE",
+            default=...,
+            callback=local,
+        ),
+        designs: _Drawn,
+        how: _Study,
+    ) -> None:
         from stepwell.kernels import cores
 
         _, subject = read_design(design)
@@ -229,25 +219,17 @@ def _command(what: str, doc: str, own: type[Group], chains: bool) -> None:
             begun = sw.studies.begun(study)
         _resumed(begun, how, how.as_json)
 
-    run.__annotations__ |= {"own": own, "designs": _Chosen if chains else _Drawn}
-    run.__doc__ = doc
+    kind, example = _OWN.get(what, (Group, _GRID))
+    run.__annotations__ |= {"own": kind, "designs": _Drawn if kind in (_Walk, _Maze) else _Chosen}
+    run.__doc__ = (
+        f"{doc}\n\nThe designs are a grid, drawn, listed, or samples of one design. Results are "
+        f"written to a store in chunks. To resume after an interruption, run the same command "
+        f"again; the finished store is the same. If a design fails, its row contains the problem."
+        f"\n\nExample: stepwell sweep {what} {example} --out store"
+    )
     commands.command(what, epilog=screen.EXIT_CODES)(grouped(run))
 
 
-_GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
-_FEET = "robot-forward --vary foot.below_mm=0.6:1.0:5"
-_EXAMPLES = {
-    "cycle": _GRID,
-    "margin": _GRID,
-    "yield": _GRID,
-    "graph": _GRID,
-    "program": f"{_GRID} --target 01",
-    "walk": _FEET,
-    "maze": f"{_FEET} --arena three-walls",
-    "call": f"{_GRID} --function mine.py:count",
-}
-_OF_ROBOTS = {"walk": _Walk, "maze": _Maze}
-_OF_CHAINS = {"program": _Program, "call": _Call}
 for _what, _doc in {
     "cycle": "Compute the full cycle of every design: sequence, snaps, peak force, energy lost.",
     "margin": "Compute how far every design is from another sequence, by an anchor or a stiffness.",
@@ -258,15 +240,7 @@ for _what, _doc in {
     "maze": "Simulate every robot in an arena: whether it reaches the goal.",
     "call": "Compute a function of your own for every design.",
 }.items():
-    _command(
-        _what,
-        f"{_doc}\n\nThe designs are a grid, drawn, listed, or samples of one design. Results are "
-        f"written to a store in chunks. To resume after an interruption, run the same command "
-        f"again; the finished store is the same. If a design fails, its row contains the problem."
-        f"\n\nExample: stepwell sweep {_what} {_EXAMPLES[_what]} --out store",
-        (_OF_ROBOTS | _OF_CHAINS).get(_what, Group),
-        _what not in _OF_ROBOTS,
-    )
+    _command(_what, _doc)
 
 
 @command(commands)
@@ -282,7 +256,7 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
 def extend(
     *,
     store: _There,
-    count: int = option(..., "Designs in all.", "N", min=1),
+    count: int = option("Designs in all.", "N", default=..., min=1),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
@@ -322,17 +296,19 @@ def export(
     *,
     store: _There,
     out: Path = option(
-        ..., "The table: .csv, or .parquet.", "--out -o FILE", dir_okay=False, callback=local
+        "The table: .csv, or .parquet.",
+        "--out -o FILE",
+        default=...,
+        dir_okay=False,
+        callback=local,
     ),
     best: int | None = option(
-        None,
         "Only the N best designs, best first, and only what varies: a list that another "
         "study takes as --table.",
         "N",
         min=1,
     ),
     by: list[str] | None = option(
-        None,
         "What makes them the best: the largest values of a column, or the least with - "
         "before it; given again, what decides between ties.",
         "COLUMN",
@@ -344,10 +320,10 @@ def export(
     Example: stepwell sweep export store --out table.csv
     """
     if bool(best) != bool(by):
-        raise typer.BadParameter("must both be given, or neither.", param_hint="--best, --by")
+        raise screen.wrong("--best, --by", "must both be given, or neither.")
     if out.suffix not in ((".csv",) if best else (".csv", ".parquet")):
         ends = ".csv" if best else ".csv or .parquet"
-        raise typer.BadParameter(f"{out}: must end in {ends}.", param_hint="--out")
+        raise screen.wrong("--out", f"{out}: must end in {ends}.")
     study = sw.studies.opened(store)
     if best and by:
         with screen.usable("--by"):
@@ -375,45 +351,32 @@ def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
 
 
 def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
-    if study.work.screen and effort.scheduler is None:
-        _warn_without_gpu()
-    kinds = Counter[str]()
-    with going_on(study.folder, effort.scheduler, lambda: _so_far(kinds)) as tell:
+    if study.work.screen and effort.scheduler is None and not sw.simulation.device()[1]:
+        slow = "No GPU here: Warp screens on the processor, where --engine cpu is much faster."
+        screen.warn(slow)
+    kinds, begun, where = Counter[str](), sw.studies.begun(study), effort.scheduler
+    with going_on(study.folder, where, lambda: _so_far(kinds)) as tell:
         found = sw.studies.resumed(
-            sw.studies.begun(study),
-            effort.workers,
-            scheduler=effort.scheduler,
-            progress=tell,
-            problems=kinds.update,
+            begun, effort.workers, scheduler=where, progress=tell, problems=kinds.update
         )
     screen.report(account(found), as_json)
 
 
-def _warn_without_gpu() -> None:
-    _, is_gpu = sw.simulation.device()
-    if not is_gpu:
-        screen.warn(
-            "No GPU here: Warp screens on the processor, where --engine cpu is much faster."
-        )
-
-
-def _so_far(kinds: Mapping[str, int]) -> str:
-    """Designs that could not be computed, by the kind of their problem, for a line."""
+def _so_far(kinds: Counter[str]) -> str:
     return "".join(f", {count} {kind}" for kind, count in sorted(kinds.items()))
 
 
 def _refuse_two(chosen: Sequence[str], varied: bool) -> None:
-    """Designs come about in one way."""
     if len(chosen) > 1:
-        raise typer.BadParameter(f"cannot stand with --{chosen[1]}.", param_hint=f"--{chosen[0]}")
-    if not varied and not {"table", "built"} & set(chosen):
-        raise typer.BadParameter("is needed, or --table, or --built.", param_hint="--vary")
-    if varied and {"table", "built"} & set(chosen):
-        raise typer.BadParameter("cannot stand with --vary.", param_hint=f"--{chosen[0]}")
+        raise screen.wrong(f"--{chosen[0]}", f"cannot stand with --{chosen[1]}.")
+    listed = chosen in (["table"], ["built"])
+    if not varied and not listed:
+        raise screen.wrong("--vary", "is needed, or --table, or --built.")
+    if varied and listed:
+        raise screen.wrong(f"--{chosen[0]}", "cannot stand with --vary.")
 
 
 def _given(options: Group, subject: Any) -> dict[str, Any]:
-    """What a study is given of these options."""
     if isinstance(options, _Call):
         with screen.usable("--function"):
             return sw.studies.function_of(options.function, subject)
@@ -461,9 +424,6 @@ def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[sw.st
             raise typer.BadParameter(f"{text!r}: must rise, as {example} does.")
         unit = sw.studies.unit_in(subject, one.name)
         factor = 1.0 if isinstance(subject, sw.Robot) else sw.base.told_in(unit)[1]
-        found.append(
-            sw.studies.Axis(
-                one.name, one.start / factor, one.stop / factor, one.count or 2, one.log
-            )
-        )
+        ends = one.start / factor, one.stop / factor
+        found.append(sw.studies.Axis(one.name, *ends, one.count or 2, one.log))
     return tuple(found)

@@ -43,7 +43,6 @@ class Sampling(Group):
     """How many mechanisms are made at random, and which."""
 
     samples: int | None = option(
-        None,
         f"How many mechanisms are made at random; {base.QUICKLY}, or {base.ONE_BY_ONE} "
         "where each is followed by the engine.",
         "N",
@@ -57,20 +56,20 @@ class BandTolerances(Group):
     """The tolerances of bands and elements that all commands with tolerances take."""
 
     anchor: float = option(
-        base.to_unit(base.USUAL_ANCHOR, "mm"),
         "Anchor tolerance: radius of a uniform distribution [mm].",
         "--anchor MM",
+        default=base.to_unit(base.USUAL_ANCHOR, "mm"),
         min=0,
     )
     stiffness_tolerance: float = option(
-        base.to_unit(base.USUAL_STIFFNESS, "percent"),
         "Standard deviation of a band's stiffness, or of all forces of an element alike [%].",
         "PERCENT",
+        default=base.to_unit(base.USUAL_STIFFNESS, "percent"),
         min=0,
         max=24.9,
     )
     rest_length_tolerance: float = option(
-        0.0, "Standard deviation of a band's rest length [%].", "PERCENT", min=0, max=24.9
+        "Standard deviation of a band's rest length [%].", "PERCENT", default=0.0, min=0, max=24.9
     )
 
     # Options of the groups below.
@@ -97,7 +96,7 @@ class DesignTolerances(BandTolerances):
     """The tolerances of a mechanism that is being designed."""
 
     lever_tolerance: float = option(
-        0.0, "Every cell's lever is off by up to this [mm].", "MM", min=0
+        "Every cell's lever is off by up to this [mm].", "MM", default=0.0, min=0
     )
     friction: Friction = 0.0
 
