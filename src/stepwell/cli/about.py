@@ -67,7 +67,7 @@ def paper(
     output.free("paper")
     with screen.progress("claims") as tell:
         found = sw.paper.run(tell, everything=everything, data=data)
-    output.report(account(found), everything=everything)
+    output.report(found, how={"everything": everything})
 
 
 def validate(as_json: options.Json = False) -> None:

@@ -46,7 +46,7 @@ def check(
         found = check(
             chain, wanted, spread, samples=sampling.samples, seed=sampling.seed, progress=tell
         )
-    output.report(sw.accounts.account(found, sw.accounts.About(text, design, calibrated)))
+    output.report(found, text, design, calibrated)
     answered(found.verdict != "won't")
 
 
@@ -133,4 +133,4 @@ def yield_(
                 robust=counted.robust,
                 progress=tell,
             )
-    output.report(sw.accounts.account(found, sw.accounts.About(text, design, calibrated)))
+    output.report(found, text, design, calibrated)

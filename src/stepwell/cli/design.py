@@ -194,7 +194,7 @@ def design(
         report(sw.accounts.account(why), output.as_json)
         answered(False)
     else:
-        output.report(sw.accounts.account(found))
+        output.report(found)
 
 
 class Direction(NamedTuple):
@@ -276,7 +276,7 @@ def reprogram(
             reach=from_unit(way.reach, "mm"),
             progress=tell,
         )
-    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
+    output.report(found, text, design)
     answered(math.isfinite(found.distance))
 
 

@@ -46,7 +46,7 @@ def read(
         batch = sw.lab.read_all(files, progress=tell)
     if not batch.recordings:
         output = replace(output, out=None)
-    output.report(sw.accounts.account(batch))
+    output.report(batch)
     if not batch.recordings:
         raise typer.Exit(2)
 
@@ -116,8 +116,7 @@ def band(
     with usable("--law"):
         found = sw.lab.fit_bands(test, choice, law)
     source = ", ".join(folder.name for folder in folders)
-    about = sw.accounts.About(source=source, data_sha256=sw.lab.hashes(given))
-    output.report(sw.accounts.account(found, about))
+    output.report(found, source=source, data_sha256=sw.lab.hashes(given))
 
 
 _Data = Annotated[
@@ -199,11 +198,8 @@ def compare(
         as_designed=as_designed,
         rig=machine.read(),
     )
-    about = sw.accounts.About(
-        data_sha256=sw.lab.hashes(given),
-        designs_sha256={design: sw.files.digest(text) for design, text in designed.items()},
-    )
-    output.report(sw.accounts.account(comparison, about))
+    hashes = {design: sw.files.digest(text) for design, text in designed.items()}
+    output.report(comparison, data_sha256=sw.lab.hashes(given), designs_sha256=hashes)
 
 
 @command(commands)
@@ -232,8 +228,7 @@ def calibrate(
     prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
     with progress("fits") as tell:
         calibration = sw.lab.calibrate(prepared, law, progress=tell)
-    about = sw.accounts.About(source=data.name, data_sha256=sw.lab.hashes(given))
-    output.report(sw.accounts.account(calibration, about))
+    output.report(calibration, source=data.name, data_sha256=sw.lab.hashes(given))
 
 
 _Strokes = Annotated[
@@ -338,7 +333,7 @@ def as_built(
             seed=sampling.seed,
             progress=tell,
         )
-    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
+    output.report(found, text, design)
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:

@@ -45,7 +45,7 @@ def run(
         )
     with screen.progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
-    output.report(sw.accounts.account(found, sw.accounts.About(text, design)))
+    output.report(found, text, design)
 
 
 def graph(
@@ -126,9 +126,7 @@ def program(
             found = replace(own(text, design), robust=robust)
     except sw.Unreachable as why:
         found, output = why, replace(output, out=None)
-    reported = sw.accounts.account(found, sw.accounts.About(text, design))
-    output.report(reported)
-    screen.answered(reported.record["does_it"])
+    screen.answered(output.report(found, text, design).record["does_it"])
 
 
 @dataclass(frozen=True)
@@ -260,10 +258,7 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
             dataset = nodes(progress=tell)
         with screen.progress("boundaries") as tell:
             found = curves(progress=tell)
-        reported = sw.accounts.account(
-            MapView(dataset, found, designs), sw.accounts.About(text, design)
-        )
-        output.report(reported)
+        output.report(MapView(dataset, found, designs), text, design)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
@@ -195,9 +195,18 @@ class Output(Group):
         """Refuse a folder where the results of a command may not be written, see `free`."""
         free(self.out, command, self.force, **texts)
 
-    def report(self, account: sw.accounts.Account, **options: Any) -> None:
-        """Write, print or show what is reported of a result, see `screen.report`."""
-        report(account, self.as_json, self.out, self.force, **options)
+    def report(
+        self, found: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
+    ) -> sw.accounts.Account:
+        """Write, print or show a result or its account, and return that.
+
+        `about` and `more` say from what it was computed, `how` are options of `reports.write`.
+        """
+        if not isinstance(found, sw.accounts.Account):
+            given = sw.accounts.About(*about, **more) if about or more else None
+            found = sw.accounts.account(found, given)
+        report(found, self.as_json, self.out, self.force, **(how or {}))
+        return found
 
 
 @dataclass(frozen=True)
@@ -213,9 +222,12 @@ class FilmedOutput(Output):
 
     no_video: bool = option("Write the figures alone.", "--no-video", default=False)
 
-    def report(self, account: sw.accounts.Account, **options: Any) -> None:
-        """Write, print or show what is reported of a simulation."""
-        super().report(account, video=not self.no_video, warn=warn, **options)
+    def report(
+        self, found: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
+    ) -> sw.accounts.Account:
+        """Write, print or show a simulation; what is odd about its video is a warning."""
+        how = {"video": not self.no_video, "warn": warn, **(how or {})}
+        return super().report(found, *about, how=how, **more)
 
 
 Robust = Annotated[

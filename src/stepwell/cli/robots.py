@@ -32,7 +32,7 @@ def show(robot: options.Robot, output: options.Output) -> None:
     """
     text, design = options.read_robot(robot)
     output.free("robot show", robot=text)
-    output.report(sw.accounts.account(design.predict(), sw.accounts.About(text, robot)))
+    output.report(design.predict(), text, robot)
 
 
 @options.command(commands)
@@ -67,7 +67,7 @@ def sweep(
     kept = "the robots that are done are kept, and the same command goes on with the others"
     with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
-    output.report(sw.accounts.account(result, sw.accounts.About(text, robot, seeds=seeds)))
+    output.report(result, text, robot, seeds=seeds)
     _forget(keep)
 
 
@@ -186,8 +186,7 @@ def walk(
     output.free("walk", robot=text)
     with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.walk(design, cycles, progress=tell)
-    found = sw.accounts.account(result, sw.accounts.About(text, robot))
-    output.report(found)
+    output.report(result, text, robot)
     screen.stopped(result.stopped)
 
 
@@ -274,10 +273,7 @@ def maze(
     place = course.read()
     with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.maze(design, place, limit=course.limit, progress=tell)
-    found = sw.accounts.account(
-        result, sw.accounts.About(text if design is given else design, robot, seeds=seeds)
-    )
-    output.report(found)
+    output.report(result, text if design is given else design, robot, seeds=seeds)
     screen.stopped(result.walk.stopped)
 
 

@@ -347,7 +347,7 @@ def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
     found = sw.studies.status(store)
     if not partial:
         found.study.require_whole()
-    output.report(account(found), partial=partial)
+    output.report(found, how={"partial": partial})
 
 
 def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
