@@ -9,12 +9,10 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import installation
 from stepwell.cli import options, screen
-from stepwell.cli.options import argument, option
+from stepwell.cli.options import argument, flag, option
 
 
-def presets(
-    as_json: bool = option("Print JSON and nothing else.", "--json", default=False),
-) -> None:
+def presets(as_json: bool = flag("Print JSON and nothing else.", "--json")) -> None:
     """List the designs that come with Stepwell.
 
     The paper's come first, then some that go further, then robots.
@@ -25,7 +23,7 @@ def presets(
 
 
 def new(
-    file: Path = argument("The file to write.", "NAME.toml", default=..., callback=options.local),
+    file: Path = argument("The file to write.", "NAME.toml", callback=options.local),
     preset: str = option(
         "Which design; see `stepwell presets`.",
         "NAME",
@@ -49,9 +47,7 @@ def new(
 
 
 def paper(
-    everything: bool = option(
-        "Also what takes many simulated runs: several minutes.", "--all", default=False
-    ),
+    everything: bool = flag("Also what takes many simulated runs: several minutes.", "--all"),
     data: Path | None = option("The authors' recordings, for the claims that they decide.", "PATH"),
     *,
     output: options.Output,
@@ -87,6 +83,7 @@ def schema(
     kind: str | None = argument(
         "Which result, such as run or lab.read; a list of all by default.",
         "RESULT",
+        default=None,
         autocompletion=options.results,
     ),
 ) -> None:

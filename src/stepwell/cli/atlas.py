@@ -35,7 +35,7 @@ class SpaceOptions(Group):
     """The space of designs, and which of them are drawn."""
 
     design: str | None = argument(
-        "What is varied; the paper's cells, all alike, by default.", "DESIGN"
+        "What is varied; the paper's cells, all alike, by default.", "DESIGN", default=None
     )
     cells: int = option(
         "How many of the paper's cells, where no design is named.", default=2, min=1, max=6
@@ -121,7 +121,6 @@ def find(
         'What they do, such as "counts to two by hand and not remembers", or a cycle such '
         "as 00>10>11>01>00.",
         "QUERY",
-        default=...,
     ),
     store: _There = None,
     least: str = option("At least, for sure; 99 or 99%.", "--yield PERCENT", default="0"),

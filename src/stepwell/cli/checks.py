@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import stepwell as sw
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import own
-from stepwell.cli.options import Design, Group, Output, Robust, option, read_chain
+from stepwell.cli.options import Design, Group, Output, Robust, flag, option, read_chain
 from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
 
@@ -59,13 +59,9 @@ class CountedOptions(Group):
         "no others, as 00,10,11; the cycle of the drawing by default.",
         "TARGET",
     )
-    sensitivity: bool = option(
-        "Compute how much each part's tolerance counts.", "--sensitivity", default=False
-    )
-    program: bool = option(
-        "Count those that the design's own program brings where it should.",
-        "--program",
-        default=False,
+    sensitivity: bool = flag("Compute how much each part's tolerance counts.", "--sensitivity")
+    program: bool = flag(
+        "Count those that the design's own program brings where it should.", "--program"
     )
     robust: Robust = None
 

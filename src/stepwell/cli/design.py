@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import Design, Group, Output, argument, option, read_chain
+from stepwell.cli.options import Design, Group, Output, argument, flag, option, read_chain
 from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable, wrong
 
@@ -40,7 +40,7 @@ def between(text: str | Range) -> Range:
     try:
         low, high = map(float, str(text).split(":"))
     except ValueError:
-        low, high = math.nan, math.nan
+        low = high = math.nan
     if not 0 < low <= high < math.inf:
         raise typer.BadParameter(f"{text!r}: must be FROM:TO, both above 0, as in 0.5:2.")
     return Range(low, high)
@@ -94,9 +94,7 @@ class Parts(Group):
     levers: list[float] | None = option(
         "A lever there is [mm]; may be given again. The paper's by default.", "--lever MM"
     )
-    mixed_levers: bool = option(
-        "Cells may have different ones of these levers.", "--mixed-levers", default=False
-    )
+    mixed_levers: bool = flag("Cells may have different ones of these levers.", "--mixed-levers")
     elements: list[str] | None = option(
         "An element there is instead of bands: one of the library, or those of a design "
         "file; may be given again.",
@@ -104,9 +102,7 @@ class Parts(Group):
     )
     force_scale: _Scale = FORCE_SCALE
     travel_scale: _Scale = TRAVEL_SCALE
-    unusual: bool = option(
-        "Sizes far off the levers are meant, and no slip of unit.", "--unusual", default=False
-    )
+    unusual: bool = flag("Sizes far off the levers are meant, and no slip of unit.", "--unusual")
 
     def allowed(self) -> dict[str, Any]:
         """The same as `design.design` takes it."""
@@ -120,9 +116,10 @@ class Parts(Group):
             )
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         box = None if kinds else usual_box(max(levers), self.place)
-        if box is not None:
-            left_right, low_high = _sides("left", "right", self.x), _sides("bottom", "top", self.y)
-            box = replace(box, **left_right, **low_high)
+        for side, low, high in ((self.x, "left", "right"), (self.y, "bottom", "top")):
+            if box and side:
+                ends = {low: from_unit(side.start, "mm"), high: from_unit(side.stop, "mm")}
+                box = replace(box, **ends)
         return {
             "within": box,
             "free": self.place.value,
@@ -155,7 +152,6 @@ def design(
         "A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
         "all:N for N cells with all their states.",
         "TARGET",
-        default=...,
     ),
     parts: Parts,
     aim: AimOptions,
@@ -211,7 +207,7 @@ def along(text: str) -> Direction:
         angle = math.radians(parts[0])
         x, y = parts if len(parts) > 1 else (math.cos(angle), math.sin(angle))
     except (OverflowError, ValueError):
-        x, y = math.nan, math.nan
+        x = y = math.nan
     if not 0 < math.hypot(x, y) < math.inf:
         raise typer.BadParameter(f"{text!r}: must be X:Y, as in -1:0, or degrees, as in 180.")
     return Direction(x, y)
@@ -226,9 +222,7 @@ class Way(Group):
         "--along X:Y|DEGREES",
         parser=along,
     )
-    one_way: bool = option(
-        "Only in the sense of --along, not against it.", "--one-way", default=False
-    )
+    one_way: bool = flag("Only in the sense of --along, not against it.", "--one-way")
     reach: float = option(
         "Farthest that is looked at [mm].", "MM", default=to_unit(REACH, "mm"), min=0.001, max=1e6
     )
@@ -278,13 +272,6 @@ def reprogram(
         )
     output.report(found, text, design)
     answered(math.isfinite(found.distance))
-
-
-def _sides(low: str, high: str, given: Range | None) -> dict[str, float]:
-    """Two sides of an anchor box [m]; none where the usual ones hold."""
-    if given is None:
-        return {}
-    return {low: from_unit(given.start, "mm"), high: from_unit(given.stop, "mm")}
 
 
 def wish(text: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import typer
 import stepwell as sw
 from stepwell.base import told_in
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import Design, Group, Output, argument, command, option, read_chain
+from stepwell.cli.options import Design, Group, Output, argument, command, flag, option, read_chain
 from stepwell.cli.ranges import window as read_window
 from stepwell.cli.screen import progress, subcommands, usable, wrong
 from stepwell.cli.tolerances import recordings_in
@@ -30,7 +30,6 @@ def read(
     files: list[Path] = argument(
         "Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
         "FILE...",
-        default=...,
     ),
     output: Output,
 ) -> None:
@@ -84,9 +83,7 @@ class FittedPart(Group):
 def band(
     *,
     folders: list[Path] = argument(
-        "Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
-        "PATH...",
-        default=...,
+        "Tension tests of bands, folders or files, by a machine or a scale and a ruler.", "PATH..."
     ),
     part: FittedPart,
     gauge: float | None = option(
@@ -132,9 +129,7 @@ class BaselineOptions(Group):
     baseline: Path | None = option(
         "Runs without a band; by default those in DATA whose name says friction.", "--baseline PATH"
     )
-    no_baseline: bool = option(
-        "Subtract no friction, whatever is there.", "--no-baseline", default=False
-    )
+    no_baseline: bool = flag("Subtract no friction, whatever is there.", "--no-baseline")
 
     def read(self) -> list[Recording] | None:
         """The runs to subtract: those given, none, or None where names decide."""
@@ -171,10 +166,9 @@ def compare(
     designs: list[str] | None = argument(
         "What was tested, or what file names leave open; the paper's cell by default.",
         "[DESIGN]...",
+        default=None,
     ),
-    as_designed: bool = option(
-        "Take the design as it is, whatever file names say.", "--as-designed", default=False
-    ),
+    as_designed: bool = flag("Take the design as it is, whatever file names say.", "--as-designed"),
     *,
     friction: BaselineOptions,
     machine: RigOptions,

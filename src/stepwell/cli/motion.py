@@ -12,7 +12,7 @@ import typer
 import stepwell as sw
 from stepwell.cli import options, screen
 from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
-from stepwell.cli.options import option
+from stepwell.cli.options import flag, option
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
 
 if TYPE_CHECKING:
@@ -40,9 +40,8 @@ def run(
     with screen.progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
     with screen.usable("--mobility-ratio"), screen.progress("landings"):
-        landings = (
-            path.checked_landings if mobility_ratio is None else path.landings(mobility_ratio)
-        )
+        asked = mobility_ratio is not None
+        landings = path.landings(mobility_ratio) if asked else path.checked_landings
     with screen.progress("margin") as tell:
         found = Run(cycle, margin(chain, progress=tell), landings)
     output.report(found, text, design)
@@ -77,26 +76,24 @@ def graph(
     if out is not None:
         with screen.usable("--out"):
             sw.reports.checked_suffix(out)
-    with screen.usable(design):
-        implicit = chain.implicit_graph(drive_of(drive, chain))
-    if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
-        with screen.usable(design), screen.progress("graph") as tell:
-            walked = implicit.walked(start, progress=tell)
-        screen.report(sw.accounts.account(walked, sw.accounts.About(text, design)), as_json)
-        return
     with screen.usable(design), screen.progress("graph") as tell:
-        found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
+        implicit = chain.implicit_graph(drive_of(drive, chain))
+        if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
+            found = implicit.walked(start, progress=tell)
+        else:
+            found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         reported = sw.accounts.account(found, sw.accounts.About(text, design))
-    if out is not None:
-        with screen.usable("--out"):
-            sw.reports.write_graph(found, out)
+    if out is None:
+        screen.report(reported, as_json)
+        return
+    with screen.usable("--out"):
+        sw.reports.write_graph(found, out)
     if as_json:
-        screen.show_json(reported.record, *([out] if out else []))
+        screen.show_json(reported.record, out)
         return
     screen.report(reported, as_json)
-    if out:
-        screen.show_lines("")
-        screen.show_verbatim(f"Wrote {out}")
+    screen.show_lines("")
+    screen.show_verbatim(f"Wrote {out}")
 
 
 def program(
@@ -133,10 +130,8 @@ def program(
 class MotionOptions(options.Group):
     """Which motion of a design is shown."""
 
-    program: bool = option(
-        "Play the design's own program, or one planned to --target, not a full cycle.",
-        "--program",
-        default=False,
+    program: bool = flag(
+        "Play the design's own program, or one planned to --target, not a full cycle.", "--program"
     )
     start: From = None
     target: Target = None
@@ -228,13 +223,7 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
 
     Example: stepwell map preset:paper-forward --out map
     """
-    from stepwell.design import (
-        MapView,
-        boundaries,
-        parameter_boundaries,
-        parameter_map,
-        transition_map,
-    )
+    from stepwell import design as maps
 
     text, chain = options.read_chain(design)
     output.free("map")
@@ -243,22 +232,19 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
         if both is None:
             index = cell_of(chain, plane.cell)
             designs = marks(chain, index)
-            from stepwell.base import to_unit
-
-            per_metre = to_unit(1.0, "mm")
-            places = {"x": plane.x.values(per_metre), "y": plane.y.values(per_metre)}
-            nodes = partial(transition_map, chain, index, **places)
-            curves = partial(boundaries, chain, index, **places)
+            places = {"x": plane.x.values(1e3), "y": plane.y.values(1e3)}
+            nodes = partial(maps.transition_map, chain, index, **places)
+            curves = partial(maps.boundaries, chain, index, **places)
         else:
             (across, here_across), (up, here_up) = (_axis(one, chain) for one in both)
-            nodes = partial(parameter_map, chain, across, up)
-            curves = partial(parameter_boundaries, chain, across, up)
+            nodes = partial(maps.parameter_map, chain, across, up)
+            curves = partial(maps.parameter_boundaries, chain, across, up)
             designs = {"this design": (here_across, here_up)}
         with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
         with screen.progress("boundaries") as tell:
             found = curves(progress=tell)
-        output.report(MapView(dataset, found, designs), text, design)
+        output.report(maps.MapView(dataset, found, designs), text, design)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
@@ -31,38 +31,37 @@ def robots(incomplete: str) -> list[str]:
 
 def presets(incomplete: str) -> list[str]:
     """Presets that begin so."""
-    return _begun(iter(sw.files.presets()), incomplete)
+    return _begun(sw.files.presets(), incomplete)
 
 
 def arenas(incomplete: str) -> list[str]:
     """Arenas that begin so, and files of arenas."""
-    return [*_begun(iter(sw.files.arenas()), incomplete), *_files(incomplete, ".toml", ".txt")]
+    return [*_begun(sw.files.arenas(), incomplete), *_files(incomplete, ".toml", ".txt")]
 
 
 def results(incomplete: str) -> list[str]:
     """Results that have a JSON Schema."""
-    return _begun(iter(sw.accounts.schema_kinds()), incomplete)
+    return _begun(sw.accounts.schema_kinds(), incomplete)
 
 
-def _begun(names: Iterator[str], incomplete: str) -> list[str]:
+def _begun(names: Iterable[str], incomplete: str) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]
 
 
 def _files(incomplete: str, *endings: str) -> list[str]:
-    """Files of these kinds, and folders to look into."""
     folder = incomplete.rpartition("/")[0]
     place = Path(f"{folder}/" if folder or incomplete.startswith("/") else ".")
     try:
         found = sorted(place.iterdir())
     except OSError:
         return []
-    before = incomplete[: len(incomplete) - len(incomplete.rpartition("/")[2])]
-    names = [
-        f"{before}{one.name}{'/' if one.is_dir() else ''}"
+    before = "".join(incomplete.rpartition("/")[:2])
+    names = (
+        f"{before}{one.name}{'/' * one.is_dir()}"
         for one in found
         if one.suffix in endings or one.is_dir()
-    ]
-    return [name for name in names if name.startswith(incomplete)]
+    )
+    return _begun(names, incomplete)
 
 
 Design = Annotated[
@@ -114,7 +113,7 @@ Json = Annotated[
 
 
 def option(help: str, spelled: str = "", *, default: Any = None, **how: Any) -> Any:
-    """An option, as a field of a group or the default of a parameter; required where that is `...`.
+    """An option, as a field of a group or the default of a parameter; required where `...` is its.
 
     `spelled` is how a user writes it, such as "--out -o FILE": names other than its own, metavar.
     """
@@ -123,7 +122,12 @@ def option(help: str, spelled: str = "", *, default: Any = None, **how: Any) -> 
     return _declared(default, typer.Option(*names, metavar=metavar, help=help, **how))
 
 
-def argument(help: str, metavar: str, *, default: Any = None, **how: Any) -> Any:
+def flag(help: str, name: str, **how: Any) -> Any:
+    """The same of a switch, which is off by default."""
+    return _declared(False, typer.Option(name, help=help, **how))
+
+
+def argument(help: str, metavar: str, *, default: Any = ..., **how: Any) -> Any:
     """The same of an argument."""
     return _declared(default, typer.Argument(metavar=metavar, help=help, **how))
 
@@ -205,8 +209,13 @@ class Output(Group):
         if not isinstance(found, sw.accounts.Account):
             given = sw.accounts.About(*about, **more) if about or more else None
             found = sw.accounts.account(found, given)
-        report(found, self.as_json, self.out, self.force, **(how or {}))
+        report(found, self.as_json, self.out, self.force, **self.writing, **(how or {}))
         return found
+
+    @property
+    def writing(self) -> dict[str, Any]:
+        """The options of `reports.write` that are options of the command too."""
+        return {}
 
 
 @dataclass(frozen=True)
@@ -220,14 +229,12 @@ class Folder(Output):
 class FilmedOutput(Output):
     """The same of a simulation, whose folder holds a video too."""
 
-    no_video: bool = option("Write the figures alone.", "--no-video", default=False)
+    no_video: bool = flag("Write the figures alone.", "--no-video")
 
-    def report(
-        self, found: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
-    ) -> sw.accounts.Account:
-        """Write, print or show a simulation; what is odd about its video is a warning."""
-        how = {"video": not self.no_video, "warn": warn, **(how or {})}
-        return super().report(found, *about, how=how, **more)
+    @property
+    def writing(self) -> dict[str, Any]:
+        """Whether there is a video; what is odd about it is a warning."""
+        return {"video": not self.no_video, "warn": warn}
 
 
 Robust = Annotated[
@@ -272,7 +279,6 @@ def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
 
 
 def _by_name(design: str) -> tuple[str, str]:
-    """The text of a design file or of a preset, whose name is enough, and what it is called."""
     if design in sw.files.presets() and not Path(design).exists():
         design = f"preset:{design}"
     return sw.files.text_of(design), design
@@ -281,14 +287,7 @@ def _by_name(design: str) -> tuple[str, str]:
 def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
     """Refuse a folder where results would replace others' work, or cannot be written here.
 
-    Args:
-        out: what --out says.
-        command: whose results they are.
-        force: what --force says.
-        texts: of files whose content is known, by their names without .toml.
-
-    Raises:
-        ExtraError: what writes them is not installed.
+    `texts` are those of files whose content is known, by their names without .toml.
     """
     if out is not None:
         need(*sw.files.extras_of(command), note=WITHOUT)

@@ -13,7 +13,7 @@ import typer
 import stepwell as sw
 from stepwell.base import require
 from stepwell.cli import options, screen
-from stepwell.cli.options import argument, option
+from stepwell.cli.options import argument, flag, option
 from stepwell.cli.ranges import Range, read_range
 
 commands = screen.subcommands(
@@ -41,7 +41,6 @@ def sweep(
     ranges: list[str] = argument(
         "What to vary, by the keys that `stepwell robot show` lists, in their units.",
         "KEY=FROM:TO:COUNT...",
-        default=...,
     ),
     random: int | None = option(
         "Draw N robots instead of a grid; ranges are then KEY=FROM:TO.", "--random N", min=1
@@ -205,7 +204,6 @@ class Course(options.Group):
     arena: str = argument(
         "An arena's name (--list shows them), or a file of your own (.toml, .txt).",
         "ARENA",
-        default=...,
         autocompletion=options.arenas,
     )
     limit: float = option("Time it is given [s].", default=600.0, min=1)
@@ -230,10 +228,8 @@ class Course(options.Group):
 class Control(options.Group):
     """What is taken off a robot, as a control."""
 
-    disconnect: bool = option(
-        "Take the antennas' levers off the anchors.", "--disconnect", default=False
-    )
-    no_antennas: bool = option("Take the antennas off altogether.", "--no-antennas", default=False)
+    disconnect: bool = flag("Take the antennas' levers off the anchors.", "--disconnect")
+    no_antennas: bool = flag("Take the antennas off altogether.", "--no-antennas")
 
     def of(self, robot: sw.robot.Robot) -> sw.robot.Robot:
         """The robot as given, or one of the two controls."""
@@ -253,9 +249,7 @@ def maze(
     course: Course,
     control: Control,
     output: options.FilmedOutput,
-    _: bool = option(
-        "List the arenas that come along.", "--list", default=False, callback=_list, is_eager=True
-    ),
+    _: bool = flag("List the arenas that come along.", "--list", callback=_list, is_eager=True),
 ) -> None:
     """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import stepwell as sw
 from stepwell.cli import options, screen
 from stepwell.cli.driving import own
-from stepwell.cli.options import argument, option
+from stepwell.cli.options import argument, flag, option
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -196,7 +196,6 @@ def replay(
     design: str = argument(
         "A design file (TOML) of a chain or a robot, or preset:NAME.",
         "DESIGN",
-        default=...,
         autocompletion=options.designs,
     ),
     arena: options.Arena = None,
@@ -255,6 +254,7 @@ def studio(
     design: str | None = argument(
         "What the page shows first: a design file (TOML), or preset:NAME; the gallery by default.",
         "[DESIGN]",
+        default=None,
         autocompletion=options.designs,
     ),
     port: int | None = option(
@@ -271,10 +271,8 @@ def studio(
         show_default=False,
         callback=options.local,
     ),
-    demo: bool = option("Begin with a guided tour of two minutes.", "--demo", default=False),
-    no_open: bool = option(
-        "Print the page's address and open no browser.", "--no-open", default=False
-    ),
+    demo: bool = flag("Begin with a guided tour of two minutes.", "--demo"),
+    no_open: bool = flag("Print the page's address and open no browser.", "--no-open"),
 ) -> None:
     """Open a page on which a design is dragged and everything follows.
 
@@ -309,7 +307,7 @@ def demo(
         file_okay=False,
         callback=options.local,
     ),
-    no_open: bool = option("Name the page and open no browser.", "--no-open", default=False),
+    no_open: bool = flag("Name the page and open no browser.", "--no-open"),
     force: options.Force = False,
 ) -> None:
     """Run a seven-step demonstration, and write it as one HTML page.

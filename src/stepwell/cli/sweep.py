@@ -22,6 +22,7 @@ from stepwell.cli.options import (
     Group,
     Json,
     command,
+    flag,
     grouped,
     local,
     option,
@@ -121,9 +122,7 @@ class _Study(Effort):
 
     seed: parts.Seed = 0
     chunk: int | None = option("Designs that are computed and written together.", "N", min=1)
-    estimate: bool = option(
-        "Print the estimated run time and disk space, then exit.", "--estimate", default=False
-    )
+    estimate: bool = flag("Print the estimated run time and disk space, then exit.", "--estimate")
     as_json: Json = False
 
 
