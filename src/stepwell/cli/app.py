@@ -82,13 +82,11 @@ def stepwell(
 
 def _describe(commands: typer.Typer) -> None:
     """Have the help of every command ready."""
-    callback = commands.registered_callback
-    for one in (*commands.registered_commands, *filter(None, [callback])):
+    for one in filter(None, [*commands.registered_commands, commands.registered_callback]):
         if one.callback is not None:
             described(one.callback)
-    for group in commands.registered_groups:
-        if group.typer_instance is not None:
-            _describe(group.typer_instance)
+    for group in filter(None, [one.typer_instance for one in commands.registered_groups]):
+        _describe(group)
 
 
 _describe(app)
@@ -120,10 +118,8 @@ def main() -> None:
 
 def _flush() -> None:
     """Say nothing where the reader has left, as `head` does after its lines."""
-    stream = sys.stdout
-    if stream is None:
-        return
     try:
-        stream.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -96,11 +96,9 @@ def build(
         raise wrong("--drive", f"{drive!r}: must be stroke or force.")
     subject, axes = space.read()
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
-        found = sw.studies.atlas(
-            subject, axes, int(space.designs), out,
-            drive=drive, seed=space.seed, workers=effort.workers, scheduler=effort.scheduler,
-            progress=tell,
-        )  # fmt: skip
+        where = {"workers": effort.workers, "scheduler": effort.scheduler, "progress": tell}
+        count = int(space.designs)
+        found = sw.studies.atlas(subject, axes, count, out, drive=drive, seed=space.seed, **where)
     _show(found.study, _charted(found.study, parts.BandTolerances()), Output(as_json=as_json))
 
 

@@ -1,6 +1,7 @@
 """`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import stepwell as sw
 from stepwell.cli import tolerances as given
@@ -40,8 +41,8 @@ def check(
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    program = sw.files.loads(text, design).program if target is None else None
-    wanted = target if program is None else own(text, design)
+    file = sw.files.loads(text, design)
+    wanted = own(file) if target is None and file.program else target
     with usable(design), progress("check") as tell:
         found = check(
             chain, wanted, spread, samples=sampling.samples, seed=sampling.seed, progress=tell
@@ -67,14 +68,9 @@ class CountedOptions(Group):
 
     def refuse_two(self) -> None:
         """Refuse other options beside --program."""
-        others = {
-            "--target": self.target,
-            "--sensitivity": self.sensitivity,
-            "--robust": self.robust,
-        }
-        option = next((option for option, value in others.items() if value), None)
-        if self.program and option:
-            raise wrong(option, "cannot stand with --program.")
+        for name in ("target", "sensitivity", "robust"):
+            if self.program and getattr(self, name):
+                raise wrong(f"--{name}", "cannot stand with --program.")
 
 
 def yield_(
@@ -103,30 +99,15 @@ def yield_(
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    played = own(text, design) if counted.program else None
+    played = own(sw.files.loads(text, design)) if counted.program else None
     target = counted.target
     states = target.split(",") if target and "," in target else target
     with usable(design), progress("yield") as tell:
+        how: dict[str, Any] = {"samples": sampling.samples, "seed": sampling.seed, "progress": tell}
         if played is not None:
-            found = survival(
-                played.chain,
-                played.turning_points,
-                played.target,
-                spread,
-                start=played.start,
-                samples=sampling.samples,
-                seed=sampling.seed,
-                progress=tell,
-            )
+            turns, start = played.turning_points, played.start
+            found = survival(played.chain, turns, played.target, spread, start=start, **how)
         else:
-            found = yields(
-                chain,
-                spread,
-                samples=sampling.samples,
-                seed=sampling.seed,
-                target=states,
-                sensitivity=counted.sensitivity,
-                robust=counted.robust,
-                progress=tell,
-            )
+            asked: dict[str, Any] = {"sensitivity": counted.sensitivity, "robust": counted.robust}
+            found = yields(chain, spread, target=states, **asked, **how)
     output.report(found, text, design, calibrated)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
@@ -16,10 +17,9 @@ def drive(text: str) -> str | float:
     """stroke, force, or a stiffness in N/m."""
     if text in ("stroke", "force"):
         return text
-    try:
+    stiffness = -1.0
+    with suppress(ValueError):
         stiffness = float(text)
-    except ValueError:
-        stiffness = -1.0
     if not sw.mechanism.SOFTEST <= stiffness <= sw.mechanism.STIFFEST:
         raise typer.BadParameter(
             f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, "
@@ -85,14 +85,13 @@ def _is_state(state: str, last: str) -> bool:
     return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 
-def own(text: str, design: str) -> sw.Program:
+def own(file: sw.files.DesignFile) -> sw.Program:
     """The program that stands in a design file, on its chain."""
-    chain, written = sw.files.loads(text, design).chain, sw.files.loads(text, design).program
-    if written is None:
-        raise sw.files.DesignError(
-            design, ["has no table [program]: pass --target STATE to plan one."]
-        )
+    chain = file.chain
+    if file.program is None:
+        problem = "has no table [program]: pass --target STATE to plan one."
+        raise sw.files.DesignError(file.name, [problem])
     try:
-        return written.on(chain)
+        return file.program.on(chain)
     except ValueError as error:
-        raise sw.files.DesignError(design, [f"program: {error}"]) from None
+        raise sw.files.DesignError(file.name, [f"program: {error}"]) from None

@@ -13,7 +13,7 @@ from stepwell.base import told_in
 from stepwell.cli import tolerances as given
 from stepwell.cli.options import Design, Group, Output, argument, command, flag, option, read_chain
 from stepwell.cli.ranges import window as read_window
-from stepwell.cli.screen import progress, subcommands, usable, wrong
+from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
 from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def read(
         output = replace(output, out=None)
     output.report(batch)
     if not batch.recordings:
-        raise typer.Exit(2)
+        raise typer.Exit(WRONG_INPUT)
 
 
 @dataclass(frozen=True)
@@ -303,14 +303,14 @@ def as_built(
     (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
+        pulls = _read(observed.pulls, chain)
+        if observed.data is not None:
+            pulls += sw.lab.pulls_of(sw.lab.read(observed.data), chain.full_stroke)
         seen = sw.lab.Observed(
             observed.seen,
             _strokes(observed.snaps_out, "--snaps-out", driven),
             _strokes(observed.snaps_back, "--snaps-back", driven),
-            (
-                *_read(observed.pulls, chain),
-                *(_recorded(observed.data, chain) if observed.data is not None else ()),
-            ),
+            pulls,
             observed.ruler / driven,
             0.05 * peak if observed.scale is None else observed.scale / forced,
         )
@@ -354,7 +354,3 @@ def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
         raise wrong(
             "--pulls", f"{text!r}: must be STROKE:FORCE with commas, as 10:0.35,20:0.1."
         ) from None
-
-
-def _recorded(file: Path, chain: Chain) -> tuple[Pull, ...]:
-    return sw.lab.pulls_of(sw.lab.read(file), chain.full_stroke)

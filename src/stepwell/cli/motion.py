@@ -120,7 +120,7 @@ def program(
         if start or target:
             found = planned(chain, start, target, robust)
         else:
-            found = replace(own(text, design), robust=robust)
+            found = replace(own(sw.files.loads(text, design)), robust=robust)
     except sw.Unreachable as why:
         found, output = why, replace(output, out=None)
     screen.answered(output.report(found, text, design).record["does_it"])
@@ -145,7 +145,7 @@ class MotionOptions(options.Group):
             return sw.files.load(design).chain.cycle()
         if self.start or self.target:
             return planned(sw.files.load(design).chain, self.start, self.target)
-        return own(sw.files.text_of(design), design)
+        return own(sw.files.load(design))
 
 
 def animate(

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -91,9 +94,8 @@ def converge(
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
     """KEY=FROM:TO:COUNT each, or KEY=FROM:TO where `drawn` values are drawn."""
     found = [_range(text, drawn) for text in texts]
-    keys = [one.name for one in found]
-    for key in keys:
-        if keys.count(key) > 1:
+    for key, count in Counter(one.name for one in found).items():
+        if count > 1:
             raise typer.BadParameter(f"{key} is there twice: give each key one range.")
     total = (drawn or 1) * math.prod(one.count or 1 for one in found)
     with screen.usable():
@@ -105,20 +107,17 @@ def _points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, l
     """For each key its value in every robot."""
     import numpy as np
 
-    if drawn is not None:
-        rng = np.random.default_rng(seed)
-        # A robot a row, so that asking for more robots keeps the first ones as they are.
-        shares = rng.random((drawn, len(found)))
-        columns = [
-            one.start + (one.stop - one.start) * share
-            for one, share in zip(found, shares.T, strict=True)
-        ]
+    if drawn is None:
+        columns = np.meshgrid(*(one.values() for one in found), indexing="ij")
     else:
-        axes = np.meshgrid(*(one.values() for one in found), indexing="ij")
-        columns = [axis.ravel() for axis in axes]
+        # A robot a row, so that asking for more robots keeps the first ones as they are.
+        shares = np.random.default_rng(seed).random((drawn, len(found))).T
+        columns = [
+            one.start + (one.stop - one.start) * s for one, s in zip(found, shares, strict=True)
+        ]
     # What a file holds is decimal: 0.1 and not 0.1 and a rounding error.
     return {
-        one.name: [float(f"{value:.12g}") for value in column]
+        one.name: [float(f"{value:.12g}") for value in column.ravel()]
         for one, column in zip(found, columns, strict=True)
     }
 
@@ -140,30 +139,31 @@ def _swept(
     progress: screen.Progress | None,
 ) -> sw.simulation.Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
-    count = len(next(iter(values.values())))
-    made: dict[int, sw.robot.Robot] = {}
-    wrong: dict[int, sw.files.DesignError] = {}
-    for i in range(count):
+    made: list[sw.robot.Robot | sw.files.DesignError] = []
+    for numbers in zip(*values.values(), strict=True):
         try:
-            made[i] = sw.files.vary(robot, {key: numbers[i] for key, numbers in values.items()})
+            made.append(sw.files.vary(robot, dict(zip(values, numbers, strict=True))))
         except sw.files.DesignError as error:
-            wrong[i] = error
-    if not made:
-        raise sw.files.DesignError(name, wrong[0].problems)
-    done = sw.simulation.sweep(list(made.values()), cycles=cycles, keep=keep, progress=progress)
-    trials = dict(zip(made, done.trials, strict=True))
-    nothing, gaits = float("nan"), ("",) * len(robot.legs)
-    for i, error in wrong.items():
-        why = "; ".join(error.problems)
-        trials[i] = sw.simulation.Trial(nothing, nothing, nothing, gaits, nothing, why)
-    return sw.simulation.Sweep(values, tuple(trials[i] for i in range(count)))
+            made.append(error)
+    robots = [one for one in made if isinstance(one, sw.robot.Robot)]
+    if not robots:
+        raise sw.files.DesignError(name, made[0].problems)  # type: ignore[union-attr]
+    done = iter(sw.simulation.sweep(robots, cycles=cycles, keep=keep, progress=progress).trials)
+    none, gaits = math.nan, ("",) * len(robot.legs)
+    trials = (
+        next(done)
+        if isinstance(one, sw.robot.Robot)
+        else sw.simulation.Trial(none, none, none, gaits, none, "; ".join(one.problems))
+        for one in made
+    )
+    return sw.simulation.Sweep(values, tuple(trials))
 
 
 def _forget(keep: Path) -> None:
-    """Remove what was kept of a sweep that is written."""
+    """Remove what was kept of a sweep that is written, and its folder if nothing else is there."""
     for file in (*keep.glob("part-*.json"), keep / "sweep.json"):
         file.unlink(missing_ok=True)
-    if keep.is_dir() and not any(keep.iterdir()):
+    with suppress(OSError):
         keep.rmdir()
 
 
@@ -191,9 +191,8 @@ def walk(
 
 def _list(wanted: bool) -> None:
     if wanted:
-        screen.show_table(
-            "Arenas", ["name", "what it is"], list(sw.files.arenas().items()), left=(0, 1)
-        )
+        rows = sw.files.arenas().items()
+        screen.show_table("Arenas", ["name", "what it is"], rows, left=(0, 1))
         raise typer.Exit
 
 
@@ -339,9 +338,6 @@ def model(robot: sw.robot.Robot, arena: sw.robot.Arena | None) -> tuple[Any, Any
 
 
 def _show(robot: sw.robot.Robot, arena: sw.robot.Arena | None) -> None:
-    """Open the viewer, and come back when it is closed."""
-    from importlib import import_module
-
     viewer = import_module("mujoco.viewer")
     compiled, data = model(robot, arena)
     sw.simulation.mujoco.set_mjcb_control(command(robot, sw.simulation.Settings().settle))

@@ -32,18 +32,13 @@ class Interrupted(KeyboardInterrupt):
 def progress(
     label: str, *, kept: str = "", note: Callable[[], str] = str
 ) -> Iterator[Progress | None]:
-    """What to call with (done, total); None where nobody is looking.
+    """What to call with (done, total) for a bar on standard error; None without a terminal.
 
-    The bar tells how much is done and how long the rest will take. It goes to standard error, so
-    that it never mixes with results, and vanishes when done.
-
-    Args:
-        label: what is going on.
-        note: what is told behind it, asked anew as work goes on.
-        kept: what an interruption leaves and how to go on; nothing is written otherwise.
+    `note` stands behind the label, and is asked again as work goes on; `kept` is what an
+    interruption leaves and how to go on, where that is not nothing.
 
     Raises:
-        Interrupted: in place of a KeyboardInterrupt, with one line that tells all this.
+        Interrupted: in place of a KeyboardInterrupt, with one line that reports all this.
     """
     reached = ""
     try:
@@ -66,12 +61,12 @@ def progress(
 
 
 def styled() -> bool:
-    """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
+    """Whether boxes and colours are shown: at a terminal, unless NO_COLOR is set."""
     return at_terminal() and not os.environ.get("NO_COLOR")
 
 
 def at_terminal() -> bool:
-    """Whether somebody reads what is shown as it comes."""
+    """Whether standard output is a terminal."""
     return sys.stdout is not None and sys.stdout.isatty()
 
 
@@ -82,11 +77,7 @@ def has_display() -> bool:
 
 
 def write_out(text: str) -> None:
-    """Write to standard output, and name it where that fails.
-
-    Raises:
-        OSError: it is closed, or the disk that it goes to is full.
-    """
+    """Write to standard output, and name it in the OSError where it is closed or its disk full."""
     # Closed by its caller with >&-; Python then has no stream at all.
     if sys.stdout is None:
         why = f"is closed, so nothing can be shown: send it to a file, or to {os.devnull}"
@@ -103,13 +94,10 @@ def write_out(text: str) -> None:
 
 
 def warn(text: str) -> None:
-    """Say something on standard error: a line each, for logs are searched; folded at a terminal."""
-    from typer import echo
-
-    lines = escaped(text).split("\n")
+    """Write on standard error: a line each, for logs are searched; folded at a terminal."""
     looked_at = sys.stderr is not None and sys.stderr.isatty()
-    for line in lines:
-        echo("\n".join(folded(line)) if looked_at else line, err=True)
+    for line in escaped(text).split("\n"):
+        typer.echo("\n".join(folded(line)) if looked_at else line, err=True)
 
 
 def show_json(record: dict[str, Any], *files: Path) -> None:
@@ -123,12 +111,7 @@ def report(
 ) -> None:
     """Write a result into a folder, and print it as JSON or as text.
 
-    Args:
-        account: of the result.
-        as_json: what --json says.
-        out: what --out says.
-        force: what --force says.
-        options: of `reports.write`, for the kind of result.
+    `options` are those of `reports.write`, for the kind of result.
     """
     names: Sequence[str] = ()
     if out is not None:
@@ -156,17 +139,12 @@ def show_verbatim(text: str) -> None:
 def show_text(*paragraphs: str) -> None:
     """Print long sentences as paragraphs, each after an empty line."""
     for text in paragraphs:
-        show_lines("", *wrapped(text))
+        show_lines("", *(line.text for line in paragraph(text)))
 
 
 def show_title(text: str) -> None:
     """Print a line that others stand under, after an empty one."""
     _lines([Line(""), *heading(text)])
-
-
-def wrapped(text: str) -> list[str]:
-    """A long sentence in lines, as a sentence begins."""
-    return [line.text for line in paragraph(text)]
 
 
 def show_table(
@@ -179,17 +157,15 @@ def show_table(
 def _lines(lines: Iterable[Line]) -> None:
     """Print lines that are folded; headings in bold where boxes and colours are welcome."""
     plain = not styled()
-    for bold, some in groupby(lines, lambda line: line.bold):
-        texts = [line.text for line in some]
-        if plain or not bold:
-            write_out("".join(f"{text}\n" for text in texts))
-            continue
-        from rich.console import Console
-        from rich.text import Text
+    for bold, some in groupby(lines, lambda line: line.bold and not plain):
+        text = "".join(f"{line.text}\n" for line in some)
+        if bold:
+            from rich.console import Console
+            from rich.text import Text
 
-        console = Console(highlight=False, soft_wrap=True)
-        for text in texts:
-            console.print(Text(text, style="bold"))
+            Console(highlight=False, soft_wrap=True).print(Text(text, style="bold"), end="")
+        else:
+            write_out(text)
 
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
@@ -262,10 +238,7 @@ class Commands(TyperGroup):
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """What Ctrl-C does while a command runs: a KeyboardInterrupt, where it would not be lost.
-
-    Modules that open and the compiler call Python out of C, which drops any exception.
-    """
+    """Raise KeyboardInterrupt, or later: C drops it while modules open and the compiler runs."""
     if _is_lost(frame) and hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, _interrupt)
         signal.setitimer(signal.ITIMER_REAL, _LOOK_AGAIN)
@@ -274,14 +247,10 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _is_lost(frame: FrameType | None) -> bool:
-    """Whether an exception raised here could be dropped before it reaches the command.
-
-    The command may itself run while a module opens.
-    """
+    # The command may itself run while a module opens.
     while frame is not None and frame.f_code is not Commands.invoke.__code__:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        if "llvmlite" in Path(frame.f_code.co_filename).parts:
+        file = frame.f_code.co_filename
+        if file.startswith("<frozen importlib") or "llvmlite" in Path(file).parts:
             return True
         frame = frame.f_back
     return False
@@ -292,25 +261,21 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     # Before the rooms are opened, which ask for the settings too.
     if isinstance(error, SettingError):
         return WRONG_INPUT, str(error)
-    if isinstance(
-        error,
-        sw.files.DesignError | sw.lab.LabError | sw.files.OverwriteError | sw.studies.StudyError,
-    ):
-        return WRONG_INPUT, str(error)
+    files, studies = sw.files, sw.studies
     if isinstance(error, sw.mechanism.SlipError):
-        return WRONG_INPUT, sw.files.slips_text(error)
-    if isinstance(error, sw.Unreachable):
-        return NO, str(error)
-    # Any other missing module is a bug of ours.
-    if isinstance(
-        error,
-        sw.statics.StaticsError
-        | ExtraError
-        | sw.studies.GapError
-        | sw.studies.SweepError
-        | sw.studies.WorkerError,
+        return WRONG_INPUT, files.slips_text(error)
+    for code, kinds in (
+        (
+            WRONG_INPUT,
+            files.DesignError | sw.lab.LabError | files.OverwriteError | studies.StudyError,
+        ),
+        (NO, sw.Unreachable),
+        # Any other missing module is a bug of ours.
+        (FAILED, ExtraError | sw.statics.StaticsError | studies.GapError),
+        (FAILED, studies.SweepError | studies.WorkerError),
     ):
-        return FAILED, str(error)
+        if isinstance(error, kinds):
+            return code, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""
         return FAILED, f"{place}{error.strerror or error}"

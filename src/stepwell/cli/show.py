@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import webbrowser
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     import stepwell.robot as values
-    from stepwell.lab import Recording
     from stepwell.simulation import Maze, Walk
 
 
@@ -75,8 +73,7 @@ class FigureFile(options.Group):
         """The file to write, whose name and format agree."""
         out, kind = self.out, self.kind
         if kind is not None and kind not in _KINDS:
-            known = ", ".join(_KINDS)
-            raise screen.wrong("--format", f"{kind!r}: must be {known}.")
+            raise screen.wrong("--format", f"{kind!r}: must be {', '.join(_KINDS)}.")
         if out is None:
             return Path(f"figure.{kind or _KINDS[0]}")
         suffix = out.suffix.lower().removeprefix(".")
@@ -120,14 +117,16 @@ def figure(
     layout, out = page.layout(), file.place()
     options.free_file(out, file.force)
     if design.startswith(_PAPER):
-        drawn = _of_the_paper(
-            design, {"--panels": panels, "--width": page.width, "--measured": measured}
-        )
+        others = {"--panels": panels, "--width": page.width, "--measured": measured}
+        for other in [name for name, value in others.items() if value]:
+            raise screen.wrong(other, f"cannot stand with {design}.")
+        with screen.usable("DESIGN"):
+            drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
     else:
         drawn = _composed(
             design,
             panels,
-            measured=[_recording(one) for one in measured or ()],
+            measured=[sw.lab.read(one) for one in measured or ()],
             mass=None if snap.mass is None else snap.mass * 1e-3,
             damping=snap.damping,
             **layout,
@@ -140,39 +139,21 @@ def figure(
         screen.warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
 
 
-def _of_the_paper(name: str, others: Mapping[str, object]) -> Figure:
-    """A figure of the paper, which has its own panels."""
-    for other, value in others.items():
-        if value:
-            raise screen.wrong(other, f"cannot stand with {name}.")
-    with screen.usable("DESIGN"):
-        return sw.reports.figure_of(name.removeprefix(_PAPER))
-
-
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     """A figure of a design."""
-    text = sw.files.text_of(design)
-    read = sw.files.loads(text, design).subject
-    written = sw.files.loads(text, design).program if not isinstance(read, sw.robot.Robot) else None
-    program = None if written is None else own(text, design)
+    file = sw.files.load(design)
+    program = own(file) if file.program else None
     with screen.usable("--panels"):
-        return sw.reports.figure(read, _rows(panels), program=program, **how)
+        return sw.reports.figure(file.subject, _rows(panels), program=program, **how)
 
 
 def _rows(panels: str | None) -> list[str | list[str]]:
     """Names of panels, in rows where a / stands between them."""
-    rows = [
-        [name.strip() for name in row.split(",") if name.strip()]
-        for row in (panels or "").split("/")
-    ]
-    rows = [row for row in rows if row]
+    rows = [list(filter(None, map(str.strip, row.split(",")))) for row in (panels or "").split("/")]
+    rows = list(filter(None, rows))
     if panels is not None and not rows:
         raise screen.wrong("--panels", "names no panel; help lists them.")
     return [*rows] if len(rows) > 1 else [*rows[0]] if rows else []
-
-
-def _recording(file: Path) -> Recording:
-    return sw.lab.read(file)
 
 
 def _list() -> None:
@@ -229,7 +210,8 @@ def replay(
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise screen.wrong(option, "is for a robot: this is a chain.")
-        result = own(text, design) if sw.files.loads(text, design).program else found
+        file = sw.files.loads(text, design)
+        result = own(file) if file.program else found
         with screen.progress("margin") as tell:
             content = sw.studio.replay(result, progress=tell)
     else:

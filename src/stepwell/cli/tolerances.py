@@ -119,7 +119,7 @@ Data = Annotated[
 
 
 def recordings_in(paths: Sequence[Path]) -> list[sw.lab.Recording]:
-    """All recordings of some paths; what cannot be read is told on standard error."""
+    """All recordings of some paths; what cannot be read is a warning."""
     with progress("reading") as tell:
         batch = sw.lab.read_all(paths, progress=tell)
     for error in batch.refused:
@@ -132,30 +132,18 @@ def recordings_in(paths: Sequence[Path]) -> list[sw.lab.Recording]:
 def calibrated_on(
     data: Path, text: str, chain: sw.Chain, spread: Tolerances
 ) -> tuple[str, sw.Chain, Tolerances, sw.accounts.Calibrated]:
-    """A design and its tolerances as recordings calibrate them.
+    """The file and the chain of a design with bands, weight and friction as recordings have them.
 
-    Args:
-        data: a folder of recordings.
-        text: of the design file.
-        chain: as it is drawn there.
-        spread: how far parts may be off.
-
-    Returns:
-        The file and the chain with bands, weight and friction as measured; the tolerances with the
-        scatter of the bands; and what the recordings gave.
+    With the tolerances, which get the scatter of the bands, and what the recordings gave.
     """
     given = recordings_in([data])
     series = sw.lab.sort_series(given).series
     with progress("fits") as tell:
         prepared = sw.lab.prepare(series, sw.lab.tension_tables(given))
         found = sw.lab.calibrate(prepared, progress=tell)
-    calibrated = sw.accounts.Calibrated(
-        data.name,
-        sw.lab.hashes(given),
-        found.law,
-        sw.accounts.account(found).record["summary"],
-        found.scatter,
-    )
+    summary = sw.accounts.account(found).record["summary"]
+    hashes = sw.lab.hashes(given)
+    calibrated = sw.accounts.Calibrated(data.name, hashes, found.law, summary, found.scatter)
     measured = found.applied(chain)
     text = sw.files.dumps(measured, program=sw.files.loads(text).program)
     return text, measured, replace(spread, stiffness=found.scatter), calibrated
