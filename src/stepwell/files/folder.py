@@ -34,18 +34,10 @@ class BusyError(base.StepwellError, TimeoutError):
 
 @contextmanager
 def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[None]:
-    """Hold a lock while the block runs; wait for the process that holds it.
+    """Hold a lock while the block runs, or raise BusyError if another process held it too long [s].
 
-    A process that dies gives its lock back. The file vanishes with the lock.
-
-    Args:
-        file: the lock, the same for all who write to one place; its folder is there.
-        shown: what is written, for messages.
-        patience: how long to wait at most [s].
-
-    Raises:
-        BusyError: another process held the lock for so long.
-        OSError: the file cannot be made.
+    A process that dies gives its lock back. The file vanishes with the lock; `shown` names what is
+    written.
     """
     from filelock import Timeout
 
@@ -68,8 +60,8 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
     try:
         yield
     finally:
-        # Before it is given back: whoever waits for a file that is gone opens a new one. Windows
-        # keeps open files, and there the lock removes its own.
+        # Before it is given back: a process that waits for a file that is gone opens a new one.
+        # Windows keeps open files, and there the lock removes its own.
         try:
             with suppress(OSError):
                 os.unlink(lock.lock_file)
@@ -78,16 +70,15 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
 
 
 def _locked(file: Path, timeout: float) -> BaseFileLock:
-    """A lock that the system holds, or, where it has none, one that the file's being there is."""
+    """A lock that the system holds; where it has none, the file itself is the lock."""
     from filelock import FileLock, SoftFileLock, Timeout
 
     try:
         lock = FileLock(file, fallback_to_soft=False)
         lock.acquire(timeout)
-    except Timeout:
-        raise
     except (OSError, NotImplementedError) as error:
-        if isinstance(error, OSError) and error.errno not in _NO_LOCKS:
+        failed = isinstance(error, OSError) and error.errno not in _NO_LOCKS
+        if failed or isinstance(error, Timeout):
             raise
         file.unlink(missing_ok=True)
         lock = SoftFileLock(f"{file}ed")
@@ -100,8 +91,7 @@ FOLDER_SCHEMA = "stepwell.folder/1"
 MANIFEST, UNFINISHED = "stepwell.json", "stepwell.unfinished.json"
 # What drafts and lock are named after in a folder that is there.
 _INSIDE = "stepwell"
-_MOST_BYTES = 1 << 20
-_MOST_NAMED = 6
+_MOST_BYTES, _MOST_NAMED = 1 << 20, 6
 
 
 class OverwriteError(base.StepwellError, FileExistsError):
@@ -114,7 +104,7 @@ class IncompleteError(base.InputError):
 
 @dataclass(frozen=True, slots=True)
 class _Note:
-    """What a command has left of itself in a folder: the hashes its files may have, by name."""
+    """What a command has left in a folder: the hashes that its files may have, by name."""
 
     command: str
     files: Mapping[str, tuple[str, ...]]
@@ -126,41 +116,34 @@ def digest(data: str | bytes) -> str:
 
 
 def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a folder of results says of itself, once it is known to be whole.
-
-    Args:
-        folder: what a command wrote with --out, or a function such as `reports.write`.
+    """The record of a folder of results, as docs/commands.md describes it, if the folder is whole.
 
     Returns:
-        The record that docs/commands.md describes: `command`, `design_sha256`, `seed`, and the
-        SHA-256 of every file.
+        `command`, `design_sha256`, `seed`, and the SHA-256 of every file.
 
     Raises:
         IncompleteError: a run was stopped while it replaced the files, or a file is missing or
             is another one than was written.
     """
-    place = Path(folder)
+    place, shown = Path(folder), base.printable(str(folder))
     note = _note(place / MANIFEST)
     if note is None:
         why = _interrupted(place) or "holds no results of Stepwell, or not all of them"
-        raise IncompleteError(f"{base.printable(str(folder))}: {why}.")
+        raise IncompleteError(f"{shown}: {why}.")
     for name, hashes in note.files.items():
         if _digest_of(place / name) not in hashes:
             what = "is not the one that was written" if (place / name).exists() else "is missing"
-            raise IncompleteError(f"{base.printable(str(folder))}: {base.printable(name)} {what}.")
+            raise IncompleteError(f"{shown}: {base.printable(name)} {what}.")
     return json.loads((place / MANIFEST).read_text("utf-8"))
 
 
 def doubt(file: Path) -> str | None:
     """Why a file must not be read, its folder holding parts of two results; None if it may."""
-    if _note(file.parent / MANIFEST) is not None:
-        return None
-    note = _note(file.parent / UNFINISHED)
+    whole, note = (_note(file.parent / name) for name in (MANIFEST, UNFINISHED))
     # A file that both results have in common may be read: so the run that was stopped can be
     # repeated on the design in its own folder.
-    if note is None or len(note.files.get(file.name, ())) < 2:
-        return None
-    return _interrupted(file.parent)
+    mixed = whole is None and note is not None and len(note.files.get(file.name, ())) > 1
+    return _interrupted(file.parent) if mixed else None
 
 
 def check_folder(
@@ -171,29 +154,25 @@ def check_folder(
     force: bool = False,
     texts: Mapping[str, str] | None = None,
 ) -> None:
-    """Say before the work begins that its results could not be written.
+    """Raise, before the work begins, if its results could not be written into a folder.
 
     Args:
-        folder: where they shall go; it may be missing.
+        folder: it may be missing.
         command: whose results they are, such as "run".
         names: of the files that may be written; those of OUTPUTS by default.
         force: replace what others wrote.
-        texts: of files whose content is known already; one that is there already is no obstacle.
+        texts: of files whose content is known; one that is there already is no obstacle.
 
     Raises:
         OverwriteError: a file there is neither what this command wrote nor what it would write,
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    base.refuse_address(folder)
-    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    asked = _ordered(folder, command, names, force)
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
-    known = dict.fromkeys(_names(command, names), "")
-    _check(_Order(shown, target, command, force), known | hashes)
-    with _made(shown):
-        place = target
-        while not place.exists():
-            place = place.parent
+    _check(asked, dict.fromkeys(asked.known, "") | hashes)
+    with _made(asked.shown):
+        place = next(one for one in (asked.target, *asked.target.parents) if one.exists())
         trial = base.draft_beside(place / "stepwell")
         trial.mkdir()
         with suppress(FileNotFoundError):  # a command that ends here removes all drafts
@@ -222,17 +201,13 @@ def staged_folder(
         names: of the files that may be written; those of OUTPUTS by default.
         force: replace files that others wrote or changed, and the results of other commands.
 
-    Yields:
-        The draft folder, empty.
-
     Raises:
         OverwriteError: as `check_folder`; nothing has changed then.
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    base.refuse_address(folder)
-    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
-    known, asked = _names(command, names), _Order(shown, target, command, force)
+    asked = _ordered(folder, command, names, force)
+    shown, target = asked.shown, asked.target
     _check(asked, {})
     with _made(shown):
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -247,7 +222,7 @@ def staged_folder(
                     if place != _place(target):
                         # Another process made the folder meanwhile: others now write inside it.
                         also.enter_context(_only_writer(shown, target))
-                    _commit(asked, draft, record or {}, known)
+                    _commit(asked, draft, record or {})
         finally:
             shutil.rmtree(draft, ignore_errors=True)
     _clear(target)
@@ -267,16 +242,13 @@ def _only_writer(shown: str, target: Path) -> Iterator[Path]:
 
 
 def _place(target: Path) -> Path:
-    """What drafts and lock of a folder stand beside and are named after.
-
-    A folder that is missing appears in one step, of a draft beside it. One that is there may be a
-    file system of its own, into which nothing can be renamed from beside it.
-    """
+    """What drafts and lock of a folder stand beside and are named after."""
+    # A folder that is missing appears in one step, of a draft beside it. One that is there may be a
+    # file system of its own, into which nothing can be renamed from beside it.
     return target / _INSIDE if target.exists() else target
 
 
 def _lock(place: Path) -> Path:
-    """The lock of those who write there."""
     return place.with_name(f".{place.name[:80]}.lock")
 
 
@@ -286,15 +258,25 @@ class _Order(NamedTuple):
     shown: str
     target: Path
     command: str
+    known: frozenset[str]
     force: bool
 
 
-def _commit(asked: _Order, draft: Path, record: Mapping[str, Any], known: frozenset[str]) -> None:
-    """Put a draft in its place; `manifest` tells what a kill after any step leaves."""
-    shown, target, command, _ = asked
+def _ordered(
+    folder: str | os.PathLike[str], command: str, names: Iterable[str] | None, force: bool
+) -> _Order:
+    base.refuse_address(folder)
+    known = frozenset(OUTPUTS[command] if names is None else names)
+    shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    return _Order(shown, target, command, known, force)
+
+
+def _commit(asked: _Order, draft: Path, record: Mapping[str, Any]) -> None:
+    """Put a draft in its place; `manifest` reports what a kill after any step leaves."""
+    shown, target, command, known, _ = asked
     if not draft.is_dir():
         raise OSError(f"{shown}: its draft was removed while results were written: run it again.")
-    files = sorted(file for file in draft.rglob("*") if file.is_file())
+    files = sorted(filter(Path.is_file, draft.rglob("*")))
     new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
     if not new.keys() <= known:
         raise AssertionError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
@@ -307,22 +289,26 @@ def _commit(asked: _Order, draft: Path, record: Mapping[str, Any], known: frozen
         "seed": record.get("seed"),
     }
     mine = {name for name in new if not _is_theirs(target, name, new[name])}
-    base.write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
+    _write(draft / MANIFEST, about, {name: new[name] for name in sorted(mine)})
     if not target.exists():
         os.rename(draft, target)
         base.sync_folder(target.parent)
         return
     old = _owned(target)
-    may_be = {name: set(hashes) for name, hashes in old.items()}
-    for name in mine:
-        may_be.setdefault(name, set()).add(new[name])
-    hashes = {name: sorted(may_be[name]) for name in sorted(may_be)}
-    base.write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
+    may_be = {
+        name: {*old.get(name, ()), *([new[name]] if name in mine else [])}
+        for name in old.keys() | mine
+    }
+    _write(draft / UNFINISHED, about, {name: sorted(may_be[name]) for name in sorted(may_be)})
     os.replace(draft / UNFINISHED, target / UNFINISHED)
     base.sync_folder(target)
     (target / MANIFEST).unlink(missing_ok=True)
     base.sync_folder(target)
-    _put(draft, target, mine)
+    for name in sorted(mine):
+        place = target / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(draft / name, place)
+        base.sync_folder(place.parent)
     for name in sorted(old.keys() - new.keys()):
         if _digest_of(target / name) in old[name]:
             (target / name).unlink()
@@ -332,18 +318,9 @@ def _commit(asked: _Order, draft: Path, record: Mapping[str, Any], known: frozen
     (target / UNFINISHED).unlink()
 
 
-def _put(draft: Path, target: Path, names: Iterable[str]) -> None:
-    """Move files of a draft to their places."""
-    for name in sorted(names):
-        place = target / name
-        place.parent.mkdir(parents=True, exist_ok=True)
-        os.replace(draft / name, place)
-        base.sync_folder(place.parent)
-
-
 def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
     """Refuse to write where others' work would be lost; `new` has a hash for each file, or ""."""
-    shown, target, command, force = asked
+    shown, target, command, _, force = asked
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(f"{shown} is a file: give a folder to write into.")
     for name in (*new, MANIFEST, UNFINISHED):
@@ -386,24 +363,17 @@ def _others(target: Path, new: Mapping[str, str | None]) -> list[str]:
     ]
 
 
-def _names(command: str, names: Iterable[str] | None) -> frozenset[str]:
-    return frozenset(OUTPUTS[command] if names is None else names)
-
-
 def _is_theirs(target: Path, name: str, content: str | None) -> bool:
-    """Whether somebody else's file says what ours would: it stays theirs, and is never removed."""
+    """Whether a file of others says what ours would: it stays theirs, and is never removed."""
     found = _digest_of(target / name)
     return found is not None and found == content and found not in _owned(target).get(name, ())
 
 
 def _owned(target: Path) -> dict[str, tuple[str, ...]]:
     """The hashes that files in a folder may have which Stepwell wrote."""
-    owned: dict[str, tuple[str, ...]] = {}
-    for name in (MANIFEST, UNFINISHED):
-        note = _note(target / name)
-        for file, hashes in (note.files if note else {}).items():
-            owned[file] = (*owned.get(file, ()), *hashes)
-    return owned
+    notes = [_note(target / name) for name in (MANIFEST, UNFINISHED)]
+    kept = [note.files for note in notes if note]
+    return {file: sum((one.get(file, ()) for one in kept), ()) for one in kept for file in one}
 
 
 def _note(file: Path) -> _Note | None:
@@ -426,8 +396,8 @@ def _note(file: Path) -> _Note | None:
 
 def _is_inside(name: str) -> bool:
     path = PurePosixPath(name)
-    odd = any(letter in name for letter in "\\:\0") or ".." in path.parts
-    return bool(path.parts) and not (odd or path.is_absolute())
+    odd = {*"\\:\0"} & {*name} or ".." in path.parts or path.is_absolute()
+    return bool(path.parts) and not odd
 
 
 def _digest_of(file: Path) -> str | None:
@@ -453,13 +423,14 @@ def _interrupted(folder: Path) -> str | None:
     )
 
 
-def _json(record: Mapping[str, Any]) -> str:
-    return json.dumps(record, indent=2, ensure_ascii=False) + "\n"
+def _write(file: Path, about: Mapping[str, Any], hashes: Mapping[str, str | list[str]]) -> None:
+    record = {**about, "files": hashes}
+    base.write_atomic(file, json.dumps(record, indent=2, ensure_ascii=False) + "\n")
 
 
 @contextmanager
 def _made(shown: str) -> Iterator[None]:
-    """Say of a folder that cannot be made or written what is to be done."""
+    """Turn an OSError about a folder into advice on what is to be done."""
     try:
         yield
     except OSError as error:
