@@ -11,14 +11,13 @@ from importlib.resources import files
 from itertools import groupby, product
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from stepwell.base import from_unit, limits
 from stepwell.files import design, robots, text
 from stepwell.files.schema import keys, robot, wording
-from stepwell.files.schema.keys import fields, slip_lines
+from stepwell.files.schema.keys import fields, lines_of
 from stepwell.files.text import DesignError, parsed
-from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
 
 Heading = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
@@ -348,10 +347,7 @@ def arena_tables(arena: Arena) -> dict[str, Any]:
 
 
 def _arena(tables: dict[str, Any], name: str) -> Arena:
-    try:
-        keys = ArenaKeys.model_validate(tables)
-    except ValidationError as error:
-        raise wording.refused(name, error, TABLES) from None
+    keys = wording.checked(ArenaKeys, tables, name)
     problems: list[str] = []
     walls: list[Any] = [
         robots.part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
@@ -363,10 +359,8 @@ def _arena(tables: dict[str, Any], name: str) -> Arena:
         goal = None if keys.goal is None else Goal(**fields(keys.goal))
         rest = fields(keys, left_out=["wall", "cylinder", "goal"])
         return Arena(walls, cylinders, goal=goal, **rest)
-    except SlipError as error:
-        raise DesignError(name, slip_lines(error)) from None
     except ValueError as error:
-        raise DesignError(name, str(error).split("\n")) from None
+        raise DesignError(name, lines_of(error)) from None
 
 
 def arena_toml(arena: Arena) -> str:

@@ -10,8 +10,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
-
 from stepwell.base import ByValue, Shown, content_of, nearest_word
 from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
@@ -218,27 +216,14 @@ def preset(name: str) -> Any:
 
 
 def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
-    robot = None if tables.keys() <= schema.FileKeys.model_fields.keys() else _robot(tables, name)
-    if robot is not None:
-        return robot, None
-    try:
-        return _chain(schema.FileKeys.model_validate(tables), name)
-    except ValidationError as error:
-        raise wording.refused(name, error, schema.TABLES) from None
+    if not tables.keys() <= schema.FileKeys.model_fields.keys():
+        # The keys of a robot are many: a chain does not wait for them.
+        from stepwell.files.robots import robot
+        from stepwell.files.schema import robot as robot_schema
 
-
-def _robot(tables: dict[str, Any], name: str) -> Robot | None:
-    """The robot of these tables; None where they are those of a chain."""
-    # The keys of a robot are many: a chain does not wait for them.
-    from stepwell.files.robots import robot
-    from stepwell.files.schema import robot as robot_schema
-
-    if not robot_schema.is_robot(tables):
-        return None
-    try:
-        return robot(robot_schema.RobotKeys.model_validate(tables), name)
-    except ValidationError as error:
-        raise wording.refused(name, error, robot_schema.TABLES) from None
+        if robot_schema.is_robot(tables):
+            return robot(wording.checked(robot_schema.RobotKeys, tables, name), name), None
+    return _chain(wording.checked(schema.FileKeys, tables, name), name)
 
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:

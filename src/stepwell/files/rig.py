@@ -4,10 +4,8 @@ import math
 from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated
 
-from pydantic import ValidationError
-
-from stepwell.files.schema.keys import Keys, above_zero, bounded, fields, table_lines, tables_of
-from stepwell.files.schema.wording import refused
+from stepwell.files.schema.keys import Keys, above_zero, bounded, fields, table_lines
+from stepwell.files.schema.wording import checked
 from stepwell.files.text import parsed
 
 if TYPE_CHECKING:
@@ -28,9 +26,6 @@ class RigKeys(Keys):
     friction_N: Annotated[Decimal, bounded("0", "1e6")] | None = None
 
 
-TABLES = tables_of(RigKeys)
-
-
 _EMPTY = "is empty: a rig is what `stepwell lab calibrate` writes, as in stretch = 1.02"
 
 
@@ -38,21 +33,16 @@ def loads_rig(text: str, name: str = "rig") -> "Rig":
     """The rig that a text describes, in SI.
 
     Args:
-        text: TOML, as `stepwell lab calibrate` writes it; without bar_mm the machine moves with the
-            block.
+        text: TOML, as `stepwell lab calibrate` writes it; without bar_mm the machine moves with
+            the block.
         name: what messages call it.
 
     Raises:
-        DesignError: the text is none, or asks for what no rig can be; its own text has one line for
-            every problem.
+        DesignError: the text is none, or asks for what no rig can be; a line for every problem.
     """
     from stepwell.lab import Rig
 
-    try:
-        keys = RigKeys.model_validate(parsed(text, name, _EMPTY))
-    except ValidationError as error:
-        raise refused(name, error, TABLES) from None
-    return Rig(**fields(keys))
+    return Rig(**fields(checked(RigKeys, parsed(text, name, _EMPTY), name)))
 
 
 def rig_toml(rig: "Rig") -> str:

@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
-from pydantic import ValidationError
-
 from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads
 from stepwell.files.paths import Item, Steps, find, spelled
@@ -97,10 +95,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
         set_leaf(tree, steps, value)
     # What is said of sources may need paths of its own, and is checked as it stands.
     tree.pop("source", None)
-    try:
-        made = robot_of(schema.RobotKeys.model_validate(tree), name)
-    except ValidationError as error:
-        raise wording.refused(name, error, schema.TABLES) from None
+    made = robot_of(wording.checked(schema.RobotKeys, tree, name), name)
     return replace(made, sources=_assumed(robot, list(changed)))
 
 

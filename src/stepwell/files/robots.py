@@ -8,9 +8,9 @@ from stepwell.files.cells import Shared, cells_of, merged
 from stepwell.files.design_text import whole_text
 from stepwell.files.paths import Item, Steps, find
 from stepwell.files.schema import robot as schema
-from stepwell.files.schema.keys import fields, slip_lines
+from stepwell.files.schema.keys import fields, lines_of
 from stepwell.files.text import DesignError, parsed, quoted, value_text
-from stepwell.mechanism import Chain, SlipError
+from stepwell.mechanism import Chain
 from stepwell.robot import Antenna, Leg, Robot
 
 Tree = dict[str, Any]
@@ -142,10 +142,8 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
                 unusual=keys.unusual,
                 **parts,
             )
-        except SlipError as error:
-            problems += slip_lines(error)
         except ValueError as error:
-            problems += str(error).split("\n")
+            problems += lines_of(error)
         else:
             problems += sources(made, keys.source.lists()).problems
             if not problems:

@@ -15,15 +15,13 @@ ROW_STEP_MM = Decimal("1e-6")
 
 
 def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
-    if not isinstance(value, list) or len(value) < least:
-        keys.refuse(f"must be {least} or more rows of two numbers, as in {example}.")
-    keys.few("rows", value)
+    must = f"must be {least} or more rows of two numbers, as in {example}."
     rows: list[tuple[Decimal, Decimal]] = []
-    for i, row in enumerate(value):
-        allowed = f"two numbers from -1e6 to 1e6, as in {example}"
-        x, y = keys.lengths(row, 2, f"row {i + 1} must be {allowed}.")
+    for i, row in enumerate(keys.listed("rows", value, least, must), 1):
+        must = f"row {i} must be two numbers from -1e6 to 1e6, as in {example}."
+        x, y = keys.lengths(row, 2, must)
         if rows and x - rows[-1][0] < ROW_STEP_MM:
-            keys.refuse(f"row {i + 1} must lie {ROW_STEP_MM} mm or more above the row before it.")
+            keys.refuse(f"row {i} must lie {ROW_STEP_MM} mm or more above the row before it.")
         rows.append((x, y))
     return tuple(rows)
 
@@ -67,10 +65,10 @@ def _state(value: Any) -> str:
 
 
 def _drives(value: Any) -> tuple[Decimal, ...]:
-    if not isinstance(value, list) or not value:
-        keys.refuse("must be a list of 1 or more numbers, as in [0, 45, 20].")
-    keys.few("turns", value)
-    return keys.lengths(value, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
+    found = keys.listed(
+        "turns", value, 1, "must be a list of 1 or more numbers, as in [0, 45, 20]."
+    )
+    return keys.lengths(found, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
 
 
 Lever = Annotated[Decimal, keys.bounded("1e-3", "1e6", "from 0.001 to 1e6")]
@@ -167,23 +165,18 @@ class OneCellKeys(elements.ElementKeys, LeverKeys):
     @model_validator(mode="after")
     def _anchored_once(self) -> OneCellKeys:
         given = self.model_fields_set
-        if self.forms:
-            (form,) = self.forms
+        for form in self.forms:
             for key in _OF_LEVERS & given:
                 keys.refuse(f"cannot stand with {form}: an element has no levers and bands.", key)
             return self
-        anchors = [key for key in ("p_mm", "q_mm") if key in given]
         for key in _OF_ELEMENTS & given:
             keys.refuse(f"goes with the curve of an element: {', '.join(FORMS)}.", key)
-        if self.bands is None:
-            for key in ("p_mm", "q_mm"):
-                if key not in anchors:
-                    keys.refuse("is missing: two numbers in mm, as in [10, 0].", key)
-        elif anchors:
-            keys.refuse(
-                "cannot stand with bands, where every band has its own anchors.", anchors[0]
-            )
-        elif not self.bands:
+        for key in ("p_mm", "q_mm"):
+            if self.bands is None and key not in given:
+                keys.refuse("is missing: two numbers in mm, as in [10, 0].", key)
+            if self.bands is not None and key in given:
+                keys.refuse("cannot stand with bands, where every band has its own anchors.", key)
+        if self.bands == ():
             keys.refuse("must hold one band or more.", "bands")
         if self.load_N is not None and self.load_mm_N is not None:
             keys.refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")

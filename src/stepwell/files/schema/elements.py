@@ -102,8 +102,7 @@ class LibraryKeys(keys.Keys):
 
 # Beyond every mechanism, and far from overflow.
 MOST = "1e9"
-_FINEST = Decimal("1e-6")
-_LEAST_FORCE = Decimal("1e-9")
+_FINEST, _LEAST_FORCE = Decimal("1e-6"), Decimal("1e-9")
 # Coefficients of cubics in SI: a pressure over the third power of a microlitre among them.
 _MOST_SI = "1e60"
 
@@ -127,28 +126,25 @@ _PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
 
 
 def _numbers(value: Any, most: str = MOST, example: str = "[0, 1.5, 4]") -> tuple[Decimal, ...]:
-    if not isinstance(value, list) or not value:
-        refuse(f"must be a list of numbers, as in {example}.")
-    keys.few("rows", value)
-    allowed = f"from -{most} to {most}, as in {example}"
     found: list[Decimal] = []
-    for i, one in enumerate(value):
+    must = f"must be a list of numbers, as in {example}."
+    for i, one in enumerate(keys.listed("rows", value, 1, must), 1):
         try:
             found.append(keys.decimal_of(one, -Decimal(most), Decimal(most), ""))
         except ValueError:
-            refuse(f"number {i + 1} must be {allowed}.")
+            refuse(f"number {i} must be from -{most} to {most}, as in {example}.")
     return tuple(found)
 
 
 def _cubics(value: Any) -> tuple[tuple[Decimal, ...], ...]:
     example = "[[0, 250, 0, 0, 0]]"
-    if not isinstance(value, list) or not value:
-        refuse(f"must be one or more rows of five numbers, as in {example}.")
-    keys.few("rows", value)
-    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in value)
-    for i, row in enumerate(rows):
+    found = keys.listed(
+        "rows", value, 1, f"must be one or more rows of five numbers, as in {example}."
+    )
+    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in found)
+    for i, row in enumerate(rows, 1):
         if len(row) != 5:
-            refuse(f"row {i + 1} must be five numbers, as in {example}.")
+            refuse(f"row {i} must be five numbers, as in {example}.")
     return rows
 
 

@@ -27,7 +27,7 @@ def refuse(problem: str, key: str = "") -> NoReturn:
 
 
 def few(name: str, value: Any) -> Any:
-    """`value`, where it is no list of more than is allowed."""
+    """`value`, refused if it is a list of more than is allowed."""
     if isinstance(value, list) and len(value) > limits.most(name):
         refuse(limits.problem(name, len(value)))
     return value
@@ -38,11 +38,17 @@ def at_most(name: str) -> BeforeValidator:
     return BeforeValidator(lambda value: few(name, value))
 
 
+def listed(name: str, value: Any, least: int, problem: str) -> list[Any]:
+    """`value`, refused if it is no list, of too few or of more than is allowed."""
+    if not isinstance(value, list) or len(value) < least:
+        refuse(problem)
+    return few(name, value)
+
+
 def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
     """`value` as a decimal between `least` and `most`; `allowed` says so in words."""
-    if isinstance(value, bool) or not isinstance(value, int | Decimal):
-        refuse(f"must be a number {allowed}.")
-    if isinstance(value, int) and abs(value) > 10**15:
+    real = isinstance(value, int | Decimal) and not isinstance(value, bool)
+    if not real or (isinstance(value, int) and abs(value) > 10**15):
         refuse(f"must be a number {allowed}.")
     decimal = Decimal(value)
     if not decimal.is_finite():
@@ -61,7 +67,7 @@ class Within:
     allowed: str
 
     def __call__(self, value: Any) -> Decimal:
-        """The number as a decimal; refused where it is none between the bounds."""
+        """The number as a decimal; refused if not between the bounds."""
         return decimal_of(value, self.least, self.most, self.allowed)
 
 
@@ -88,8 +94,7 @@ def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
     return found
 
 
-def point(value: Any) -> tuple[Decimal, ...]:
-    """Two lengths, as the file has them."""
+def _point(value: Any) -> tuple[Decimal, ...]:
     return lengths(value, 2, "must be two numbers from -1e6 to 1e6, in mm, as in [10, 0].")
 
 
@@ -109,7 +114,7 @@ def _switch(value: Any) -> bool:
 
 Line = Annotated[str, PlainValidator(_line)]
 Switch = Annotated[bool, PlainValidator(_switch)]
-Point = Annotated[tuple[Decimal, ...], PlainValidator(point)]
+Point = Annotated[tuple[Decimal, ...], PlainValidator(_point)]
 
 
 class Keys(BaseModel):
@@ -130,6 +135,7 @@ class Keys(BaseModel):
 Tables = Mapping[str, type[Keys]]
 
 
+@cache
 def tables_of(table: type[Keys], path: str = "") -> Tables:
     """A table and all tables in it, by their paths from the top of the file."""
     found = {path: table}
@@ -183,9 +189,8 @@ def unit_of(key: str, column: int = 0) -> str:
 @cache
 def field_of(key: str) -> str:
     """What the value calls the key."""
-    if key in _FIELDS:
-        return _FIELDS[key]
-    return key.removesuffix(next((end for end in ENDS if key.endswith(end)), ""))
+    end = next((end for end in ENDS if key.endswith(end)), "")
+    return _FIELDS.get(key, key.removesuffix(end))
 
 
 def fields(keys: Keys, left_out: Iterable[str] = ()) -> dict[str, Any]:
@@ -207,8 +212,6 @@ def si(key: str, value: Any, column: int = 0) -> Any:
 
 def written(key: str, value: Any, column: int = 0) -> str:
     """A value in SI as the file writes it."""
-    if isinstance(value, float):
-        return _number(repr(value), unit_of(key, column))
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -227,16 +230,16 @@ def _number(digits: str, unit: str) -> str:
 
 
 def slips_text(error: SlipError) -> str:
-    """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
+    """Slips of unit as commands report them: in mm, degrees and N, one line each."""
     lines = [slip_text(slip, slip.name, name_unit=True) for slip in error.slips]
-    way = (
-        "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
-    )
-    return "\n".join([*lines, way] if error.way else lines)
+    way = "set unusual = true in the design file; `stepwell design` has --unusual."
+    return "\n".join([*lines, f"If it is meant so, {way}"] if error.way else lines)
 
 
-def slip_lines(error: SlipError) -> list[str]:
-    """Slips of unit in a file whose keys are the fields of a robot or an arena, one line each."""
+def lines_of(error: ValueError) -> list[str]:
+    """A line for each problem of a robot or an arena, slips of unit by the keys of its file."""
+    if not isinstance(error, SlipError):
+        return str(error).split("\n")
     way = "If it is meant so, set unusual = true at the top of the file."
     return [f"{slip_text(slip, key_of(slip))} {way}" for slip in error.slips]
 

@@ -20,14 +20,10 @@ def _centre(value: Any) -> tuple[Decimal, ...]:
 
 
 def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
-    problem = (
-        "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
-        "[38, -45]]."
-    )
-    keys.few("supports", value)
-    if not isinstance(value, list) or len(value) < 3:
-        keys.refuse(problem)
-    return tuple(keys.lengths(point, 2, problem) for point in value)
+    example = "[[-55, 0], [38, 45], [38, -45]]"
+    problem = f"must be three points or more from -1e6 to 1e6, in mm, as in {example}."
+    found = keys.listed("supports", value, 3, problem)
+    return tuple(keys.lengths(point, 2, problem) for point in found)
 
 
 def _profile(value: Any) -> str:
@@ -39,12 +35,9 @@ def _profile(value: Any) -> str:
 
 
 def _cell(value: Any) -> int | str:
-    number = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6
-    if not (number or isinstance(value, str)):
-        keys.refuse(
-            "must be the name of a cell in quotes, or its number, 1 for the innermost, as in "
-            '"inner" or 1.'
-        )
+    if not (isinstance(value, str) or (type(value) is int and 1 <= value <= 10**6)):
+        must = "the name of a cell in quotes, or its number, 1 for the innermost"
+        keys.refuse(f'must be {must}, as in "inner" or 1.')
     return value
 
 

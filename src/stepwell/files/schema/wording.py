@@ -1,18 +1,30 @@
 """What the schema found wrong with a design file, in words its author can use."""
 
+from typing import Any, TypeVar
+
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
-from stepwell.files.schema.keys import Tables
+from stepwell.files.schema.keys import Keys, Tables, tables_of
 from stepwell.files.text import MOST_LINES, DesignError, did_you_mean, key_path, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant
 
 
-def refused(name: str, error: ValidationError, tables: Tables = schema.TABLES) -> DesignError:
-    """The error that lists the problems of a file, in the order of its tables."""
+T = TypeVar("T", bound=Keys)
+
+
+def checked(table: type[T], values: Any, name: str) -> T:
+    """The keys of a whole file; DesignError with its problems, in the order of its tables."""
+    try:
+        return table.model_validate(values)
+    except ValidationError as error:
+        raise _refused(name, error, tables_of(table)) from None
+
+
+def _refused(name: str, error: ValidationError, tables: Tables) -> DesignError:
     problems = error.errors(include_url=False)
     # A misspelt key is also a missing one: that is said once.
     missing = {problem["loc"] for problem in problems if problem["type"] == "missing"}
@@ -29,27 +41,25 @@ def refused(name: str, error: ValidationError, tables: Tables = schema.TABLES) -
 
 def _line(problem: ErrorDetails, tables: Tables) -> str:
     keys: list[str | int] = list(problem["loc"])
-    kind: str = problem["type"]
-    value = value_text(problem["input"])
+    kind, given, path = problem["type"], problem["input"], key_path(keys)
     if kind == "extra_forbidden":
-        return f"{key_path(keys)}: unknown key. {_advice(keys, tables)}"
+        return f"{path}: unknown key. {_advice(keys, tables)}"
     if kind == "missing":
-        return f"{key_path(keys)}: is missing. {_missing(keys)}".rstrip()
+        advice = _MISSING.get(_plain(keys), _MISSING.get(str(keys[-1]), ""))
+        return f"{path}: is missing. {advice}".rstrip()
     if kind == "design":
         context = problem.get("ctx", {})
-        key, text = context["key"], context["problem"]
-        if not key and isinstance(problem["input"], dict):
-            return f"{key_path(keys)}: {text}"
-        if not key:
-            return f"{key_path(keys)} = {value}: {text}"
-        inside = problem["input"].get(key) if isinstance(problem["input"], dict) else None
-        shown = "" if inside is None else f" = {value_text(inside)}"
-        return f"{key_path([*keys, key])}{shown}: {text}"
+        bare = isinstance(given, dict)
+        if key := context["key"]:
+            path, given = key_path([*keys, key]), given.get(key) if bare else None
+            bare = given is None
+        shown = "" if bare else f" = {value_text(given)}"
+        return f"{path}{shown}: {context['problem']}"
     if kind in ("tuple_type", "list_type"):
-        return (
-            f"{key_path(keys)} = {value}: must be a list of tables, each under [[{_plain(keys)}]]."
-        )
-    return f"{key_path(keys)} = {value}: must be a table, as in [{_plain(keys)}]."
+        must = f"a list of tables, each under [[{_plain(keys)}]]"
+    else:
+        must = f"a table, as in [{_plain(keys)}]"
+    return f"{path} = {value_text(given)}: must be {must}."
 
 
 def _plain(keys: list[str | int]) -> str:
@@ -72,10 +82,6 @@ def _advice(keys: list[str | int], tables: Tables) -> str:
     if key in schema.BandKeys.model_fields:
         return f"It belongs in a band, as in band = {{ {key} = ... }}."
     return f"It belongs {' or '.join(f'in [{home}]' if home else 'at the top' for home in homes)}."
-
-
-def _missing(keys: list[str | int]) -> str:
-    return _MISSING.get(_plain(keys), _MISSING.get(str(keys[-1]), ""))
 
 
 _ELSEWHERE = {
