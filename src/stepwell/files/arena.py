@@ -3,12 +3,14 @@
 import math
 import os
 import re
+from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from importlib.resources import files
-from itertools import groupby, product
+from itertools import dropwhile, groupby, product
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
@@ -31,15 +33,8 @@ class WallKeys(keys.Keys):
     thickness_mm: robot.Size | None = None
 
 
-class CylinderKeys(keys.Keys):
-    """A cylinder."""
-
-    at_mm: keys.Point
-    radius_mm: robot.Size | None = None
-
-
-class GoalKeys(keys.Keys):
-    """The goal."""
+class RoundKeys(keys.Keys):
+    """A cylinder, or the goal."""
 
     at_mm: keys.Point
     radius_mm: robot.Size | None = None
@@ -52,16 +47,13 @@ class ArenaKeys(keys.Keys):
     start_mm: keys.Point | None = None
     heading_deg: Heading | None = None
     unusual: keys.Switch = False
-    goal: GoalKeys | None = None
+    goal: RoundKeys | None = None
     wall: Annotated[tuple[WallKeys, ...], Field(strict=False), keys.at_most("obstacles")] = ()
-    cylinder: Annotated[
-        tuple[CylinderKeys, ...], Field(strict=False), keys.at_most("obstacles")
-    ] = ()
+    cylinder: Annotated[tuple[RoundKeys, ...], Field(strict=False), keys.at_most("obstacles")] = ()
 
 
 # Where a reader may come from when a path holds one of these keys.
 TABLES = keys.tables_of(ArenaKeys)
-
 
 CYLINDER_RADIUS = 0.025
 _HALF = Decimal("0.5")
@@ -83,20 +75,17 @@ class _Rectangle(NamedTuple):
         yield from product(across, range(self.bottom, self.bottom + self.rows))
 
 
-def drawn(text: str, name: str) -> Arena:
+def drawn(map_text: str, name: str) -> Arena:
     """The arena that a map shows; its origin is the map's lower left corner."""
-    size, title, rest, skipped = _map_parts(text, name)
-    problems = _problems(rest, skipped)
-    if problems:
-        raise DesignError(name, problems)
-    found: dict[str, list[Square]] = {}
+    size, title, rest, skipped = _map_parts(map_text, name)
+    text.refuse_any(name, _problems(rest, skipped))
+    found: defaultdict[str, list[Square]] = defaultdict(list)
     for j, line in enumerate(reversed(rest)):
         for i, letter in enumerate(line):
-            found.setdefault(letter, []).append((i, j))
-    (start,) = [letter for letter in HEADINGS if letter in found]
-    goal = found.get("G")
+            found[letter].append((i, j))
+    (start,) = found.keys() & HEADINGS
     try:
-        walls, posts = _walls(set(found.get("#", [])), size), found.get("o", [])
+        walls, posts = _walls(set(found["#"]), size), found["o"]
         limits.require("obstacles", len(walls) + len(posts), "has")
         # A map says the size of a letter, within bounds of its own.
         made = Arena(
@@ -104,7 +93,7 @@ def drawn(text: str, name: str) -> Arena:
             cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
             start=_middle(found[start][0], size),
             heading=HEADINGS[start],
-            goal=Goal(_middle(goal[0], size)) if goal else None,
+            goal=next((Goal(_middle(square, size)) for square in found["G"]), None),
             title=title,
             unusual=True,
         )
@@ -116,39 +105,29 @@ def drawn(text: str, name: str) -> Arena:
 def _map_parts(text: str, name: str) -> tuple[Decimal, str, list[str], int]:
     """The side of a square [mm], the title, the rows, and how many lines stand above them."""
     lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
-    while lines and not lines[0]:
-        lines.pop(0)
+    lines = list(dropwhile(lambda line: not line, lines))
     size = _size(lines[0] if lines else "", name)
     rest = lines[1:]
     title = ""
     if rest and rest[0].startswith("title "):
         title = rest.pop(0).removeprefix("title ").strip()[:200]
-        title = "".join(letter for letter in title if letter.isprintable())
+        title = "".join(filter(str.isprintable, title))
     skipped = len(lines) - len(rest)
     while rest and not rest[-1]:
         rest.pop()
-    while rest and not rest[0]:
-        rest.pop(0)
-        skipped += 1
-    return size, title, rest, skipped
+    above = len(rest)
+    rest = list(dropwhile(lambda line: not line, rest))
+    return size, title, rest, skipped + above - len(rest)
 
 
 def _size(line: str, name: str) -> Decimal:
     """The side of a square in mm, from the first line."""
     match = _FIRST.fullmatch(line)
-    try:
-        size = Decimal(match[1]) if match else None
-    except ArithmeticError:
-        size = None
-    if size is None or not size.is_finite() or not 1 <= size <= 10_000:
-        raise DesignError(
-            name,
-            [
-                f"line 1: {text.value_text(line)}: must be the size of one letter of the map, from "
-                f"1 to 10000 mm, as in: cell 100 mm"
-            ],
-        )
-    return size
+    with suppress(ArithmeticError):
+        if match and 1 <= (size := Decimal(match[1])) <= 10_000:
+            return size
+    must = "must be the size of one letter of the map, from 1 to 10000 mm, as in: cell 100 mm"
+    raise DesignError(name, [f"line 1: {text.value_text(line)}: {must}"])
 
 
 def _problems(rows: list[str], skipped: int) -> list[str]:
@@ -179,11 +158,12 @@ def _problems(rows: list[str], skipped: int) -> list[str]:
 def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
     slanted, rest = _slanted(squares)
     walls = [_wall(rectangle, size) for rectangle in _rectangles(rest)]
-    for first, last in slanted:
-        up = 1 if last[1] > first[1] else -1
-        start = _point(first[0], first[1] + (up < 0), size)
-        end = _point(last[0] + 1, last[1] + (up > 0), size)
-        walls.append(Wall(start, end, from_unit(float(size), "mm") / math.sqrt(2.0)))
+    for (left, begin), (right, end) in slanted:
+        ends = (
+            _point(left, begin + (end < begin), size),
+            _point(right + 1, end + (end > begin), size),
+        )
+        walls.append(Wall(*ends, from_unit(float(size), "mm") / math.sqrt(2.0)))
     return walls
 
 
@@ -208,15 +188,10 @@ def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Squ
 
 def _rectangles(squares: set[Square]) -> list[_Rectangle]:
     """Rectangles that together cover the squares, large ones first; they may overlap."""
-    flipped = {(j, i) for i, j in squares}
-    candidates = [
-        *_stacked(squares),
-        *(_Rectangle(r.bottom, r.left, r.rows, r.columns) for r in _stacked(flipped)),
-    ]
-    candidates.sort(key=lambda r: (-r.columns * r.rows, r))
-    left = set(squares)
-    chosen = []
-    for rectangle in candidates:
+    flipped = _stacked({(j, i) for i, j in squares})
+    candidates = [*_stacked(squares), *(_Rectangle(r[1], r[0], r[3], r[2]) for r in flipped)]
+    left, chosen = set(squares), []
+    for rectangle in sorted(candidates, key=lambda r: (-r.columns * r.rows, r)):
         inside = set(rectangle.squares())
         if inside & left:
             chosen.append(rectangle)
@@ -280,8 +255,7 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
             .toml or .txt, as docs/design-files.md describes them.
 
     Raises:
-        DesignError: there is none, or its file is wrong; the text has one line for every
-            problem.
+        DesignError: there is none, or its file is wrong; a line for every problem.
     """
     name = os.fspath(arena)
     if name in _texts():
@@ -295,9 +269,6 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
 
 def arena_text(name: str) -> str:
     """The file of an arena that comes with the package, a map or TOML, with its comments.
-
-    Args:
-        name: as `arenas` lists it.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -315,8 +286,7 @@ def loads_arena(text: str, name: str = "arena") -> Arena:
         name: what messages call it.
 
     Raises:
-        DesignError: the text is neither, or asks for what no arena can be; its own text has one
-            line for every problem.
+        DesignError: the text is neither, or asks for what no arena can be.
     """
     if name.endswith(".txt") or re.match(r"\s*cell\b(?!\s*=)", text):
         return drawn(text, name)
@@ -327,18 +297,13 @@ def loads_arena_tables(tables: Any, name: str = "arena") -> Arena:
     """The arena that a file describes whose tables are Python values, as out of JSON.
 
     Args:
-        tables: of strings, numbers, booleans, lists and dictionaries, with the keys of the file;
-            none at all are a bare floor.
+        tables: what JSON can hold, with the keys of the file; none at all are a bare floor.
         name: what messages call it.
 
     Raises:
         DesignError: as `loads_arena`, with the same words; or a value that no file can hold.
     """
-    problems: list[str] = []
-    as_read = text.in_decimals(tables, problems)
-    if problems:
-        raise DesignError(name, problems)
-    return _arena(as_read, name)
+    return _arena(text.in_decimals(tables, name), name)
 
 
 def arena_tables(arena: Arena) -> dict[str, Any]:
@@ -352,8 +317,7 @@ def _arena(tables: dict[str, Any], name: str) -> Arena:
     walls: list[Any] = [
         robots.part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
     ]
-    if problems:
-        raise DesignError(name, problems)
+    text.refuse_any(name, problems)
     try:
         cylinders = [Cylinder(**fields(one)) for one in keys.cylinder]
         goal = None if keys.goal is None else Goal(**fields(keys.goal))
@@ -369,11 +333,11 @@ def arena_toml(arena: Arena) -> str:
     odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
     text = [*odd, *keys.table_lines(ArenaKeys, arena, left_out), ""]
     if arena.goal is not None:
-        text += ["[goal]", *keys.table_lines(GoalKeys, arena.goal), ""]
+        text += ["[goal]", *keys.table_lines(RoundKeys, arena.goal), ""]
     for wall in arena.walls:
         text += ["[[wall]]", *keys.table_lines(WallKeys, wall), ""]
     for cylinder in arena.cylinders:
-        text += ["[[cylinder]]", *keys.table_lines(CylinderKeys, cylinder), ""]
+        text += ["[[cylinder]]", *keys.table_lines(RoundKeys, cylinder), ""]
     return "\n".join(text).rstrip("\n") + "\n"
 
 

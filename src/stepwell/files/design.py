@@ -16,7 +16,14 @@ from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
 from stepwell.files.program import WrittenProgram, program_of
 from stepwell.files.schema import chain as schema, wording
-from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
+from stepwell.files.text import (
+    DesignError,
+    did_you_mean,
+    in_decimals,
+    in_floats,
+    parsed,
+    refuse_any,
+)
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -44,34 +51,22 @@ class DesignFile(ByValue):
 
     @property
     def chain(self) -> Chain:
-        """The chain.
-
-        Raises:
-            DesignError: the file describes a robot.
-        """
+        """The chain; DesignError if the file describes a robot."""
         if isinstance(self.subject, Chain):
             return self.subject
-        raise DesignError(
-            self.name,
-            ["is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."],
+        problem = (
+            "is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."
         )
+        raise DesignError(self.name, [problem])
 
     @property
     def robot(self) -> Robot:
-        """The robot.
-
-        Raises:
-            DesignError: the file describes a chain.
-        """
+        """The robot; DesignError if the file describes a chain."""
         if not isinstance(self.subject, Chain):
             return self.subject
-        raise DesignError(
-            self.name,
-            [
-                "is a chain, and this needs a robot, which has [[leg]]: `stepwell new robot.toml "
-                "--preset robot-forward` writes one to start from."
-            ],
-        )
+        way = "`stepwell new robot.toml --preset robot-forward` writes one to start from."
+        problem = f"is a chain, and this needs a robot, which has [[leg]]: {way}"
+        raise DesignError(self.name, [problem])
 
 
 def load(design: str | os.PathLike[str]) -> DesignFile:
@@ -83,7 +78,7 @@ def load(design: str | os.PathLike[str]) -> DesignFile:
 
     Raises:
         DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
-            be; its text has one line for every problem.
+            be; a line for every problem.
     """
     return loads(text_of(design), os.fspath(design))
 
@@ -96,8 +91,7 @@ def loads(text: str, name: str = "design") -> DesignFile:
         name: what messages call it.
 
     Raises:
-        DesignError: the text is no TOML, or asks for what no mechanism can be; its own text
-            has one line for every problem.
+        DesignError: the text is no TOML, or asks for what no mechanism can be.
     """
     return DesignFile(text, name, *_made(parsed(text, name, _EMPTY), name))
 
@@ -106,8 +100,7 @@ def loads_tables(tables: Any, name: str = "design") -> DesignFile:
     """A design file whose tables are Python values, as out of JSON.
 
     Args:
-        tables: of strings, numbers, booleans, lists and dictionaries, with the keys of the file;
-            `tables_in` makes them of a text.
+        tables: what JSON can hold, with the keys of the file; `tables_in` makes them of a text.
         name: what messages call it.
 
     Raises:
@@ -115,23 +108,14 @@ def loads_tables(tables: Any, name: str = "design") -> DesignFile:
     """
     if not isinstance(tables, dict) or not tables:
         raise DesignError(name, [_EMPTY])
-    problems: list[str] = []
-    as_read = in_decimals(tables, problems)
-    if problems:
-        raise DesignError(name, problems)
-    return DesignFile("", name, *_made(as_read, name))
+    return DesignFile("", name, *_made(in_decimals(tables, name), name))
 
 
 def tables_in(text: str, name: str = "design") -> dict[str, Any]:
     """The tables of a design file as Python values, checked; `loads_tables` takes them.
 
-    Args:
-        text: TOML.
-        name: what messages call it.
-
     Returns:
-        Strings, numbers in the units of the file, booleans, lists and dictionaries, which JSON can
-        hold. Numbers have the digits of a float.
+        What JSON can hold; numbers are floats in the units of the file.
 
     Raises:
         DesignError: as `loads`.
@@ -185,10 +169,7 @@ def presets() -> Presets:
 
 
 def preset_text(name: str) -> str:
-    """The design file of that name, TOML with its comments, to be saved and edited.
-
-    Args:
-        name: as `presets` lists it.
+    """The design file of a name that `presets` lists, TOML with its comments, to be edited.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -200,14 +181,10 @@ def preset_text(name: str) -> str:
 
 
 def preset(name: str) -> Any:
-    """The design of that name that comes with the package.
+    """The design of that name that comes with the package: a Chain or a Robot, in SI.
 
     Args:
-        name: as `presets` lists it, for example "paper-forward"; those that start with
-            "robot-" are robots.
-
-    Returns:
-        A Chain or a Robot, in SI.
+        name: as `presets` lists it, for example "paper-forward"; "robot-..." are robots.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -231,15 +208,13 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
     cells = cells_of(chain.cell, shared, "chain.cell", problems)
-    if problems:
-        raise DesignError(name, problems)
+    refuse_any(name, problems)
     try:
         made = chain_of(cells, chain, keys.title)
     except ValueError as error:
         raise DesignError(name, [f"chain: {error}"]) from None
     program = None if keys.program is None else program_of(keys.program, made, problems)
-    if problems:
-        raise DesignError(name, problems)
+    refuse_any(name, problems)
     return made, program
 
 
@@ -261,9 +236,5 @@ def _texts() -> dict[str, str]:
     found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
     texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
     # The paper's first, as a reader of the paper looks for them; robots last.
-    order = sorted(texts, key=lambda name: (_turn(name), name))
-    return {name: texts[name] for name in order}
-
-
-def _turn(name: str) -> int:
-    return 0 if name.startswith("paper-") else 2 if name.startswith("robot-") else 1
+    turn = {"paper": 0, "robot": 2}
+    return dict(sorted(texts.items(), key=lambda one: (turn.get(one[0].split("-")[0], 1), one[0])))

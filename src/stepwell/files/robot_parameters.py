@@ -11,7 +11,7 @@ from stepwell.files.design import loads
 from stepwell.files.paths import Item, Steps, find, spelled
 from stepwell.files.robots import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
 from stepwell.files.schema import keys, robot as schema, wording
-from stepwell.files.text import DesignError, value_text
+from stepwell.files.text import refuse_any, value_text
 from stepwell.robot import Robot
 
 _ITEM = r'(?:\."(?:[^"\\]|\\.)*"|\.[^.\[]+|\[\d+\])'
@@ -87,8 +87,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
         except ValueError as error:
             problems.append(f"{path}: {error}")
     name = robot.title or "robot"
-    if problems:
-        raise DesignError(name, problems)
+    refuse_any(name, problems)
     # A number as `parameters` lists it may lack the last digit of an angle in degrees.
     changed = {steps: value for steps, value in changed.items() if not _same(value, before[steps])}
     for steps, value in changed.items():

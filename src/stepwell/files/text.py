@@ -3,7 +3,7 @@
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, InvalidOperation
 from typing import Any
 
@@ -22,7 +22,7 @@ class DesignError(InputError):
     Args:
         name: the file, as the user called it.
         problems: one line each: where, what came, what is allowed, what was probably meant.
-        more: problems there are besides.
+        more: how many other problems there are.
     """
 
     def __init__(self, name: str, problems: Iterable[str], more: int = 0):
@@ -32,6 +32,12 @@ class DesignError(InputError):
         if (unlisted := len(self.problems) + more - len(lines)) > 0:
             lines.append(f"{self.name}: and {unlisted} more like these.")
         super().__init__("\n".join(lines))
+
+
+def refuse_any(name: str, problems: Collection[str]) -> None:
+    """Raise a DesignError if there are problems."""
+    if problems:
+        raise DesignError(name, problems)
 
 
 def key_path(keys: Sequence[str | int]) -> str:
@@ -49,12 +55,10 @@ def key_path(keys: Sequence[str | int]) -> str:
 
 def value_text(value: Any) -> str:
     """A value as the file would write it, on one short line."""
-    if isinstance(value, dict):
-        names = [key_path([str(key)]) for key in list(value)[:4]]
-        return _cut("{" + ", ".join(names + ["..."] * (len(value) > 4)) + "}")
-    if isinstance(value, list | tuple):
-        items = [value_text(item) for item in value[:4]]
-        return _cut("[" + ", ".join(items + ["..."] * (len(value) > 4)) + "]")
+    if isinstance(value, dict | list | tuple):
+        keyed, more = isinstance(value, dict), ["..."] * (len(value) > 4)
+        first = [key_path([str(one)]) if keyed else value_text(one) for one in [*value][:4]]
+        return _cut(("{%s}" if keyed else "[%s]") % ", ".join(first + more))
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and abs(value) >= 10**15:
@@ -79,14 +83,15 @@ def _cut(text: str, most: int = 60) -> str:
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
-def in_decimals(value: Any, problems: list[str], keys: Sequence[str | int] = ()) -> Any:
-    """A value as a file holds it, its numbers the decimals that Python shows.
+def in_decimals(value: Any, name: str) -> Any:
+    """A value as a file holds it, its numbers the decimals that Python shows; or a DesignError."""
+    problems: list[str] = []
+    found = _in_decimals(value, problems, ())
+    refuse_any(name, problems)
+    return found
 
-    Args:
-        value: strings, numbers, booleans, and lists and dictionaries of them.
-        problems: gets a line for whatever else there is.
-        keys: where the value stands.
-    """
+
+def _in_decimals(value: Any, problems: list[str], keys: Sequence[str | int]) -> Any:
     if isinstance(value, float):
         return Decimal(repr(value))
     if isinstance(value, str | int | Decimal):
@@ -95,10 +100,10 @@ def in_decimals(value: Any, problems: list[str], keys: Sequence[str | int] = ())
         problems.append(f"{key_path(keys[:1])}: is nested too deeply to be a design file.")
     elif isinstance(value, dict):
         return {
-            str(key): in_decimals(own, problems, (*keys, str(key))) for key, own in value.items()
+            str(key): _in_decimals(own, problems, (*keys, str(key))) for key, own in value.items()
         }
     elif isinstance(value, list | tuple):
-        return [in_decimals(own, problems, (*keys, i)) for i, own in enumerate(value)]
+        return [_in_decimals(own, problems, (*keys, i)) for i, own in enumerate(value)]
     else:
         shown = "null" if value is None else value_text(value)
         problems.append(
@@ -138,16 +143,15 @@ def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text.replace("\r\n", "\n"), parse_float=_decimal)
     except RecursionError:
-        raise DesignError(name, ["is nested too deeply to be a design file."]) from None
-    except ValueError as error:
-        place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", str(error))
-        if not isinstance(error, tomllib.TOMLDecodeError):
-            raise DesignError(name, ["holds an integer of thousands of digits."]) from None
-        if place is None:
-            raise DesignError(name, [f"{error}."]) from None
-        last = text.count("\n") + 1
-        where = f"line {place[1]}, column {place[2]}" if place[1] else f"line {last}, at the end"
-        raise DesignError(name, [f"{where}: {str(error)[: place.start()]}."]) from None
+        problem = "is nested too deeply to be a design file."
+    except tomllib.TOMLDecodeError as error:
+        problem = f"{error}."
+        if place := re.search(r" \(at (?:(line \d+, column \d+)|end of document)\)$", str(error)):
+            where = place[1] or f"line {text.count(chr(10)) + 1}, at the end"
+            problem = f"{where}: {str(error)[: place.start()]}."
+    except ValueError:
+        problem = "holds an integer of thousands of digits."
+    raise DesignError(name, [problem])
 
 
 def _decimal(text: str) -> Decimal:
@@ -191,10 +195,9 @@ def quoted(text: str) -> str:
 
 
 def exact_si(number: Decimal, unit: str) -> float:
-    """The float in SI that is nearest to a decimal in a unit of files.
+    """The float in SI that is nearest to a decimal in a unit of files: 45 deg is `math.pi / 4`.
 
-    The decimal point is moved in the decimal, and the result is rounded once: 10 mm is the float
-    0.01 and not its neighbour, 45 deg is `math.pi / 4`.
+    The point is moved in the decimal and the result rounded once: 10 mm is the float 0.01.
     """
     if unit == "deg":
         return float(_ENOUGH.divide(_ENOUGH.multiply(number, _PI), Decimal(180)))
@@ -222,6 +225,4 @@ def toml(number: Decimal) -> str:
     number = number.normalize(_EXACT)
     if number.is_zero():
         return "-0.0" if number.is_signed() else "0"
-    if not -7 < number.adjusted() < 15:
-        return format(number, "e")
-    return format(number, "f")
+    return format(number, "f" if -7 < number.adjusted() < 15 else "e")
