@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -14,6 +15,12 @@ from stepwell.files.schema import chain as chain_schema, elements as element_sch
 from stepwell.files.schema.keys import field_of, fields, key_of, si, slip_text, written
 from stepwell.files.text import Written, array, inline, lines, parsed, value_text
 
+# How an element is made of two columns of numbers, by the key that holds them.
+MAKE = {
+    "table": mechanism.Element.from_table,
+    "points": mechanism.Element.from_points,
+    "curve": mechanism.Element.from_curve,
+}
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
 _NEAR = 1e-9
 # A turn as near to a joint as this share of the travel is the one that was cut there.
@@ -21,28 +28,16 @@ _BESIDE = 1e-6
 
 
 def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
-    """The element that a table describes.
-
-    Raises:
-        ValueError: no element is like that; the text says why.
-    """
+    """The element that a table describes; ValueError where no element is like that."""
     (form,) = keys.forms
     given = getattr(keys, form)
     stops = False if keys.stops is None else keys.stops
     if isinstance(given, element_schema.ColumnKeys):
-        x, y = (
-            si(key, column)
-            for key, column in zip(element_schema.COLUMNS[given.measure], given.pair, strict=True)
-        )
+        x, y = map(si, element_schema.COLUMNS[given.measure], given.pair)
         options: dict[str, Any] = {"stops": stops, "measure": given.measure}
         if form == "table":
             options["noise"] = _of_measure(keys, "noise", given.measure)
-        make = {
-            "table": mechanism.Element.from_table,
-            "points": mechanism.Element.from_points,
-            "curve": mechanism.Element.from_curve,
-        }
-        element = make[form](x, y, **options)
+        element = MAKE[form](x, y, **options)
     elif form in element_schema.LibraryKeys.model_fields:
         element = mechanism.LIBRARY[form.replace("_", "-")].make(**fields(given))
     elif form == "sheets":
@@ -55,18 +50,12 @@ def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
 
 def with_options(element: mechanism.Element, keys: element_schema.ElementKeys) -> mechanism.Element:
     """An element with what the table says beside its curve."""
-    measure = element.measure
-    options: dict[str, Any] = {"name": keys.name}
-    if keys.stops is not None:
-        options["stops"] = keys.stops
+    given: dict[str, Any] = {"name": keys.name, "stops": keys.stops}
     for word in ("friction", "error_band"):
-        number = _of_measure(keys, word, measure)
-        if number is not None:
-            options[word] = number
+        given[word] = _of_measure(keys, word, element.measure)
     for key in ("force_scale", "travel_scale", "mobility"):
-        if getattr(keys, key) is not None:
-            options[key] = si(key, getattr(keys, key))
-    return replace(element, **options)
+        given[key] = si(key, getattr(keys, key))
+    return replace(element, **{key: value for key, value in given.items() if value is not None})
 
 
 def _of_measure(keys: element_schema.ElementKeys, word: str, measure: Measure) -> float | None:
@@ -74,12 +63,9 @@ def _of_measure(keys: element_schema.ElementKeys, word: str, measure: Measure) -
     right = element_schema.key_in(word, measure.force_unit)
     for key in sorted(keys.model_fields_set):
         if key.startswith(f"{word}_") and key != right:
-            raise InputError(
-                f"{key}: this curve is of {measure.travel} and {measure.force}, so it must be "
-                f"{right}."
-            )
-    number = getattr(keys, right)
-    return None if number is None else si(right, number)
+            curve = f"this curve is of {measure.travel} and {measure.force}"
+            raise InputError(f"{key}: {curve}, so it must be {right}.")
+    return si(right, getattr(keys, right))
 
 
 def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.Sheet, ...]:
@@ -88,9 +74,8 @@ def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.She
         raise InputError("sheets: all must be of one kind of travel.")
     found: list[mechanism.Sheet] = []
     for k, one in enumerate(tables):
-        joints = np.array([float(x) for x in getattr(one, element_schema.JOINTS[measure])])
-        cubics = np.array([[float(c) for c in row] for row in one.cubics_SI])
-        rows = np.column_stack([joints[:-1], cubics])
+        joints = np.array(getattr(one, element_schema.JOINTS[measure]), float)
+        rows = np.column_stack([joints[:-1], np.array(one.cubics_SI, float)])
         rows.setflags(write=False)
         _refuse_gaps(rows, joints, f"sheets[{k}].cubics_SI")
         below, above = (None if n is None else n - 1 for n in (one.below, one.above))
@@ -138,15 +123,13 @@ def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
 def _refuse_lost(element: mechanism.Element) -> None:
     """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
     unit, factor = told_in(element.measure.travel_unit)
-    for k, sheet in enumerate(element.sheets):
-        for side, at, to in (
-            ("below", sheet.begin, sheet.below),
-            ("above", sheet.end, sheet.above),
-        ):
+    sheets = element.sheets
+    for k, sheet in enumerate(sheets):
+        ends = ("below", sheet.begin, sheet.below), ("above", sheet.end, sheet.above)
+        for side, at, to in ends:
             if to is None:
                 continue
-            held = to < len(element.sheets)
-            held = held and element.sheets[to].begin <= at <= element.sheets[to].end
+            held = to < len(sheets) and sheets[to].begin <= at <= sheets[to].end
             if not held or not element.energy_at(at, to) < element.energy_at(at, k):
                 raise InputError(
                     f"sheets[{k}].{side} = {to + 1}: must be the number of a sheet of less energy "
@@ -168,11 +151,8 @@ def _written(element: mechanism.Element) -> Written:
         if _reads_as(keys, wanted):
             return keys
     sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
-    keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"} | options
-    if element.error_band:
-        key = element_schema.key_in("error_band", element.measure.force_unit)
-        keys[key] = written(key, element.error_band)
-    return keys
+    keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"}
+    return keys | options | _in_force(element, "error_band")
 
 
 def _options(element: mechanism.Element) -> Written:
@@ -180,13 +160,17 @@ def _options(element: mechanism.Element) -> Written:
     keys: Written = {}
     if low or high:
         keys["stops"] = "true" if low and high else array(written("", one) for one in (low, high))
-    if element.friction:
-        key = element_schema.key_in("friction", element.measure.force_unit)
-        keys[key] = written(key, element.friction)
+    keys |= _in_force(element, "friction")
     for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(element, key) != 1.0:
             keys[key] = written(key, getattr(element, key))
     return keys
+
+
+def _in_force(element: mechanism.Element, word: str) -> Written:
+    """A force of an element under the key that names its unit; nothing where it is 0."""
+    key, value = element_schema.key_in(word, element.measure.force_unit), getattr(element, word)
+    return {key: written(key, value)} if value else {}
 
 
 def _as_columns(element: mechanism.Element) -> Iterator[Written]:
@@ -211,10 +195,8 @@ def _as_columns(element: mechanism.Element) -> Iterator[Written]:
 
 
 def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
-    return {
-        key: written(key, tuple(column.tolist()))
-        for key, column in zip(element_schema.COLUMNS[measure], (x, y), strict=True)
-    }
+    keys = element_schema.COLUMNS[measure]
+    return {key: written(key, tuple(c.tolist())) for key, c in zip(keys, (x, y), strict=True)}
 
 
 def _sheet(sheet: mechanism.Sheet, measure: Measure) -> Written:
@@ -230,11 +212,10 @@ def _sheet(sheet: mechanism.Sheet, measure: Measure) -> Written:
 
 
 def _reads_as(keys: Written, wanted: mechanism.Element) -> bool:
-    try:
+    with suppress(ValidationError, InputError):
         tables = parsed("\n".join(lines(keys)), "", "")
         return element_of(element_schema.ElementKeys.model_validate(tables)) == wanted
-    except (ValidationError, InputError):
-        return False
+    return False
 
 
 class Shared(NamedTuple):
@@ -265,20 +246,14 @@ def cells_of(
 def chain_of(
     cells: Sequence[mechanism.Cell | mechanism.Element], keys: chain_schema.ChainKeys, title: str
 ) -> mechanism.Chain:
-    """The chain of these cells, with its actuator.
-
-    Raises:
-        ValueError: cells that are no chain, or an actuator in the units of another one.
-    """
+    """The chain of these cells and its actuator; ValueError if they do not belong together."""
     rigid = mechanism.Chain(cells, title=title)
     right = chain_schema.ACTUATORS[rigid.measure]
     for key in chain_schema.ACTUATORS.values():
         stiffness = getattr(keys, key)
         if stiffness is not None and key != right:
-            raise InputError(
-                f"{key} = {value_text(stiffness)}: this chain is of {rigid.measure.travel} and "
-                f"{rigid.measure.force}, so it must be {right}."
-            )
+            kind = f"this chain is of {rigid.measure.travel} and {rigid.measure.force}"
+            raise InputError(f"{key} = {value_text(stiffness)}: {kind}, so it must be {right}.")
     stiffness = getattr(keys, right)
     return rigid if stiffness is None else mechanism.Chain(cells, si(right, stiffness), title)
 
@@ -305,12 +280,10 @@ def _cell(
 ) -> mechanism.Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
-    tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
-    if keys.bands is not None:
-        tables = [
-            merged(own, placed.given(), f"{where}.bands[{j}]", problems)
-            for j, placed in enumerate(keys.bands)
-        ]
+    tables = [
+        merged(own, placed.given(), f"{where}.bands[{j}]", problems)
+        for j, placed in enumerate(keys.bands or ())
+    ] or [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
     if len(problems) > before:
         return None
     values = shared.cell | fields(keys, left_out=["p_mm", "q_mm", "band", "bands", "load_N"])
@@ -348,14 +321,11 @@ def merged(
     shared: dict[str, Any], own: dict[str, Any], where: str, problems: list[str]
 ) -> dict[str, Any]:
     """The shared band with its own keys over it; a law of its own replaces the shared law."""
-    kept = dict(shared)
-    if any(keys & own.keys() for keys in chain_schema.LAWS.values()):
-        for keys in chain_schema.LAWS.values():
-            for key in keys:
-                kept.pop(key, None)
+    laws = set[str]().union(*chain_schema.LAWS.values())
+    replaced = {*(laws if laws & own.keys() else ())}
     if "table_mm_N" in own:
-        kept.pop("stiffness_N_per_m", None)
-    band = kept | own
+        replaced.add("stiffness_N_per_m")
+    band = {key: value for key, value in shared.items() if key not in replaced} | own
     if "table_mm_N" in band and "stiffness_N_per_m" in band:
         value = value_text(band.pop("stiffness_N_per_m"))
         problems.append(f"{where}.stiffness_N_per_m = {value}: {chain_schema.TABLE_OWNS_STIFFNESS}")
@@ -371,8 +341,7 @@ def _band(keys: dict[str, Any]) -> mechanism.Band:
     elif cubic != (None, None):
         values["law"] = mechanism.Cubic(*(number or 0.0 for number in cubic))
     elif table:
-        measured = mechanism.Band.from_table(
-            values["p"], values["q"], 0.0, *zip(*table, strict=True)
-        )
+        columns = zip(*table, strict=True)
+        measured = mechanism.Band.from_table(values["p"], values["q"], 0.0, *columns)
         values |= {"law": measured.law, "stiffness": measured.stiffness}
     return mechanism.Band(**values)

@@ -3,13 +3,15 @@
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import InputError, Measure, require
+from stepwell.files.cells import MAKE
 from stepwell.files.schema import elements as schema
 from stepwell.files.schema.keys import written
-from stepwell.files.text import DesignError, inline, key_path, parsed, value_text
+from stepwell.files.text import DesignError, inline, key_path, parsed, refuse_any, value_text
 from stepwell.mechanism import Element
 
 if TYPE_CHECKING:
@@ -21,7 +23,6 @@ _TEXT = r"""(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
 _NAMED = re.compile(
     rf"""{_TEXT}|\#[^\n]*|(?<![\w."'-])(?P<key>{_KEYS})[ \t]*=[ \t]*(?P<name>{_TEXT})"""
 )
-_MAKE = {"table": Element.from_table, "points": Element.from_points, "curve": Element.from_curve}
 
 
 def load_element(
@@ -35,7 +36,7 @@ def load_element(
     friction: float = 0.0,
     mobility: float = 1.0,
 ) -> Element:
-    """An element whose force curve is in a file.
+    """An element whose force curve is in a file; its measure is what the units say.
 
     Args:
         file: text whose header names columns and units, such as "travel_mm,force_N", "Displacement
@@ -50,9 +51,6 @@ def load_element(
         friction: Coulomb friction against travel [N], >= 0.
         mobility: how fast it moves for a given force, beside the other cells of its chain.
 
-    Returns:
-        The element; its measure is what the units say.
-
     Raises:
         LabError: the file is missing or broken, its units are not known or do not belong together,
             or it holds loading and unloading and no half is asked for.
@@ -60,18 +58,18 @@ def load_element(
     """
     from stepwell import lab
 
-    if form not in _MAKE:
-        raise InputError(f"form = {form!r}: must be one of {', '.join(map(repr, _MAKE))}.")
+    if form not in MAKE:
+        raise InputError(f"form = {form!r}: must be one of {', '.join(map(repr, MAKE))}.")
     if noise is not None and form != "table":
         raise InputError(f"noise goes with form='table' alone, which is smoothed; form = {form!r}.")
     curve = lab.read_curve(file)
-    options: dict[str, Any] = {"stops": stops, "friction": friction, "mobility": mobility}
-    options["measure"] = curve.measure
-    if form == "table":
-        options["noise"] = noise
+    options: dict[str, Any] = {"noise": noise} if form == "table" else {}
+    options |= {"stops": stops, "friction": friction, "mobility": mobility}
     x, y = _columns(curve, form, half)
     try:
-        return _MAKE[form](x, y, Path(file).stem if name is None else name, **options)
+        return MAKE[form](
+            x, y, Path(file).stem if name is None else name, measure=curve.measure, **options
+        )
     except InputError as error:
         raise lab.LabError(os.fspath(file), str(error)) from None
 
@@ -79,29 +77,19 @@ def load_element(
 def with_curves(text: str, name: str) -> str:
     """The text of a design file with the numbers in place of the CSV files that it names.
 
-    All else stays as it was, comments included. So a text says all of a design, wherever it is
-    copied to, and its hash tells when a curve has changed.
-
-    Args:
-        text: of the file.
-        name: the file's path: a CSV file lies in the same folder or below it.
-
-    Raises:
-        DesignError: a CSV file that cannot be used; one line for each.
+    So a text says all of a design, wherever it is copied to, and its hash changes with a curve.
+    CSV files lie in the folder of the file of that name, or below it; others are a DesignError.
     """
-    if "_csv" not in text:
-        return text
-    tables = _tables(text)
+    tables = _tables(text) if "_csv" in text else {}
     if not tables:
         return text
     named = list(_names((), tables))
     found = [match for match in _NAMED.finditer(text) if match["key"]]
     if [(path[-1], value) for path, value in named] != [_said(match) for match in found]:
         raise DesignError(name, [_ODD])
-    curves = _Curves(Path(name).parent)
+    curves, end = _Curves(Path(name).parent), 0
     problems: list[str] = []
     pieces: list[str] = []
-    end = 0
     for (path, value), match in zip(named, found, strict=True):
         try:
             key, numbers = curves.of(path, value)
@@ -111,8 +99,7 @@ def with_curves(text: str, name: str) -> str:
             continue
         pieces += [text[end : match.start()], f"{key} = {numbers}"]
         end = match.end()
-    if problems:
-        raise DesignError(name, problems)
+    refuse_any(name, problems)
     changed = "".join([*pieces, text[end:]])
     if _tables(changed) != tables:
         raise DesignError(name, [_ODD])
@@ -135,11 +122,7 @@ class _Curves:
         self._bytes = 0
 
     def of(self, path: _Path, name: str) -> tuple[str, str]:
-        """The key and the value to be written in place of a file's name.
-
-        Raises:
-            ValueError: no such key, or a file that cannot be used.
-        """
+        """The key and the value to be written in place of a file's name, or a ValueError."""
         form = str(path[-1]).removesuffix("_csv")
         home = next(step for step in reversed(path[:-1]) if isinstance(step, str))
         of_band = home in ("band", "bands")
@@ -150,15 +133,13 @@ class _Curves:
         require("rows", len(x), "the file has")
         if of_band:
             if curve.measure is not Measure.TRAVEL:
-                raise InputError(
-                    f"has {curve.measure.travel} and {curve.measure.force}: a band has extension "
-                    f"and tension, as in extension_mm,tension_N."
-                )
+                has = f"has {curve.measure.travel} and {curve.measure.force}"
+                must = "a band has extension and tension, as in extension_mm,tension_N."
+                raise InputError(f"{has}: {must}")
             key, numbers = "table_mm_N", written("table_mm_N", tuple(zip(x, y, strict=True)))
         else:
-            keys = schema.COLUMNS[curve.measure]
-            columns = (written(key, column) for key, column in zip(keys, (x, y), strict=True))
-            key, numbers = form, inline(dict(zip(keys, columns, strict=True)))
+            columns = zip(schema.COLUMNS[curve.measure], (x, y), strict=True)
+            key, numbers = form, inline({one: written(one, column) for one, column in columns})
         self._bytes += len(numbers)
         require("design_bytes", self._bytes, "with its curves it has")
         return key, numbers
@@ -175,15 +156,12 @@ class _Curves:
 
     def _place(self, name: str) -> Path:
         """Where the file lies; ValueError where that is not beside the design or below."""
-        place = self._folder / name
-        try:
+        place, inside = self._folder / name, False
+        with suppress(ValueError):  # a name with a zero byte in it
             inside = Path(os.path.realpath(place)).is_relative_to(os.path.realpath(self._folder))
-        except ValueError:  # a name with a zero byte in it
-            inside = False
         if not name or Path(name).is_absolute() or ".." in Path(name).parts or not inside:
-            raise InputError(
-                "must be the name of a file in the folder of the design, or in a folder below it."
-            )
+            where = "in the folder of the design, or in a folder below it"
+            raise InputError(f"must be the name of a file {where}.")
         return place
 
 
@@ -191,19 +169,16 @@ def _columns(
     curve: "MeasuredCurve", form: str, half: str | None
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Travels and forces: along the arc for what folds back, else rising."""
-    if form == "curve" and half is None:
-        x, y = curve.travel, curve.force
-    else:
-        x, y = curve.rising(half)
+    along = form == "curve" and half is None
+    x, y = (curve.travel, curve.force) if along else curve.rising(half)
     return tuple(x.tolist()), tuple(y.tolist())
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """What the text says; nothing where it is no TOML, which is told where it is read."""
-    try:
+    """What the text says; nothing where it is no TOML, which is refused where it is read."""
+    with suppress(DesignError):
         return parsed(text, "", "")
-    except DesignError:
-        return {}
+    return {}
 
 
 def _names(path: _Path, value: Any) -> Iterator[tuple[_Path, str]]:

@@ -1,7 +1,7 @@
 """A chain or a robot as the text of its design file: what cells share first, then each cell."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from stepwell.files.cells import element_lines
@@ -53,27 +53,26 @@ def _cell_lines(cell: Cell | Element, shared: Common) -> list[str]:
     name = [f"name = {quoted(cell.name)}"] if cell.name else []
     if isinstance(cell, Element):
         return [*name, *element_lines(cell)]
-    keys = _cell(cell)
-    bands = [_band(band) for band in cell.bands]
-    bands = [{key: band[key] for key in band if key not in shared.band} for band in bands]
-    rest = {key: keys[key] for key in keys if key not in shared.keys}
-    return [*name, *_own_bands(bands), *lines(rest)]
+    bands = [_without(_band(band), shared.band) for band in cell.bands]
+    return [*name, *_own_bands(bands), *lines(_without(_cell(cell), shared.keys))]
+
+
+def _without(keys: Written, others: Iterable[str]) -> Written:
+    return {key: value for key, value in keys.items() if key not in others}
 
 
 def _own_bands(bands: list[Written]) -> list[str]:
     if len(bands) > 1:
         return ["bands = [", *(f"    {inline(band)}," for band in bands), "]"]
     anchors = {key: bands[0][key] for key in ("p_mm", "q_mm")}
-    rest = {key: bands[0][key] for key in bands[0] if key not in anchors}
+    rest = _without(bands[0], anchors)
     return lines(anchors) + ([f"band = {inline(rest)}"] if rest else [])
 
 
 def _shared(tables: list[Written], names: tuple[str, ...]) -> Written:
-    return {
-        name: tables[0][name]
-        for name in names
-        if all(table.get(name) == tables[0].get(name) for table in tables) and name in tables[0]
-    }
+    first, *others = tables
+    alike = (name for name in names if all(one.get(name) == first.get(name) for one in others))
+    return {name: first[name] for name in alike if name in first}
 
 
 def _shared_law(bands: list[Written]) -> Written:
@@ -178,13 +177,10 @@ def _title(title: str) -> list[str]:
 
 
 def _source(robot: Robot) -> list[str]:
-    labels = [*schema.SOURCES, *sorted(set(robot.sources.values()) - set(schema.SOURCES))]
-    lists = {
-        label: [path for path, said in robot.sources.items() if said == label] for label in labels
-    }
-    rows = [
-        f"{label if label.isalpha() else quoted(label)} = {array(map(quoted, paths))}"
-        for label, paths in lists.items()
-        if paths
-    ]
+    labels = {*robot.sources.values()}
+    rows: list[str] = []
+    for label in (*schema.SOURCES, *sorted(labels - {*schema.SOURCES})):
+        paths = array(quoted(path) for path, said in robot.sources.items() if said == label)
+        if label in labels:
+            rows.append(f"{label if label.isalpha() else quoted(label)} = {paths}")
     return ["[source]", *rows] if rows else []

@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any, get_args
 
 from stepwell.base import Measure
-from stepwell.files.cells import merged
+from stepwell.files.cells import MAKE, merged
 from stepwell.files.schema import chain as schema, elements
 from stepwell.files.schema.keys import ENDS, Keys, Within, field_of, unit_of, written
 from stepwell.mechanism import LIBRARY, Band, Cell, Element
@@ -18,21 +18,13 @@ Path = tuple[str | int, ...]
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class KnownKey:
-    """A key that a table may hold.
+    """A key that a table may hold."""
 
-    Attributes:
-        path: keys, and places in lists, from the chain's table on.
-        label: the key in words.
-        units: of each of its numbers; "" where one has none.
-        default: what it is where it is left out, as a file has it; None for nothing.
-        bounds: the least and the most that it may be; None where it is not just a number.
-    """
-
-    path: Path
+    path: Path  # from the chain's table on
     label: str
-    units: tuple[str, ...]
-    default: Any
-    bounds: tuple[float, float] | None
+    units: tuple[str, ...]  # of each of its numbers; "" where one has none
+    default: Any  # as a file has it; None for nothing
+    bounds: tuple[float, float] | None  # None where it is not just a number
 
 
 def known_keys(
@@ -40,15 +32,10 @@ def known_keys(
 ) -> tuple[list[KnownKey], list[list[KnownKey]]]:
     """The keys of a chain, and those of each of its cells, whether they stand there or not.
 
-    Nothing is checked: what is wrong with a table hides no key of it.
-
-    Args:
-        chain: its table, as files hold it.
-        common: of a robot, the table that the chains of all legs share; None for a chain.
+    Nothing is checked: what is wrong with a table hides no key of it. `common` is the table that
+    the chains of all legs of a robot share; None for a chain.
     """
-    found = chain.get("cell")
-    tables: Sequence[Any] = found if isinstance(found, list) else []
-    cells = [_table(one) for one in tables]
+    cells = [_table(one) for one in _list(chain.get("cell"))]
     shared = _defaults(Cell, ("lever_mm", "limit_deg", "unusual")) | _numbers_of(_table(common))
     band = _band_over(_band(), _table(common))
     own: list[KnownKey] = []
@@ -64,13 +51,9 @@ def known_keys(
 
 
 def columns_of(cell: Any) -> tuple[str, str, str] | None:
-    """Where the points of an element's curve stand: its form, the keys of travel and of force.
-
-    Args:
-        cell: its table, as files hold it; None comes back where it is not given by points.
-    """
+    """The form of an element's curve, and the keys of travel and force; None without points."""
     table = _table(cell)
-    form = next((one for one in ("table", "points", "curve") if one in table), None)
+    form = next((one for one in MAKE if one in table), None)
     held = _table(table.get(form)) if form else {}
     for x, y in elements.COLUMNS.values():
         xs, ys = held.get(x), held.get(y)
@@ -82,8 +65,7 @@ def columns_of(cell: Any) -> tuple[str, str, str] | None:
 def new_cells() -> dict[str, dict[str, Any]]:
     """A table for every kind of cell that can be added to a chain, by what it is."""
     found: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
-    for form in elements.LibraryKeys.model_fields:
-        found[form.replace("_", " ")] = {form: {}}
+    found |= {form.replace("_", " "): {form: {}} for form in elements.LibraryKeys.model_fields}
     # A force that rises, falls and rises again, in round numbers of each unit.
     for measure, (x, y) in elements.COLUMNS.items():
         points = {x: [0, 4, 12, 16], y: [0, 1, -1, 0.5]}
@@ -98,15 +80,12 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
         numbers["name"] = ""
         if "load_mm_N" not in cell:
             numbers["load_N"] = 0
-        bands = cell.get("bands")
-        own = _table(cell.get("band"))
-        if isinstance(bands, list):
+        if isinstance(cell.get("bands"), list):
             band = _band_over(band, cell)
-            placed: Sequence[Any] = bands
-            for k, one in enumerate(placed):
+            for k, one in enumerate(_list(cell["bands"])):
                 yield from _band_keys((*path, "bands", k), band, _table(one))
         else:
-            yield from _band_keys((*path, "band"), band, own)
+            yield from _band_keys((*path, "band"), band, _table(cell.get("band")))
         yield from _keys(path, schema.LeverKeys, numbers)
         return
     measure = _measure([cell])
@@ -130,27 +109,19 @@ def _keys(path: Path, table: type[Keys], defaults: Table) -> Iterator[KnownKey]:
         if key not in defaults:
             continue
         pair = key.endswith("_mm_N") or key in _ROWS
-        ends = ("_mm_N", *ENDS)
-        end = next((end for end in ends if key.endswith(end)), "")
-        yield KnownKey(
-            (*path, key),
-            key.removesuffix(end).replace("_", " "),
-            tuple(unit_of(key, column) for column in range(1 + pair)),
-            defaults[key],
-            next((_bounds(one) for one in _parts(field.annotation)), None),
-        )
+        end = next((end for end in ("_mm_N", *ENDS) if key.endswith(end)), "")
+        label = key.removesuffix(end).replace("_", " ")
+        units = tuple(unit_of(key, column) for column in range(1 + pair))
+        bounds = next(_bounds(field.annotation), None)
+        yield KnownKey((*path, key), label, units, defaults[key], bounds)
 
 
-def _parts(annotation: Any) -> Iterator[Within]:
+def _bounds(annotation: Any) -> Iterator[tuple[float, float]]:
     for one in get_args(annotation):
         check = getattr(one, "func", None)
         if isinstance(check, Within):
-            yield check
-        yield from _parts(one)
-
-
-def _bounds(check: Within) -> tuple[float, float]:
-    return float(check.least), float(check.most)
+            yield float(check.least), float(check.most)
+        yield from _bounds(one)
 
 
 def _band_keys(path: Path, shared: Table, own: Table) -> Iterator[KnownKey]:
@@ -225,3 +196,7 @@ def _usual(form: str) -> Element:
 
 def _table(found: Any) -> Table:
     return found if isinstance(found, Mapping) else {}
+
+
+def _list(found: Any) -> Sequence[Any]:
+    return found if isinstance(found, list) else []

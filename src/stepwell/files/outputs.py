@@ -59,13 +59,6 @@ OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
 
 
 def extras_of(command: str) -> tuple[str, ...]:
-    """The extras without which a command's files cannot be written.
-
-    Args:
-        command: one of OUTPUTS, such as "run".
-
-    Returns:
-        Their names, such as ("figures", "tables").
-    """
+    """The extras without which a command's files cannot be written, such as ("figures",)."""
     ends = [Path(name).suffix for name in OUTPUTS[command]]
     return tuple(dict.fromkeys(_EXTRAS[end] for end in sorted(ends) if end in _EXTRAS))

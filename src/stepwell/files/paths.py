@@ -15,6 +15,7 @@ A path that stops early means everything below it.
 import json
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from types import EllipsisType
 
@@ -31,9 +32,7 @@ class Item:
 
 Steps = tuple[str | Item, ...]
 
-
-# What stands for every item of a list.
-ALL = ...
+ALL = ...  # what stands for every item of a list
 Token = str | int | EllipsisType
 
 _TOKEN = re.compile(
@@ -59,11 +58,9 @@ def spelled(steps: Iterable[str | Item]) -> str:
 def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
     """The known numbers that a path means, each with what is left below the path.
 
-    Raises:
-        ValueError: the path means none of them; the text says what was probably meant.
+    ValueError where it means none of them; the text says what was probably meant.
     """
-    known = list(known)
-    tokens = _tokens(path)
+    known, tokens = list(known), _tokens(path)
     found = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
     if not found:
         raise InputError(_advice(tokens, known))
@@ -80,26 +77,22 @@ def _tokens(path: str) -> list[Token]:
             raise InputError(_NO_PATH)
         if match["quoted"] is not None:
             tokens.append(_unquoted(match["quoted"]))
-        elif match["key"] is not None:
-            tokens.append(match["key"])
         else:
-            tokens.append(int(match["index"]) if match["index"] else ALL)
+            tokens.append(match["key"] or (int(match["index"]) if match["index"] else ALL))
         place = match.end()
     if not tokens:
         raise InputError(_NO_PATH)
-    if tokens[:1] == ["chain"]:
+    if tokens[0] == "chain":
         tokens = ["leg", ALL, *tokens]
-    in_chain = tokens[:1] == ["leg"] and tokens[2:3] == ["chain"]
-    if in_chain and _get(tokens, 3) in _OF_EVERY_CELL:
+    if tokens[0] == "leg" and tokens[2:3] == ["chain"] and _get(tokens, 3) in _OF_EVERY_CELL:
         tokens[3:3] = ["cell", ALL]
     return tokens
 
 
 def _unquoted(text: str) -> str:
-    try:
+    with suppress(ValueError):
         return json.loads(f'"{text}"', strict=False)
-    except ValueError:
-        return text
+    return text
 
 
 def _below(tokens: list[Token], steps: Steps) -> Steps | None:
@@ -113,11 +106,7 @@ def _below(tokens: list[Token], steps: Steps) -> Steps | None:
         if isinstance(step, Item):
             if token is not ALL and token not in (step.index, step.name):
                 return None
-        elif (
-            token == "band"
-            and step == "bands"
-            and not isinstance(_get(tokens, k + 1), int | EllipsisType)
-        ):
+        elif (token, step) == ("band", "bands") and isinstance(_get(tokens, k + 1), str | None):
             at += 1  # what a cell's bands share
         elif token != step:
             return None
@@ -163,16 +152,13 @@ def _token(step: str | Item) -> str | int:
 
 
 def _shown(tokens: Iterable[Token]) -> str:
-    path = ""
-    for token in tokens:
-        if isinstance(token, int):
-            path += f"[{token}]"
-        else:
-            path += ("." if path else "") + (_word(token) if isinstance(token, str) else "*")
-    return path
+    path = "".join(f"[{one}]" if isinstance(one, int) else f".{_word(one)}" for one in tokens)
+    return path.removeprefix(".")
 
 
-def _word(text: str) -> str:
-    if re.fullmatch(r"[A-Za-z0-9_-]+", text):
-        return text
-    return json.dumps(text, ensure_ascii=False)
+def _word(token: str | EllipsisType) -> str:
+    if not isinstance(token, str):
+        return "*"
+    return (
+        token if re.fullmatch(r"[A-Za-z0-9_-]+", token) else json.dumps(token, ensure_ascii=False)
+    )

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from decimal import Decimal
+from operator import lt
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, to_unit, told_in
@@ -51,7 +52,7 @@ class WrittenProgram(ByValue):
     def on(self, chain: Chain) -> "Program":
         """The program on the chain of the same file, with the window of every turn.
 
-        Without `ends`, it is there for the state in which it ends. With friction, no turn has
+        Without `ends`, its target is the state in which it ends. With friction, no turn has
         a window.
 
         Raises:
@@ -80,10 +81,9 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
     (given,) = keys.given_points
     drives: tuple[Decimal, ...] = getattr(keys, given)
     if given != key:
-        force = f"prescribes the {chain.measure.force}"
-        control = force if chain.actuator_stiffness == 0 else "moves"
-        told = value_text(drives)
-        problems.append(f"program.{given} = {told}: the actuator {control}, so it must be {key}.")
+        soft = chain.actuator_stiffness == 0
+        control = f"the actuator {f'prescribes the {chain.measure.force}' if soft else 'moves'}"
+        problems.append(f"program.{given} = {value_text(drives)}: {control}, so it must be {key}.")
         return WrittenProgram(start, (), keys.ends)
     points: tuple[float, ...] = si(key, drives)
     if math.isinf(chain.actuator_stiffness) and not problems:
@@ -108,10 +108,8 @@ def _key(chain: Chain) -> str:
 
 
 def _wrong_state(key: str, state: str, chain: Chain) -> list[str]:
-    most = [len(phases) - 1 for phases in chain.phases]
-    if len(state) == len(chain) and all(
-        int(digit) <= last for digit, last in zip(state, most, strict=True)
-    ):
+    digits = map(int, state)
+    if len(state) == len(chain) and all(map(lt, digits, map(len, chain.phases))):
         return []
     must = f"{len(chain)} characters 0 or 1, one for each cell, inner first."
     if chain.elements:
@@ -139,9 +137,8 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
     for i, point in enumerate(points):
         place = f"program.{_key(chain)}[{i}] = {point * factor:.12g}"
         if i == 0 and not begins[0] - near <= point <= begins[1] + near:
-            at = f"{begins[0] * factor:.12g}"
-            if begins[0] < begins[1]:
-                at = f"from {at} to {begins[1] * factor:.12g} {unit}"
+            at, to = (f"{end * factor:.12g}" for end in begins)
+            at = f"from {at} to {to} {unit}" if begins[0] < begins[1] else at
             found.append(f"{place}: must be {at}, the {chain.measure.stroke} where {start} stands.")
         elif not ends[0] - near <= point <= ends[1] + near:
             meant = f" Did you mean {point:.12g}?" if 10 * full < point <= 1e3 * full else ""

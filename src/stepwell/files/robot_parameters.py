@@ -42,15 +42,8 @@ class Given(ByValue):
 
 
 def parameters(robot: Robot) -> tuple[Given, ...]:
-    """Every number of a robot, those that its file leaves out among them.
-
-    Args:
-        robot: any robot.
-
-    Returns:
-        Each by itself, in the order of a design file.
-    """
-    of = sources(robot, _lists(robot)).of
+    """Every number of a robot by itself, also those that its file leaves out, in its order."""
+    of, _ = sources(robot, _lists(robot))
     return tuple(
         Given(spelled(steps), (float(value),), _unit(steps), of[steps])
         for steps, value in leaves(tree_of(robot))
@@ -66,9 +59,8 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     Args:
         robot: any robot, or the text of its design file.
         values: key path to value, in the unit that the key names. A path may mean several
-            numbers, "leg.*.at_mm[0]", which all get the value; and it may mean a list,
-            "leg.left.at_mm", which gets as many values as it has. Where two paths mean the
-            same number, the later counts.
+            numbers, "leg.*.at_mm[0]", which all get the value; or a list, "leg.left.at_mm",
+            which gets as many values as it has. Of two paths to one number the later counts.
 
     Raises:
         DesignError: a path that means no number, or values no robot can have.
@@ -99,11 +91,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
 
 
 def key_unit(robot: Robot, path: str) -> str:
-    """The unit that a key path of a robot names, "" where there is none.
-
-    Raises:
-        ValueError: the path means no number of it; the text says what was probably meant.
-    """
+    """The unit that a key path of a robot names, "" for none; ValueError if it is no number's."""
     steps, rest = find(path, dict(leaves(tree_of(robot))))[0]
     if rest:
         raise InputError(f"{path} is a list: name one of its numbers, such as {path}[0].")
@@ -113,12 +101,10 @@ def key_unit(robot: Robot, path: str) -> str:
 def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
     """The robot's sources with the changed numbers assumed."""
     said = dict(robot.sources)
-    of = sources(robot, _lists(robot)).of
+    of, _ = sources(robot, _lists(robot))
     for steps in changed:
         if of.get(steps, schema.ASSUMED) != schema.ASSUMED:
-            alone = [path for path in said if _means_only(path, steps, of)]
-            for path in alone:
-                del said[path]
+            said = {path: one for path, one in said.items() if not _means_only(path, steps, of)}
             said[spelled(steps)] = schema.ASSUMED
     return said
 
@@ -137,10 +123,8 @@ def _same(value: Any, before: Any) -> bool:
 
 
 def _lists(robot: Robot) -> dict[str, list[str]]:
-    lists: dict[str, list[str]] = {}
-    for path, label in robot.sources.items():
-        lists.setdefault(label, []).append(path)
-    return lists
+    said = robot.sources
+    return {label: [path for path in said if said[path] == label] for label in said.values()}
 
 
 def _unit(steps: Steps) -> str:
@@ -165,10 +149,9 @@ def _part(value: Any, rest: Steps, steps: Steps, sizes: Mapping[Steps, int]) -> 
     for i, step in enumerate(rest, above):
         several = not isinstance(value, str | Mapping) and hasattr(value, "__len__")
         if not isinstance(step, Item) or not several or len(value) != sizes[steps[:i]]:
-            raise InputError(
-                f"{value_text(value)} is not what {spelled(steps[:above])} holds: name one number "
-                f"of it, such as {spelled(steps)}, or give as many as it has."
-            )
+            way = f"name one number of it, such as {spelled(steps)}, or give as many as it has."
+            holds = f"is not what {spelled(steps[:above])} holds"
+            raise InputError(f"{value_text(value)} {holds}: {way}")
         value = value[step.index]
     return value
 
@@ -184,14 +167,9 @@ def _of_file(value: Any) -> Any:
 
 
 def provenance(robot: Robot) -> tuple[Given, ...]:
-    """Every number of a robot with its source; what legs and cells share stands once.
+    """Every number of a robot with its source, in the order of a design file.
 
-    Args:
-        robot: any robot.
-
-    Returns:
-        In the order of a design file. Coordinates stand together, and `*` in a path means
-        every leg or every cell.
+    Coordinates stand together, and what legs and cells share stands once, with `*` in its path.
     """
     found = _by_list(parameters(robot))
     for several in _SEVERAL:
@@ -208,29 +186,27 @@ def _by_list(numbers: Iterable[Given]) -> list[Given]:
     for path, items in lists.items():
         if len({(item.unit, item.source) for item in items}) == 1:
             values = tuple(item.values[0] for item in items)
-            found.append(Given(path, values, items[0].unit, items[0].source))
+            found.append(replace(items[0], path=path, values=values))
         else:
             found += items
     return found
 
 
 def _shared(numbers: list[Given], several: re.Pattern[str]) -> list[Given]:
-    """Numbers that are alike in every leg or cell, told once."""
+    """Numbers that are alike in every leg or cell, once."""
     alike: dict[str, list[Given]] = {}
     for number in numbers:
         alike.setdefault(several.sub(_any, number.path), []).append(number)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
     found: list[Given] = []
-    told: set[str] = set()
     for number in numbers:
         path = several.sub(_any, number.path)
         items = alike[path]
         same = len({(item.values, item.unit, item.source) for item in items}) == 1
         if path == number.path or not same or len(items) < max(count, 2):
             found.append(number)
-        elif path not in told:
-            told.add(path)
-            found.append(Given(path, number.values, number.unit, number.source))
+        elif number is items[0]:
+            found.append(replace(number, path=path))
     return found
 
 

@@ -38,10 +38,10 @@ def is_number(value: Any) -> bool:
 def set_leaf(tree: Tree, steps: Steps, value: Any) -> None:
     """Set what stands at a path."""
     place: Any = tree
-    for step in steps[:-1]:
-        place = place[step.index if isinstance(step, Item) else step]
-    last = steps[-1]
-    place[last.index if isinstance(last, Item) else last] = value
+    *before, last = (step.index if isinstance(step, Item) else step for step in steps)
+    for step in before:
+        place = place[step]
+    place[last] = value
 
 
 def _leaves(steps: Steps, value: Any) -> Iterator[tuple[Steps, Any]]:
@@ -60,21 +60,14 @@ def _leaves(steps: Steps, value: Any) -> Iterator[tuple[Steps, Any]]:
         yield steps, value
 
 
-class Sources(NamedTuple):
-    """The source of every number, and what is wrong with the lists."""
-
-    of: dict[Steps, str]
-    problems: list[str]
-
-
 class _Said(NamedTuple):
     size: int  # how many numbers the path means
     label: str
     where: str
 
 
-def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> Sources:
-    """What lists of key paths, one for each source, say of a robot's numbers.
+def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Steps, str], list[str]]:
+    """The source of every number by lists of key paths, one for each source; what is wrong there.
 
     Of several paths that mean a number, the one that means the fewest numbers counts.
     """
@@ -90,15 +83,16 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> Sources:
             for other in others
             if other.label != one.label
         ]
-    return Sources(of, list(dict.fromkeys(problems)))
+    return of, list(dict.fromkeys(problems))
 
 
 def _said_of(
     robot: Robot, lists: Mapping[str, Sequence[str]]
 ) -> tuple[dict[Steps, list[_Said]], list[str]]:
     """Of every number of a robot the paths that mean it, and the paths that mean none."""
-    numbers = [steps for steps, value in leaves(tree_of(robot)) if is_number(value)]
-    said: dict[Steps, list[_Said]] = {steps: [] for steps in numbers}
+    said: dict[Steps, list[_Said]] = {
+        steps: [] for steps, value in leaves(tree_of(robot)) if is_number(value)
+    }
     problems: list[str] = []
     for label, paths in lists.items():
         for i, path in enumerate(paths):
@@ -107,7 +101,7 @@ def _said_of(
             table = label if label.isalpha() else quoted(label)
             where = f"source.{table}[{i}] = {value_text(path)}"
             try:
-                found = find(path, numbers)
+                found = find(path, said)
             except ValueError as error:
                 problems.append(f"{where}: {error}")
                 continue
@@ -123,8 +117,8 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     """The robot, with every check; DesignError where that is none, with every reason found."""
     problems: list[str] = []
     parts: dict[str, Any] = {
-        name: part_of(name, make, fields(getattr(keys, name)), problems)
-        for name, make in schema.PARTS.items()
+        part: part_of(part, make, fields(getattr(keys, part)), problems)
+        for part, make in schema.PARTS.items()
     }
     legs = [_leg(keys.chain, one, f"leg[{i}]", problems) for i, one in enumerate(keys.leg)]
     antennas: list[Any] = [
@@ -133,19 +127,13 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     ]
     said = {path: label for label, paths in keys.source.lists().items() for path in paths}
     if not problems:
+        how = {"title": keys.title, "sources": said, "unusual": keys.unusual, **parts}
         try:
-            made = Robot(
-                legs,
-                antennas=antennas,
-                title=keys.title,
-                sources=said,
-                unusual=keys.unusual,
-                **parts,
-            )
+            made = Robot(legs, antennas=antennas, **how)
         except ValueError as error:
             problems += lines_of(error)
         else:
-            problems += sources(made, keys.source.lists()).problems
+            problems += sources(made, keys.source.lists())[1]
             if not problems:
                 return made
     # A chain that several legs share has its problems once.
@@ -168,10 +156,8 @@ def _leg(common: schema.LegChainKeys, keys: schema.LegKeys, where: str, problems
     band = merged(common.band.given(), own.band.given(), f"{where}.chain.band", problems)
     tables = own.cell or common.cell
     if not tables:
-        problems.append(
-            f"{where}.chain: is missing. Give the cells of all legs under [[chain.cell]], or those "
-            f"of this leg under [[leg.chain.cell]]."
-        )
+        way = "Give the cells of all legs under [[chain.cell]], or those of this leg under"
+        problems.append(f"{where}.chain: is missing. {way} [[leg.chain.cell]].")
     place = f"{where}.chain.cell" if own.cell else "chain.cell"
     cells = cells_of(tables, Shared.of(band, common, own), place, problems)
     if len(problems) > before:

@@ -2,6 +2,7 @@
 
 import os
 import re
+from contextlib import suppress
 
 from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import arena_toml, loads_arena
@@ -27,7 +28,7 @@ def save(
     """Write a chain, a robot or an arena as its file, whole or not at all.
 
     Args:
-        design: any chain, robot or arena.
+        design: any.
         path: where to, as TOML; an existing file is replaced.
         program: of a chain's actuator, for a table [program].
 
@@ -43,12 +44,8 @@ def save(
 def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = None) -> str:
     """The file of a chain, a robot or an arena; reading it gives an equal one, to the last bit.
 
-    Args:
-        design: any chain, robot or arena.
-        program: of a chain's actuator, for a table [program].
-
-    Returns:
-        TOML: what cells and legs share first, then each of them, innermost first.
+    TOML: what cells and legs share first, then each of them, innermost first; at the end the
+    program of a chain's actuator.
 
     Raises:
         ValueError: the design lies outside what its file may hold, such as a name of two lines
@@ -73,19 +70,14 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
 def with_program(text: str, program: WrittenProgram) -> str:
     """The design file of a chain as TOML with another table [program], all else as it was.
 
-    Args:
-        text: of the file, with its comments.
-        program: what is to stand there.
-
     Raises:
         DesignError: the text is no chain's design file.
     """
     chain = loads(text).chain
     kept = _PROGRAM.sub("", text.replace("\r\n", "\n")).rstrip("\n")
     changed = f"{kept}\n\n{program.text(chain)}"
-    try:
-        same = loads(changed).chain == chain and loads(changed).program == program
-    except DesignError:
-        same = False
+    with suppress(DesignError):
+        if loads(changed).chain == chain and loads(changed).program == program:
+            return changed
     # A table that stood there in another form, such as program = { ... } on one line.
-    return changed if same else dumps(chain, program=program)
+    return dumps(chain, program=program)
