@@ -18,13 +18,8 @@ FILES = {
     "recordings": ("measured",),
     "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),
     "studies": (
-        "studies",
-        "study",
-        "study_begin",
-        "study_csv",
-        "study_design",
-        "study_estimate",
-        "study_stop",
+        *("studies", "study", "study_begin", "study_csv"),
+        *("study_design", "study_estimate", "study_stop"),
     ),
     "targets": ("wish", "yield"),
 }
@@ -46,17 +41,8 @@ def types() -> tuple[str, ...]:
     return tuple(sorted(_PANELS))
 
 
-def is_long(kind: str) -> bool:
-    """Whether a panel runs in a process of its own."""
-    return kind in LONG
-
-
 def answer(kind: str, design: PageDesign, ask: Ask) -> View:
-    """Compute the answer of a panel; its file is imported at the first question.
-
-    Raises:
-        StepwellError: what the panel refuses; the text says why.
-    """
+    """The answer of a panel, whose file is imported at the first question, or what it refuses."""
     panels = import_module(f"stepwell.studio.panels.{_PANELS[kind]}")
     return getattr(panels, f"answer_{kind}")(design, ask)
 
@@ -64,9 +50,7 @@ def answer(kind: str, design: PageDesign, ask: Ask) -> View:
 def answered(message: Message, ask: Ask | None = None) -> bytes:
     """What the panel of a message answers, or everything that is wrong with the message.
 
-    Args:
-        message: of the page.
-        ask: the keys of the request, with functions that report progress; by default without.
+    `ask` has functions that report progress; without it there are none.
     """
     design = PageDesign(message.design, message.leg)
     ask = ask or Ask(message.ask, studies=message.studies)
@@ -81,11 +65,6 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
 
 
 def tell(error: Exception, asked: str = "") -> None:
-    """Write a line about an unexpected error, and a report of it.
-
-    Args:
-        error: any.
-        asked: by the page, as JSON.
-    """
+    """Write a line about an unexpected error, and a report of it with what the page asked."""
     if sys.stderr is not None:
         sys.stderr.write(f"{reported(error, ['studio'], asked)}\n")

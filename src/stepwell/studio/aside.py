@@ -17,7 +17,7 @@ from stepwell.studio.message import Message, part, step
 
 # What long answers need, imported once for all of them.
 _USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize", "xarray", "numba"
-# So often it is said how far the work is [s].
+# Seconds between two reports of progress.
 _EVERY = 0.1
 
 
@@ -29,12 +29,7 @@ class Aside:
         self._pipe: Connection | None = None
 
     async def run(self, message: Message, tell: Callable[[bytes], None]) -> bytes | None:
-        """The answer to a message; None where the work was ended.
-
-        Args:
-            message: of a long panel.
-            tell: called with every word on how far it is.
-        """
+        """The answer to a message, None if the work was ended; `tell` is called with progress."""
         pipe = self._started()
         try:
             pipe.send(message)
@@ -76,10 +71,8 @@ def prepare() -> None:
 
 
 def _apart() -> Any:
-    """How a process starts: from one that has all imported and no threads, where that can be had.
-
-    A fork of this process would take the locks of its threads along.
-    """
+    # A fork of this process would take the locks of its threads along: where that can be had, start
+    # from a process that has all imported and no threads.
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     apart = multiprocessing.get_context("forkserver")

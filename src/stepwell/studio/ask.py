@@ -18,12 +18,7 @@ from stepwell.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """An answer of a panel.
-
-    Attributes:
-        header: what JSON can hold, the unit in the name of every number that has one.
-        blocks: arrays of floats or of whole numbers, by name.
-    """
+    """An answer of a panel: what JSON can hold, with units in names, and arrays by name."""
 
     header: Mapping[str, Any]
     blocks: Mapping[str, np.ndarray[Any, Any]] = field(default_factory=dict)
@@ -33,12 +28,11 @@ Tell = Callable[[float, float], None]
 Show = Callable[[View], None]
 
 
-def _silent(*_told: object) -> None:
-    """Report nothing: the default of `tell` and `show`."""
+def _silent(*_told: object) -> None: ...
 
 
 class Ask:
-    """The keys of a request. Each is taken once; `close` refuses what is left.
+    """The keys of a request, each taken once, or a ValueError; `close` refuses what is left.
 
     Args:
         keys: as JSON has them.
@@ -59,47 +53,29 @@ class Ask:
         self.tell, self.show, self.studies = tell, show, studies
 
     def number(self, key: str, least: float, most: float, default: float | None = None) -> float:
-        """A number between two bounds.
-
-        Raises:
-            ValueError: another value, or none where there is no default.
-        """
+        """A number between two bounds."""
         value = self._take(key, default)
         real = isinstance(value, int | float) and not isinstance(value, bool)
         if not real or not isfinite(value) or not least <= value <= most:
-            raise InputError(f"ask.{key} = {_shown(value)}: must be from {least:g} to {most:g}.")
+            raise _wrong(key, value, f"from {least:g} to {most:g}")
         return float(value)
 
     def whole(self, key: str, least: int, most: int, default: int | None = None) -> int:
-        """A whole number between two bounds.
-
-        Raises:
-            ValueError: another value, or none where there is no default.
-        """
+        """A whole number between two bounds."""
         value = self._take(key, default)
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            allowed = f"a whole number from {least} to {most}"
-            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+            raise _wrong(key, value, f"a whole number from {least} to {most}")
         return value
 
     def text(self, key: str, longest: int, default: str | None = None) -> str:
-        """Text of a length.
-
-        Raises:
-            ValueError: another value, or none where there is no default.
-        """
+        """Text of a length."""
         value = self._take(key, default)
         if not isinstance(value, str) or len(value) > longest:
-            allowed = f"text of at most {longest} letters"
-            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+            raise _wrong(key, value, f"text of at most {longest} letters")
         return value
 
     def tolerances(self) -> Tolerances:
-        """Tolerances with the keys anchor_mm and stiffness_percent, both with usual defaults.
-
-        Raises:
-            ValueError: a value out of bounds.
-        """
+        """Tolerances with the keys anchor_mm and stiffness_percent, both with usual defaults."""
         anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(USUAL.anchor, "mm"))
         usual = to_unit(USUAL.stiffness, "percent")
         stiffness = self.number("stiffness_percent", 0.0, 24.9, usual)
@@ -111,65 +87,41 @@ class Ask:
         return key in self._keys
 
     def pair(self, key: str, least: float, most: float) -> tuple[float, float]:
-        """Two numbers between two bounds, the first below the second.
-
-        Raises:
-            ValueError: another value, or none.
-        """
+        """Two numbers between two bounds, the first below the second."""
         value = self._take(key, None)
         if isinstance(value, list) and len(value) == 2:
             low, high = (Ask({key: one}).number(key, least, most) for one in value)
             if low < high:
                 return low, high
-        raise InputError(
-            f"ask.{key} = {_shown(value)}: must be two numbers from {least:g} to {most:g}, the "
-            f"first below the second."
-        )
+        allowed = f"two numbers from {least:g} to {most:g}, the first below the second"
+        raise _wrong(key, value, allowed)
 
     def numbers(
         self, key: str, longest: int, least: float, most: float, *, least_many: int = 1
     ) -> list[float]:
-        """Numbers of a list, each between two bounds.
-
-        Raises:
-            ValueError: another value, too few, too many, or none.
-        """
+        """Numbers of a list, each between two bounds."""
         value = self._take(key, None)
         if not isinstance(value, list) or not least_many <= len(value) <= longest:
-            allowed = f"a list of {least_many} to {longest} numbers"
-            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+            raise _wrong(key, value, f"a list of {least_many} to {longest} numbers")
         return [Ask({key: one}).number(key, least, most) for one in value]
 
     def table(self, key: str) -> dict[str, Any]:
-        """An object with keys of its own, which who takes it checks.
-
-        Raises:
-            ValueError: another value, or none.
-        """
+        """An object with keys of its own, which the caller checks."""
         value = self._take(key, None)
         if not isinstance(value, dict):
-            raise InputError(f"ask.{key} = {_shown(value)}: must be an object.")
+            raise _wrong(key, value, "an object")
         return value
 
     def parts(self, key: str, longest: int) -> "list[Ask]":
-        """The objects of a list, each to be asked by itself.
-
-        Raises:
-            ValueError: another value, too many, or none.
-        """
+        """The objects of a list, each to be asked by itself."""
         value = self._take(key, None)
         whole = isinstance(value, list) and 1 <= len(value) <= longest
         if not whole or not all(isinstance(one, dict) for one in value):
-            allowed = f"a list of 1 to {longest} objects"
-            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+            raise _wrong(key, value, f"a list of 1 to {longest} objects")
         return [Ask(one) for one in value]
 
     def close(self) -> None:
-        """Refuse keys that were not taken.
-
-        Raises:
-            ValueError: there are some; the text names the first.
-        """
+        """Refuse keys that were not taken; the text names the first."""
         for key in self._keys:
             near = nearest_word(key, self._known)
             known = ", ".join(dict.fromkeys(self._known)) or "none"
@@ -179,6 +131,10 @@ class Ask:
     def _take(self, key: str, default: Any) -> Any:
         self._known.append(key)
         return self._keys.pop(key, default)
+
+
+def _wrong(key: str, value: Any, allowed: str) -> InputError:
+    return InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
 
 
 def _shown(value: Any) -> str:
@@ -191,7 +147,7 @@ MOST_CELLS = 64
 
 
 class PageDesign:
-    """What the page shows; nothing is checked before it is asked for.
+    """What the page shows; nothing is checked before it is asked for, and then ValueError raised.
 
     Args:
         tables: of a design file, as JSON has them; None where the request has no design.
@@ -203,42 +159,28 @@ class PageDesign:
 
     @cached_property
     def read(self) -> DesignFile:
-        """What the tables describe, and the program of a chain.
-
-        Raises:
-            ValueError: there is no design, or one that cannot be; the text as for a file.
-        """
+        """What the tables describe, and the program of a chain."""
         if self.tables is None:
             raise InputError("design: is missing; send the tables of a design file.")
         return loads_tables(self.tables)
 
     @property
     def chain(self) -> Chain:
-        """The chain, or that of one leg of the robot.
-
-        Raises:
-            ValueError: as `read`, or there is no such leg, or it is longer than the studio can
-                show.
-        """
+        """The chain, or that of one leg of the robot, no longer than the studio can show."""
         chain = self.read.subject
         if isinstance(chain, Robot):
             if self.leg >= len(chain.legs):
                 raise DesignError("design", [f"leg[{self.leg}]: there are {len(chain.legs)}."])
             chain = chain.legs[self.leg].chain
         if len(chain) > MOST_CELLS:
-            raise InputError(
-                f"chain.cell: {len(chain)} cells: the studio follows at most {MOST_CELLS} while "
-                f"they are dragged; `stepwell run` takes more."
-            )
+            most = f"the studio follows at most {MOST_CELLS} while they are dragged"
+            way = "`stepwell run` takes more"
+            raise InputError(f"chain.cell: {len(chain)} cells: {most}; {way}.")
         return chain
 
     @property
     def robot(self) -> Robot:
-        """The robot.
-
-        Raises:
-            ValueError: as `read`, or it is a chain.
-        """
+        """The robot; a chain is refused."""
         found = self.read.subject
         if not isinstance(found, Robot):
             raise DesignError("design", ["is a chain, and this needs a robot."])

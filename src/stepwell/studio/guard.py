@@ -17,12 +17,8 @@ class Guard:
     """Refuse what comes by another name than this machine's own, from another page, or uninvited.
 
     A page of another site can send requests to this machine, but not with this Host, which a name
-    that was bent to this address would betray, and a WebSocket of it not with this Origin.
-
-    Args:
-        app: what is guarded.
-        port: where the studio listens.
-        token: without which no socket opens.
+    that was bent to this address would betray, and a WebSocket of it not with this Origin. Without
+    the token no socket opens.
     """
 
     def __init__(self, app: App, port: int, token: str):

@@ -39,10 +39,6 @@ class Refusal(NamedTuple):
         found = _AT.match(text)
         return cls(found["at"] if found else "", text)
 
-    def record(self) -> dict[str, Any]:
-        """As JSON has it."""
-        return self._asdict()
-
 
 def problems_of(error: StepwellError) -> list[Refusal]:
     """Every problem that an error tells, in the words that a command would print."""
@@ -80,22 +76,13 @@ class Message(NamedTuple):
 
 
 def message_of(text: str, types: Iterable[str]) -> Message:
-    """The request that a text holds.
-
-    Args:
-        text: JSON.
-        types: those that are known.
-
-    Raises:
-        WireError: it is none; the text says what it must be.
-    """
+    """The request of a known type that a text holds, or a WireError that says what it must be."""
     found = _object(text)
-    number: Any = found.get("seq")
-    seq: int = number if _is_number(number) else 0
+    seq: Any = found.get("seq")
     for problem in _problems(found, [*types]):
-        raise WireError(problem, seq)
-    leg = found.get("leg", 0)
-    return Message(found["type"], seq, found.get("design"), found.get("ask") or {}, leg)
+        raise WireError(problem, seq if _is_number(seq) else 0)
+    ask, leg = found.get("ask") or {}, found.get("leg", 0)
+    return Message(found["type"], seq, found.get("design"), ask, leg)
 
 
 def _object(text: str) -> dict[str, Any]:
@@ -121,17 +108,14 @@ def _problems(found: Mapping[str, Any], types: list[str]) -> Iterator[str]:
     if type(version) is not int or version != VERSION:
         yield f"v = {_cut(version)}: must be {VERSION}; load the page again."
     if kind not in types:
-        yield f"type = {_cut(kind)}: no such type. {_advice(kind, types)}"
+        near = nearest_word(kind, types) if isinstance(kind, str) else None
+        advice = f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
+        yield f"type = {_cut(kind)}: no such type. {advice}"
     for key in ("design", "ask"):
         if not isinstance(found.get(key), dict | None):
             yield f"{key} = {_cut(found[key])}: must be an object."
     if "leg" in found and not _is_number(leg, math.inf):
         yield f"leg = {_cut(leg)}: must be a whole number from 0."
-
-
-def _advice(kind: Any, types: list[str]) -> str:
-    near = nearest_word(kind, types) if isinstance(kind, str) else None
-    return f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
 
 
 def _is_number(value: Any, most: float = _MOST) -> bool:
@@ -154,7 +138,7 @@ def packed(kind: str, seq: int, view: View) -> bytes:
 
 def refused(kind: str, seq: int, problems: Iterable[Refusal], **more: Any) -> bytes:
     """A refusal as bytes, with everything that is wrong."""
-    told = [problem.record() for problem in problems]
+    told = [problem._asdict() for problem in problems]
     return _head({**_start(kind, seq), "ok": False, **more, "problems": told, "blocks": []})
 
 

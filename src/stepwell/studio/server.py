@@ -31,7 +31,7 @@ _TYPES = {
     "png": "image/png",
     "woff2": "font/woff2",
 }
-# Those of its users do not wait for it longer than this [s].
+# How long its users wait for its end at most [s].
 _PATIENCE = 1
 
 
@@ -80,11 +80,11 @@ def serve(
 
 
 def _listening(port: int | None) -> socket.socket:
-    if port is not None:
-        return socket.create_server((HOST, port), backlog=64)
     try:
-        return socket.create_server((HOST, USUAL_PORT), backlog=64)
+        return socket.create_server((HOST, USUAL_PORT if port is None else port), backlog=64)
     except OSError:
+        if port is not None:
+            raise
         return socket.create_server((HOST, 0), backlog=64)
 
 
@@ -95,18 +95,7 @@ def application(
     ready: Callable[[], None] = lambda: None,
     studies: str | os.PathLike[str] | None = None,
 ) -> App:
-    """The studio as an ASGI application.
-
-    Args:
-        port: where it will listen.
-        token: without which no socket opens.
-        design: as for `serve`.
-        ready: called once it can answer.
-        studies: as for `serve`.
-
-    Raises:
-        ExtraError: the packages of the extra `studio` are not installed.
-    """
+    """The studio as an ASGI application; `ready` is called once it can answer."""
     applications = _needed("starlette.applications")
     responses, routing = _needed("starlette.responses"), _needed("starlette.routing")
     threads = ThreadPoolExecutor(1, "studio")
@@ -122,8 +111,7 @@ def application(
 
     async def talk(websocket: Any) -> None:
         await websocket.accept()
-        session = Session(websocket.send_bytes, threads, design, kept)
-        await _talked(websocket, session)
+        await _talked(websocket, Session(websocket.send_bytes, threads, design, kept))
 
     def of(name: str, content: bytes) -> Any:
         kind = _TYPES[name.rpartition(".")[2]]
@@ -150,13 +138,8 @@ def usual_studies() -> Path:
 def page_files() -> dict[str, bytes]:
     """The files of the page by name."""
     folder = files("stepwell.studio") / "page"
-    if not folder.is_dir():
-        return {}
-    return {
-        file.name: file.read_bytes()
-        for file in folder.iterdir()
-        if file.name.rpartition(".")[2] in _TYPES
-    }
+    held = folder.iterdir() if folder.is_dir() else ()
+    return {one.name: one.read_bytes() for one in held if one.name.rpartition(".")[2] in _TYPES}
 
 
 async def _talked(websocket: Any, session: Session) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
-from stepwell.studio.answering import answered, is_long, tell, types
+from stepwell.studio.answering import LONG, answered, tell, types
 from stepwell.studio.aside import Aside, prepare
 from stepwell.studio.ask import View
 from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
@@ -32,21 +32,18 @@ class Waiting:
     async def take(self) -> Message:
         """The next message, as soon as there is one."""
         await self._some.wait()
-        kind = next(iter(self._of))
+        return self._pop(next(iter(self._of)))
+
+    def drop(self, seq: int) -> Message | None:
+        """Forget the message of that number, if it waits."""
+        kind = next((kind for kind, message in self._of.items() if message.seq == seq), None)
+        return None if kind is None else self._pop(kind)
+
+    def _pop(self, kind: str) -> Message:
         message = self._of.pop(kind)
         if not self._of:
             self._some.clear()
         return message
-
-    def drop(self, seq: int) -> Message | None:
-        """Forget the message of that number, if it waits."""
-        for kind, message in self._of.items():
-            if message.seq == seq:
-                del self._of[kind]
-                if not self._of:
-                    self._some.clear()
-                return message
-        return None
 
 
 class Session:
@@ -66,12 +63,11 @@ class Session:
         start: dict[str, Any] | None,
         studies: Path | None = None,
     ):
-        self._send = send
-        self._threads = threads
+        self._send, self._threads = send, threads
         self._start, self._studies = start, studies
         self._quick = Waiting()
-        # Of each long type by itself: a wish of minutes must not keep a yield from being told.
-        self._long = {kind: LongWork(send) for kind in types() if is_long(kind)}
+        # Of each long type by itself: a wish of minutes must not delay a yield.
+        self._long = {kind: LongWork(send) for kind in LONG}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
@@ -118,11 +114,7 @@ class Session:
 
 
 class LongWork:
-    """Long work of one type, in a process of its own.
-
-    Args:
-        send: of the socket, bytes.
-    """
+    """Long work of one type, in a process of its own."""
 
     def __init__(self, send: Callable[[bytes], Awaitable[None]]):
         self.waiting, self.aside = Waiting(), Aside()
@@ -132,7 +124,7 @@ class LongWork:
 
     def _tell(self, data: bytes) -> None:
         telling = asyncio.ensure_future(self._send(data))
-        # A page that leaves meanwhile is noticed where it is heard; nobody may ask this one.
+        # A page that leaves meanwhile is noticed where it is heard; the exception may stay unread.
         telling.add_done_callback(lambda done: done.cancelled() or done.exception())
         self._told.append(telling)
 
@@ -164,6 +156,5 @@ def hasten() -> None:
 
 
 def _ended(message: Message) -> bytes:
-    return refused(
-        message.type, message.seq, [Refusal("", "Ended before it was done.")], ended=True
-    )
+    problem = Refusal("", "Ended before it was done.")
+    return refused(message.type, message.seq, [problem], ended=True)

@@ -20,12 +20,7 @@ _NAME = 200
 
 
 def home(ask: Ask) -> Path:
-    """The folder in which studies are kept.
-
-    Raises:
-        ExtraError: the extra studies is not installed.
-        ValueError: this server keeps none.
-    """
+    """The folder in which studies are kept; refused if this server keeps none."""
     need("studies")
     if ask.studies is None:
         raise InputError("studies: this server keeps none; start it by `stepwell studio`.")
@@ -44,11 +39,7 @@ def stores(folder: Path) -> dict[str, Path]:
 
 
 def store_named(ask: Ask, name: str) -> Path:
-    """The store of that name, which must be one of those that are listed.
-
-    Raises:
-        ValueError: there is none.
-    """
+    """The store of that name, which must be one of those that are listed."""
     found = stores(home(ask)).get(name)
     if found is None:
         raise InputError(f"ask.name = {name[:60]!r}: there is no such study.")
@@ -56,11 +47,7 @@ def store_named(ask: Ask, name: str) -> Path:
 
 
 def study_of(ask: Ask) -> Study:
-    """The study whose name is asked for.
-
-    Raises:
-        ValueError: there is none, or it cannot be read.
-    """
+    """The study whose name is asked for."""
     return opened(store_named(ask, ask.text("name", _NAME)))
 
 
@@ -92,12 +79,9 @@ class _Run:
         # The same command that a terminal would be given. Its session is its own, so that all of
         # its processes can be ended together, and a Ctrl-C is the server's alone.
         words = [sys.executable, "-P", "-m", "stepwell", "sweep", "resume", str(store)]
+        none = subprocess.DEVNULL
         self.process = subprocess.Popen(
-            words,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=self._log,
-            start_new_session=True,
+            words, stdin=none, stdout=none, stderr=self._log, start_new_session=True
         )
         if hasattr(os, "setpriority"):
             with suppress(OSError):  # it has ended already
@@ -146,16 +130,12 @@ _RUNS: dict[Path, _Run] = {}
 
 
 def begin(store: Path) -> None:
-    """Compute what is missing in a store; nothing where that is going on.
-
-    Raises:
-        ValueError: another study is being computed: two at once would take each other's cores.
-    """
-    for other, run in _RUNS.items():
-        if run.going:
-            if other == store:
-                return
-            raise InputError(f"{other.name} is being computed: stop it first, or wait for it.")
+    """Compute what is missing in a store, if that is not going on already."""
+    for other in [one for one, run in _RUNS.items() if run.going]:
+        if other == store:
+            return
+        # Two at once would take each other's cores.
+        raise InputError(f"{other.name} is being computed: stop it first, or wait for it.")
     _RUNS[store] = _Run(store)
 
 
@@ -175,6 +155,6 @@ def how(store: Path) -> tuple[bool, str]:
 
 
 def end_studies() -> None:
-    """End all of them, since the server ends."""
+    """End all that this server has begun."""
     for run in _RUNS.values():
         run.end()
