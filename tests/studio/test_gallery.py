@@ -136,7 +136,7 @@ def test_a_robot_walks_as_its_simulation_does(name: str):
     assert isinstance(robot, Robot)
     scene, found = Scene(robot), walk(robot, 2.0)
     header, blocks = motions()[name]
-    assert (header["parts"], header["lines"]) == (scene.parts(), scene.lines())
+    assert {key: header[key] for key in ("parts", "lines")} == scene.shape()
     whole = scene.placed(found.positions)
     for k, place in enumerate(blocks["place"]):
         (row,) = np.flatnonzero((whole["place"] == place).all(axis=(1, 2)))

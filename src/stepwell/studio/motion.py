@@ -22,11 +22,15 @@ _LANDSCAPE = 65
 
 
 def units_of(chain: Chain) -> dict[str, str]:
-    """The unit of every number of a chain that is told."""
-    measure = chain.measure
-    travel, force = told_in(measure.travel_unit)[0], told_in(measure.force_unit)[0]
-    drive = told_in(chain.drive_unit)[0]
+    """The unit of every number of a chain on the page."""
+    (travel, _), (force, _), (drive, _) = _told(chain)
     return {"travel": travel, "force": force, "stroke": travel, "drive": drive, "energy": "mJ"}
+
+
+def _told(chain: Chain) -> list[tuple[str, float]]:
+    """Units of travel, force and drive, and how many of each make one in SI."""
+    units = chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit
+    return [told_in(unit) for unit in units]
 
 
 def drawn(path: Path) -> Path:
@@ -39,16 +43,14 @@ def drawn(path: Path) -> Path:
 
 def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """The samples of a path in the units of `units_of`; a snap is a jump between two of them."""
-    chain = path.chain
-    _, travel = told_in(chain.measure.travel_unit)
-    _, force = told_in(chain.measure.force_unit)
+    (_, travel), (_, force), (_, drive) = _told(path.chain)
     return {
-        "drive": path.drive * told_in(chain.drive_unit)[1],
+        "drive": path.drive * drive,
         "stroke": path.stroke * travel,
         "force": path.force * force,
         "energy": path.energy * MJ,
         "travel": path.travel * travel,
-        "angle": _angles(chain, path.travel),
+        "angle": _angles(path.chain, path.travel),
         "segment": path.branch,
         "direction": path.direction,
     }
@@ -82,9 +84,8 @@ def cells_of(chain: Chain) -> list[dict[str, Any]]:
 
 
 def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
-    travel, force = (
-        told_in(unit)[1] for unit in (cell.measure.travel_unit, cell.measure.force_unit)
-    )
+    travel, force = told_in(cell.measure.travel_unit)[1], told_in(cell.measure.force_unit)[1]
+    ends = cell.phases[0].force_high, cell.phases[-1].force_low
     told: dict[str, Any] = {
         "name": name,
         "kind": "lever" if isinstance(cell, Cell) else "element",
@@ -105,7 +106,6 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
             "force_1_N": cell.force_1,
         }
     else:
-        ends = cell.phases[0].force_high, cell.phases[-1].force_low
         told |= {
             "force_0_N": plain(ends[0], force),
             "force_1_N": plain(ends[1], force),
@@ -116,11 +116,7 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
 
 def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     """Switches and snaps; each lies between its sample and the one after it."""
-    chain = path.chain
-    travel, force, drive = (
-        told_in(unit)[1]
-        for unit in (chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit)
-    )
+    (_, travel), (_, force), (_, drive) = _told(path.chain)
     events = list(events)
     return [
         {
@@ -230,35 +226,16 @@ def motion_of(
     known: Margin | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> View:
-    """The full cycle of a chain with its margins, or a program with its windows.
-
-    Args:
-        result: what moves; a cycle is not computed again.
-        known: the margins of a chain, where they have been found already.
-        progress: called with (done, total) while margins are searched.
-    """
+    """The full cycle of a chain with its margins, if not `known`, or a program with its windows."""
     if isinstance(result, Program):
-        return _motion_view(
-            result.chain, result.path, {**margins_of(None), "program": program_told(result)}
-        )
-    cycle = result.cycle() if isinstance(result, Chain) else result
-    found = {
-        "program": None,
-        **cycle_told(cycle),
-        **margins_of(margin(cycle.chain, progress=progress) if known is None else known),
-    }
-    return _motion_view(cycle.chain, cycle.path, found)
-
-
-def _motion_view(chain: Chain, path: Path, found: dict[str, Any]) -> View:
-    few = drawn(path)
-    header = {
-        **path_told(path, few),
-        "version": __version__,
-        "assumptions": assumptions(chain),
-        **found,
-    }
-    return View(header, arrays_of(few) | landscape(chain) | {"phase": _phases(few)})
+        path, found = result.path, {**margins_of(None), "program": program_told(result)}
+    else:
+        cycle = result.cycle() if isinstance(result, Chain) else result
+        limits = margin(cycle.chain, progress=progress) if known is None else known
+        path, found = cycle.path, {"program": None, **cycle_told(cycle), **margins_of(limits)}
+    few, rests = drawn(path), assumptions(path.chain)
+    header = {**path_told(path, few), "version": __version__, "assumptions": rests, **found}
+    return View(header, arrays_of(few) | landscape(path.chain) | {"phase": _phases(few)})
 
 
 def _phases(path: Path) -> Ints:

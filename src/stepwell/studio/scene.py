@@ -23,25 +23,14 @@ _SHAPES = {
 
 
 class Scene:
-    """A robot to be drawn: parts that keep their shape, each on a body that moves.
-
-    Args:
-        robot: any that can be simulated.
-        arena: where it starts.
-
-    Raises:
-        ValueError: a robot that the simulator has no terms for.
-        ExtraError: MuJoCo is not installed.
-    """
+    """A robot that can be simulated, drawn as parts that keep their shape on bodies that move."""
 
     def __init__(self, robot: Robot, arena: Arena | None = None):
         self._robot = robot
-        self._model = spec(robot, arena).compile()
-        self._data = mujoco.MjData(self._model)
+        self._model = model = spec(robot, arena).compile()
+        self._data = mujoco.MjData(model)
         around = {"world", *(obstacle_names(arena) if arena is not None else ())}
-        model = self._model
-        names = [model.body(i).name for i in range(model.nbody)]
-        self._bodies = [i for i, name in enumerate(names) if name not in around]
+        self._bodies = [i for i in range(model.nbody) if model.body(i).name not in around]
         self._owners = {
             f"{leg.name}.{name}.band": (k, i)
             for k, leg in enumerate(robot.legs)
@@ -56,24 +45,28 @@ class Scene:
     def told(self) -> dict[str, Any]:
         """What of the robot and around it keeps its shape, and the names of legs and antennas."""
         robot = self._robot
+        antennas = [
+            {
+                "name": one.name,
+                "side": one.side,
+                "swing_deg": math.degrees(one.swing),
+                "most_mm": to_unit(math.hypot(*one.moves), "mm") if one.connected else 0.0,
+            }
+            for one in robot.antennas
+        ]
         return {
-            "parts": self.parts(),
-            "lines": self.lines(),
+            **self.shape(),
             "wall_mm": to_unit(HEIGHT, "mm"),
             "legs": [{"name": leg.name, "cells": list(leg.chain.names)} for leg in robot.legs],
-            "antennas": [
-                {
-                    "name": one.name,
-                    "side": one.side,
-                    "swing_deg": math.degrees(one.swing),
-                    "most_mm": to_unit(math.hypot(*one.moves), "mm") if one.connected else 0.0,
-                }
-                for one in robot.antennas
-            ],
+            "antennas": antennas,
             "period_s": robot.drive.period,
         }
 
-    def parts(self) -> list[dict[str, Any]]:
+    def shape(self) -> dict[str, Any]:
+        """The parts and the lines of the robot."""
+        return {"parts": self._parts(), "lines": self._lines()}
+
+    def _parts(self) -> list[dict[str, Any]]:
         """Boxes, balls and rods with their sizes, the place of each on its body, its colour."""
         model = self._model
         return [
@@ -90,17 +83,16 @@ class Scene:
             if model.geom_bodyid[i] in self._bodies and model.geom_rgba[i][3] > 0
         ]
 
-    def lines(self) -> list[dict[str, Any]]:
+    def _lines(self) -> list[dict[str, Any]]:
         """Levers, links and bands: straight from a point of one body to a point of another."""
         model, found = self._model, list[dict[str, Any]]()
         for i in range(model.ntendon):
-            first, count = int(model.tendon_adr[i]), int(model.tendon_num[i])
-            wraps = range(first, first + count)
-            if any(model.wrap_type[k] != mujoco.mjtWrap.mjWRAP_SITE for k in wraps):
+            first = int(model.tendon_adr[i])
+            wraps = slice(first, first + int(model.tendon_num[i]))
+            straight = np.all(model.wrap_type[wraps] == int(mujoco.mjtWrap.mjWRAP_SITE))
+            if not straight or model.tendon_rgba[i][3] == 0:
                 continue
-            if model.tendon_rgba[i][3] == 0:
-                continue
-            sites = [int(model.wrap_objid[k]) for k in wraps]
+            sites = model.wrap_objid[wraps].tolist()
             # Of several bands of a cell each has a number at the end of its name.
             leg, cell = self._owners.get(model.tendon(i).name.rstrip("0123456789"), (None, None))
             found.append(
@@ -115,13 +107,9 @@ class Scene:
         return found
 
     def placed(self, positions: Floats) -> dict[str, Floats]:
-        """Where the bodies are.
+        """Where the bodies are for (n, nq) positions of the joints.
 
-        Args:
-            positions: (n, nq) of the joints.
-
-        Returns:
-            `place`, (n, bodies, 3) in mm, and `turn`, (n, bodies, 4) as quaternions w, x, y, z.
+        `place` is (n, bodies, 3) in mm, `turn` (n, bodies, 4) quaternions w, x, y, z.
         """
         place = np.empty((len(positions), len(self._bodies), 3))
         turn = np.empty((len(positions), len(self._bodies), 4))
@@ -145,17 +133,12 @@ def _colour(rgba: Any) -> dict[str, Any]:
 def samples_of(
     walk: Walk, scene: Scene, rows: slice | np.ndarray[Any, Any]
 ) -> dict[str, np.ndarray[Any, Any]]:
-    """Where a robot was, what its actuator and antennas did, and in which states its legs were.
-
-    Args:
-        walk: a run.
-        scene: of its robot.
-        rows: of its samples.
-    """
-    codes = [
-        [-1 if one is None else int(one, 2) for one in states(_shares(walk, k)[rows])]
-        for k in range(len(walk.robot.legs))
-    ]
+    """Where a robot was, what its actuator and antennas did, and in which states its legs were."""
+    codes: list[list[int]] = []
+    for k, leg in enumerate(walk.robot.legs):
+        full = np.array(leg.chain.full_travels)
+        found = states(walk.travel[rows, k, : len(full)] / full)
+        codes.append([-1 if one is None else int(one, 2) for one in found])
     gears = [one.gear if one.connected else 0.0 for one in walk.robot.antennas]
     return {
         "time": walk.time[rows],
@@ -172,22 +155,12 @@ def samples_of(
     }
 
 
-def _shares(walk: Walk, leg: int) -> np.ndarray[Any, Any]:
-    full = walk.robot.legs[leg].chain.full_travels
-    return walk.travel[:, leg, : len(full)] / np.array(full)
-
-
-# So often what is new is sent [s].
+# Seconds between two messages with new samples.
 _EVERY = 0.2
 
 
 class Live:
-    """Sends the samples of a run as they come.
-
-    Args:
-        robot, arena: of the run.
-        ask: of the page, which is shown them.
-    """
+    """Sends the samples of a run to the page as they come."""
 
     def __init__(self, robot: Robot, arena: Arena | None, ask: Ask):
         self._scene, self._ask = Scene(robot, arena), ask
@@ -200,22 +173,15 @@ class Live:
             self._last = monotonic()
 
     def view(self, walk: Walk, **told: Any) -> View:
-        """The samples that were not sent yet.
-
-        Args:
-            walk: so far.
-            told: what else the page is told.
-        """
-        new = slice(self._sent, None)
-        header = {"first": self._sent, **told}
-        self._sent = len(walk.time)
-        return View(header, samples_of(walk, self._scene, new))
+        """The samples that were not sent yet, with other entries of the header."""
+        first, self._sent = self._sent, len(walk.time)
+        return View({"first": first, **told}, samples_of(walk, self._scene, slice(first, None)))
 
 
 # What a number is rounded to, in its unit; poses are looked at and not read.
 _STEPS = {"time": 1e-4, "place": 0.05, "turn": 1e-4, "state": 1.0}
 _STEP = 1e-3
-# Compressed, a page of so much stays below a megabyte; a browser holds so many samples with ease.
+# Compressed bytes of a page below a megabyte; samples that a browser holds with ease.
 _MOST_BYTES, _MOST_SAMPLES = 600_000, 30_000
 
 
@@ -223,13 +189,8 @@ def walked(result: Walk | Maze) -> View:
     """All that is to be seen of a run, from the start of its first cycle on.
 
     Every block holds, of each of its columns in turn, the differences from the sample before in
-    whole `steps`: those of a gait come again and again, and compress to a hundredth.
-
-    Args:
-        result: a walk, or a way through an arena.
-
-    Raises:
-        ValueError: a run that was over before its first sample.
+    whole `steps`: those of a gait come again and again, and compress to a hundredth. A run that
+    was over before its first sample is refused.
     """
     walk = result.walk if isinstance(result, Maze) else result
     if not len(walk.time):
@@ -241,7 +202,6 @@ def walked(result: Walk | Maze) -> View:
     # Obstacles end what comes again; then fewer samples have to do.
     while _size(told := _differences(blocks)) > _MOST_BYTES and len(blocks["time"]) > 2:
         blocks = {name: block[::2] for name, block in blocks.items()}
-    is_maze = isinstance(result, Maze)
     header = {
         **scene.told(),
         "title": walk.robot.title,
@@ -249,7 +209,7 @@ def walked(result: Walk | Maze) -> View:
         "arena": None if walk.arena is None else arena_tables(walk.arena),
         "steps": {name: _STEPS.get(name, _STEP) for name in told},
         "record": account(result).record,
-        "outcome": str(result.outcome) if is_maze else "",
+        "outcome": str(result.outcome) if isinstance(result, Maze) else "",
         "assumptions": simulation_assumptions(walk),
     }
     return View(header, told)
@@ -273,13 +233,8 @@ _POSES, _CYCLES = 30, 2.0
 
 
 def walking(robot: Robot) -> View:
-    """Parts, lines and poses of the second cycle of a walk.
-
-    Raises:
-        ExtraError: MuJoCo is not installed.
-    """
+    """Parts, lines and poses of the second cycle of a walk."""
     scene, found = Scene(robot), walk_of(robot, _CYCLES)
     last = np.flatnonzero(found.time >= found.time[-1] - robot.drive.period)
     rows = last[np.linspace(0, len(last) - 1, _POSES).astype(int)]
-    header = {"parts": scene.parts(), "lines": scene.lines()}
-    return View(header, scene.placed(found.positions[rows]))
+    return View(scene.shape(), scene.placed(found.positions[rows]))

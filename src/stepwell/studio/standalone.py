@@ -67,15 +67,8 @@ def replay(
 
 
 def filled(title: str, version: str, data: str) -> str:
-    """The page of a motion that is at hand in letters, as in the element "motion" of a replay.
-
-    Args:
-        title: what it shows.
-        version: that computed it.
-        data: a view, packed, compressed and in base 64.
-    """
-    script = _MARKS.sub(r"\\x3C", _built("replay.js"))
-    style = _built("replay.css")
+    """The page of a motion whose `data` is a view, packed, compressed and in base 64."""
+    script, style = _MARKS.sub(r"\\x3C", _built("replay.js")), _built("replay.css")
     page = Template((files("stepwell.studio") / "standalone.html").read_text("utf-8"))
     return page.substitute(
         title=escape(title or "A motion"),
@@ -135,7 +128,7 @@ def _built(name: str) -> str:
 
 
 def _hash(text: str) -> str:
-    """By which the page's policy knows its own script and styles, and lets no other in."""
+    """A hash by which the page's policy allows its own script and styles alone."""
     return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 
 

@@ -5,6 +5,7 @@ import json
 import re
 import shlex
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -25,15 +26,11 @@ _LAYOUTS, _CYCLES, _LIMIT = 1000, 1000, 3600.0
 
 
 def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
-    """The study of a request; it lies in the folder by a name that the server makes.
-
-    Raises:
-        ValueError: what cannot be computed, of this design or at all.
-    """
+    """The study of a request; it lies in the folder by a name that the server makes."""
     what = ask.text("what", 20)
     if what not in (*OF_CHAINS, *OF_ROBOTS):
-        allowed = ", ".join((*OF_CHAINS, *OF_ROBOTS))
-        raise InputError(f"ask.what = {what[:40]!r}: must be one of {allowed}.")
+        known = ", ".join((*OF_CHAINS, *OF_ROBOTS))
+        raise InputError(f"ask.what = {what[:40]!r}: must be one of {known}.")
     subject = design.robot if what in OF_ROBOTS else design.chain
     given, designs = _given(what, ask), _designs(subject, ask)
     ask.close()
@@ -70,24 +67,20 @@ def _designs(subject: mechanism.Chain | robot.Robot, ask: Ask) -> Designs:
     if how == BUILT:
         if isinstance(subject, robot.Robot):
             raise InputError("ask.how = 'built': robots have no tolerances; let a number vary.")
-        within = ask.tolerances()
-        return Workshop(within, ask.whole("count", 1, _MOST), seed)
+        return Workshop(ask.tolerances(), ask.whole("count", 1, _MOST), seed)
     if how not in [*How]:
         raise InputError(f"ask.how = {how!r}: must be one of {', '.join(How)}, {BUILT}.")
     axes = tuple(_asked_axis(subject, one, how) for one in ask.parts("vary", _MOST_AXES))
-    if how == How.GRID:
-        found = Space(axes, How.GRID, seed=seed)
-        if found.count > _MOST:
-            raise InputError(f"ask.vary: {found.count} designs: must be at most {_MOST}.")
-        return found
-    return Space(axes, How(how), ask.whole("count", 1, _MOST), seed)
+    found = Space(axes, How(how), 0 if how == How.GRID else ask.whole("count", 1, _MOST), seed)
+    if found.count > _MOST:
+        raise InputError(f"ask.vary: {found.count} designs: must be at most {_MOST}.")
+    return found
 
 
 def _asked_axis(subject: mechanism.Chain | robot.Robot, one: Ask, how: str) -> Axis:
-    name = one.text("key", 200)
-    factor = 1.0
+    name, factor = one.text("key", 200), 1.0
     if isinstance(subject, mechanism.Chain):
-        factor = unit_of(parameter(subject, name))[1]
+        _, factor = unit_of(parameter(subject, name))
     else:
         files.key_unit(subject, name)  # or refused
     low, high = (one.number(end, -_FARTHEST, _FARTHEST) for end in ("from", "to"))
@@ -131,13 +124,9 @@ def _words_of(study: Study) -> list[str]:
             "--lever-tolerance": to_unit(within.lever, "mm"),
             "--travel-tolerance": to_unit(within.travel, "percent"),
         }
-        told = [
-            word
-            for name, value in spread.items()
-            if value or name in ("--anchor", "--stiffness-tolerance")
-            for word in (name, f"{value:.12g}")
-        ]
-        return ["--built", str(designs.count), *told, *seed]
+        always = ("--anchor", "--stiffness-tolerance")
+        given = {name: f"{value:.12g}" for name, value in spread.items() if value or name in always}
+        return ["--built", str(designs.count), *chain.from_iterable(given.items()), *seed]
     if not isinstance(designs, Space):
         return ["--table", "designs.csv"]
     words = [word for axis in designs.axes for word in ("--vary", _axis_word(study, axis))]
@@ -147,9 +136,8 @@ def _words_of(study: Study) -> list[str]:
 
 
 def _axis_word(study: Study, axis: Axis) -> str:
-    factor = 1.0
-    if isinstance(study.subject, mechanism.Chain):
-        factor = told_in(study.varied[axis.name])[1]
+    of_chain = isinstance(study.subject, mechanism.Chain)
+    factor = told_in(study.varied[axis.name])[1] if of_chain else 1.0
     ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
     assert isinstance(study.designs, Space)
     count = f":{axis.count}" if study.designs.how is How.GRID else ""

@@ -1,7 +1,6 @@
 """An atlas as a map: its machines, which lies beside which, and those that do what is asked."""
 
 from collections.abc import Sequence
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,8 @@ from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
 # In parts of the picture's width: circles of the rarest and the most frequent machine, and the
-# room between two.
-_LEAST, _LARGEST, _ROOM = 0.019, 0.05, 0.012
-_TALL = 0.64
+# room between two; the picture's height.
+_LEAST, _LARGEST, _ROOM, _TALL = 0.019, 0.05, 0.012, 0.64
 # More are laid out by springs, which cost less.
 _MANY, _PUSHES = 120, 400
 
@@ -25,8 +23,8 @@ def placed(
 ) -> dict[str, tuple[float, float, float]]:
     """Centre and radius of each machine in a picture of width 1 and height 0.64.
 
-    The less a number has to be changed to come from one to the other, the closer they lie, as far
-    as a plane allows; an area is larger the more designs there are.
+    They lie the closer, the less a number has to be changed to come from one to the other, and are
+    the larger, the more designs there are.
     """
     span = {axis.name: axis.high - axis.low for axis in found.axes}
     names = [one.name for one in shown]
@@ -46,15 +44,10 @@ def placed(
     else:
         spots = nx.spring_layout(graph, weight=None, seed=0)
     at = np.array([spots[name] for name in names], float).reshape(-1, 2)
-    most = max((one.share.share for one in shown), default=1.0) or 1.0
-    radius = np.array(
-        [_LEAST + (_LARGEST - _LEAST) * sqrt(one.share.share / most) for one in shown]
-    )
+    shares = np.array([one.share.share for one in shown])
+    radius = _LEAST + (_LARGEST - _LEAST) * np.sqrt(shares / (shares.max(initial=0.0) or 1.0))
     at = _apart(_fitted(at, radius), radius)
-    return {
-        name: (float(x), float(y), float(r))
-        for name, (x, y), r in zip(names, at, radius, strict=True)
-    }
+    return dict(zip(names, map(tuple, np.column_stack([at, radius]).tolist()), strict=True))
 
 
 def _fitted(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -81,9 +74,8 @@ def _apart(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
         if not np.any(over > 1e-6):
             break
         # Two in one place go apart along a line of their own.
-        way = np.where(
-            distance[..., None] > 1e-9, apart / np.maximum(distance, 1e-9)[..., None], [1.0, 0.5]
-        )
+        length = np.maximum(distance, 1e-9)[..., None]
+        way = np.where(distance[..., None] > 1e-9, apart / length, [1.0, 0.5])
         at = at + 0.5 * np.sum(over[..., None] * way, axis=1)
         at = np.clip(at, edge, np.array([1.0, _TALL]) - edge)
     return at
@@ -107,9 +99,8 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
         studies.understood(query)  # or refused at once
     found, near = _charted(store, ask)
     if query:
-        return View(
-            {"query": query, "found": [one.name for one in studies.find(found, query, least / 100)]}
-        )
+        machines = studies.find(found, query, least / 100)
+        return View({"query": query, "found": [one.name for one in machines]})
     shown = found.machines[:_MOST]
     names = {one.name for one in shown}
     among = [one for one in near if {one.machine, one.beyond} <= names]

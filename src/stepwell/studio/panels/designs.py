@@ -55,21 +55,16 @@ def _preset(name: str, title: str) -> dict[str, Any]:
     legs = tables.get("leg", [])
     own = legs[0].get("chain", {}) if legs else {}
     cells = own.get("cell") or tables["chain"]["cell"]
-    kind = "robot" if legs else "chain"
-    group = _group(name, kind, cells)
+    kind, group = ("robot", "robots") if legs else ("chain", "further")
+    # Cells of levers have bands, and bands have anchors.
+    if not legs and not all("p_mm" in cell or "bands" in cell for cell in cells):
+        group = "elements"
+    elif name.startswith("paper-"):
+        group = "paper"
     return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
 
 
-def _group(name: str, kind: str, cells: list[dict[str, Any]]) -> str:
-    if kind == "robot":
-        return "robots"
-    # Cells of levers have bands, and bands have anchors.
-    if not all("p_mm" in cell or "bands" in cell for cell in cells):
-        return "elements"
-    return "paper" if name.startswith("paper-") else "further"
-
-
-# So many samples of a motion look smooth in a small picture, beside the ends of its branches.
+# Samples of a motion that look smooth in a small picture, next to the ends of its branches.
 _SAMPLES = 60
 _BLOCKS = ("drive", "travel", "angle", "segment", "direction")
 
@@ -86,9 +81,9 @@ def _moving(name: str) -> View:
     """The program of a design, or the full cycle where it has none; a robot's walk."""
     tables = tomllib.loads(files.preset_text(name))
     file = files.loads_tables(tables)
-    design, written = file.subject, file.program
+    design = file.subject
     if not isinstance(design, Robot):
-        return _chain(name, design, written, tables["chain"]["cell"])
+        return _chain(name, design, file.program, tables["chain"]["cell"])
     try:
         return _robot(name, design)
     except ExtraError:
@@ -101,24 +96,16 @@ def _chain(
 ) -> View:
     result = chain.cycle() if written is None else written.on(chain)
     path = drawn(result.path)
-    rows = _few(path)
+    rows, arrays = _few(path), arrays_of(path)
     snaps = [
         {"kind": event["kind"], "sample": int(np.searchsorted(rows, event["sample"]))}
         for event in events_of(result.path.events, path)
         if event["kind"] == "snap"
     ]
-    arrays = arrays_of(path)
-    return View(
-        {
-            "name": name,
-            "sequence": str(result.sequence),
-            "cells": cells_of(chain),
-            # They say what an element is.
-            "tables": cells,
-            "events": snaps,
-        },
-        {block: arrays[block][rows] for block in _BLOCKS},
-    )
+    header = {"name": name, "sequence": str(result.sequence), "cells": cells_of(chain)}
+    # The tables say what an element is.
+    header |= {"tables": cells, "events": snaps}
+    return View(header, {block: arrays[block][rows] for block in _BLOCKS})
 
 
 def _few(path: statics.Path) -> Ints:
@@ -145,10 +132,7 @@ def _robot(name: str, robot: Robot) -> View:
 
 
 def answer_open(_design: PageDesign, ask: Ask) -> View:
-    """The tables of the design and its title.
-
-    The text is all there is of a file: no name in it is ever opened.
-    """
+    """The tables of the design and its title; a name of a file in the text is never opened."""
     if ask.has("preset") == ask.has("toml"):
         raise InputError("ask: must have preset, a name of the gallery, or toml, a file's text.")
     if ask.has("preset"):
@@ -164,22 +148,17 @@ _LONGEST = 88
 
 
 def script(design: Chain | Robot, toml: str) -> str:
-    """Python that makes the design, equal to the last bit, and says what it does.
+    """Python that makes the design, equal to the last bit, and prints what it does.
 
-    Args:
-        design: any.
-        toml: its design file, for robots and for chains with elements: they are read from it, not
-            spelled out.
+    Robots, and chains with elements, are read from their design file, not spelled out.
     """
-    if isinstance(design, Robot):
-        made = f"from stepwell.files import loads\n\nrobot = loads({_block(toml)}).robot"
-        return f"{made}\nprint(robot.predict())\n"
-    if design.elements:
-        made = f"from stepwell.files import loads\n\nchain = loads({_block(toml)}).chain"
+    kind, does = ("robot", "predict") if isinstance(design, Robot) else ("chain", "cycle")
+    if isinstance(design, Robot) or design.elements:
+        made = f"from stepwell.files import loads\n\n{kind} = loads({_block(toml)}).{kind}"
     else:
         made = f"import stepwell as sw\n\nchain = {_made(design, 0)}"
-    imports = "from math import inf\n\n" if "=inf" in made else ""
-    return f"{imports}{made}\nprint(chain.cycle())\n"
+        made = f"from math import inf\n\n{made}" if "=inf" in made else made
+    return f"{made}\nprint({kind}.{does}())\n"
 
 
 def _block(text: str) -> str:
@@ -196,15 +175,14 @@ def _made(value: Any, depth: int) -> str:
         return _call("(", inner, ",)" if len(value) == 1 else ")", depth)
     if not is_dataclass(value) or isinstance(value, type):
         return repr(value)
-    given = [
-        (field.name, getattr(value, field.name))
+    parts = [
+        f"{field.name}={_made(getattr(value, field.name), depth + 1)}"
         for field in fields(value)
         if field.init
         and not field.name.startswith("_")
         and (field.default is MISSING or getattr(value, field.name) != field.default)
-        and not (field.default_factory is not MISSING)
+        and field.default_factory is MISSING
     ]
-    parts = [f"{name}={_made(own, depth + 1)}" for name, own in given]
     return _call(f"sw.{type(value).__name__}(", parts, ")", depth)
 
 
@@ -232,23 +210,21 @@ _KINDS = ("svg", "png", "pdf")
 def answer_export(design: PageDesign, ask: Ask) -> View:
     """The bytes of a file: `what` is a figure in the `kind` svg, png or pdf, or the samples in csv.
 
-    Of the full cycle, and the samples with all columns that `stepwell run --out` writes: a snap is
-    a step of `branch` from one row to the next.
+    Both are of the full cycle, the samples with all columns that `stepwell run --out` writes.
     """
     what, kind = ask.text("what", 20), ask.text("kind", 3)
     ask.close()
     cycle = design.chain.cycle()
+    kinds = ("csv",) if what == "samples" else _KINDS
+    if kind not in kinds:
+        raise InputError(f"ask.kind = {kind!r}: must be {', '.join(kinds)}.")
     with TemporaryDirectory() as folder:
         file = Place(folder) / f"out.{kind}"
         if what == "samples":
-            if kind != "csv":
-                raise InputError(f"ask.kind = {kind!r}: must be csv.")
             cycle.path.to_csv(file)
         else:
             from stepwell.figures import save
 
-            if kind not in _KINDS:
-                raise InputError(f"ask.kind = {kind!r}: must be {', '.join(_KINDS)}.")
             save(_drawn(what, cycle), file, dpi=_DPI)
         data = np.frombuffer(file.read_bytes(), np.uint8)
     return View({"suffix": kind}, {"file": data})
@@ -257,32 +233,28 @@ def answer_export(design: PageDesign, ask: Ask) -> View:
 def _drawn(what: str, cycle: Cycle) -> Figure:
     from stepwell import figures
 
-    if what == "overview":
-        return figures.overview(cycle)
     if what == "mechanism":
         return figures.mechanism(cycle.chain, cycle.sequence)
-    if what == "force":
-        return figures.force_stroke(cycle)
-    if what == "travel":
-        return figures.travel_stroke(cycle)
+    of = {
+        "overview": figures.overview,
+        "force": figures.force_stroke,
+        "travel": figures.travel_stroke,
+    }
+    if what in of:
+        return of[what](cycle)
     raise InputError(f"ask.what = {what!r}: must be overview, mechanism, force, travel or samples.")
-
-
-# Where no closed form tells the margins they are searched, and robots are simulated.
 
 
 def answer_replay(design: PageDesign, ask: Ask) -> View:
     """The file: of a run where `cycles` or `limit_s` are asked for, else of a chain.
 
-    A run is as in panels `walk` and `maze`, which give the same samples. A chain is shown as its
-    `turning_points_mm` have it where there are some, else as the design's own program, else in
-    its full cycle.
+    A run is as in panels `walk` and `maze`. A chain is shown as its `turning_points_mm` have it,
+    else as the design's own program, else in its full cycle.
     """
     from stepwell.studio.standalone import replay
 
     title = ask.text("title", 10_000) if ask.has("title") else None
-    result = _result(design, ask)
-    page = replay(result, title=title, progress=ask.tell)
+    page = replay(_result(design, ask), title=title, progress=ask.tell)
     return View({"suffix": "html"}, {"file": np.frombuffer(page.encode(), np.uint8)})
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -48,33 +49,21 @@ class PlaneAxis:
 
 @dataclass(frozen=True)
 class Plane:
-    """A chain without its place on the plane, so that designs that only differ there are equal.
+    """A chain without its place on the plane, so that designs that only differ there are equal."""
 
-    Attributes:
-        chain: at some place of the plane.
-        axes: of x and of y.
-        here: where the design is, in SI.
-    """
-
-    chain: Chain
-    axes: tuple[PlaneAxis, PlaneAxis]
-    here: tuple[float, float]
+    chain: Chain  # at some place of the plane
+    axes: tuple[PlaneAxis, PlaneAxis]  # of x and of y
+    here: tuple[float, float]  # where the design is, in SI
 
     @classmethod
     def asked(cls, chain: Chain, ask: Ask) -> "Plane":
-        """The plane of the keys x, y, x_range and y_range.
-
-        Raises:
-            ValueError: no such parameter, or no such range.
-        """
+        """The plane of the keys x, y, x_range and y_range."""
         axes = _axis(chain, ask, "x"), _axis(chain, ask, "y")
-        here = tuple(float(axis.parameter.value(chain)) for axis in axes)  # type: ignore[arg-type]
-        try:
+        x, y = (float(axis.parameter.value(chain)) for axis in axes)  # type: ignore[arg-type]
+        with suppress(ValueError):  # no design can be there; then this one has to stand for all
             for axis in axes:
                 chain = axis.parameter.changed(chain, axis.low)
-        except ValueError:  # no design can be there; then this one has to stand for all
-            pass
-        return cls(chain, axes, (here[0], here[1]))
+        return cls(chain, axes, (x, y))
 
     def painted(self, wide: int, high: int, progress: Progress) -> tuple[dict[str, Any], Blocks]:
         """The sequences that are on the plane, and the image (high, wide) of numbers into them."""
@@ -82,15 +71,13 @@ class Plane:
         x, y = ((axis.parameter, axis.middles(count)) for axis, count in sized)
         found = parameter_map(self.chain, x, y, progress=progress)
         flags = found.sequence.attrs
-        words = flags["flag_meanings"].split(" ")
-        numbers = np.asarray(flags["flag_values"])
+        numbers = np.asarray(flags["flag_values"]).tolist()
+        words = dict(zip(numbers, flags["flag_meanings"].split(" "), strict=True))
         codes, image, counts = np.unique(
             found.sequence.values, return_inverse=True, return_counts=True
         )
-        order = np.argsort(numbers)
-        texts = [words[order[k]] for k in np.searchsorted(numbers, codes, sorter=order)]
         shares = (counts / counts.sum()).tolist()
-        header = {"sequences": texts, "shares": shares}
+        header = {"sequences": [words[code] for code in codes.tolist()], "shares": shares}
         blocks: Blocks = {"image": image.reshape(high, wide).astype(np.int32)}
         for letter, (parameter, values) in (("x", x), ("y", y)):
             blocks[letter] = values * unit_of(parameter)[1]
@@ -102,11 +89,7 @@ class Plane:
         return parameter_boundaries(self.chain, x, y, search=search, progress=progress)
 
     def proved_curves(self) -> tuple[Boundary, ...]:
-        """The boundaries where closed forms tell all of them.
-
-        Raises:
-            Unproved: they do not.
-        """
+        """The boundaries where closed forms give all of them; Unproved where they do not."""
         # Where the design is does not change the curves: while it moves they are known.
         return _proved_curves(replace(self, here=(0.0, 0.0)))
 
@@ -144,11 +127,7 @@ def pixels(ask: Ask) -> tuple[int, int]:
 
 
 def asked_parameter(chain: Chain, ask: Ask, letter: str) -> Parameter:
-    """The parameter that key x or y names, as panel `parameters` lists them.
-
-    Raises:
-        ValueError: no such parameter.
-    """
+    """The parameter that key x or y names, as panel `parameters` lists them."""
     known = {key_of(one): one for one in parameters(chain) if not one.is_anchor}
     key = ask.text(letter, 60)
     if key not in known:
@@ -170,11 +149,7 @@ def unit_of(parameter: Parameter) -> tuple[str, float]:
 
 
 def unproved(_done: float, total: float) -> None:
-    """Refuse to follow a single place.
-
-    Raises:
-        Unproved: one would have to be followed.
-    """
+    """Refuse to follow a single place."""
     if total:
         raise Unproved(f"{total:.0f} places have to be followed one by one.")
 
@@ -227,9 +202,7 @@ def _closest(here: Floats, points: Floats) -> Floats | None:
     length = np.maximum(np.sum(way**2, axis=1), 1e-300)
     share = np.clip(np.sum((here - start) * way, axis=1) / length, 0.0, 1.0)
     places = start + share[:, None] * way
-    if not len(places):
-        return None
-    return places[np.argmin(np.sum((places - here) ** 2, axis=1))]
+    return places[np.argmin(np.sum((places - here) ** 2, axis=1))] if len(places) else None
 
 
 def _met(here: Floats, points: Floats, axis: int) -> Floats | None:
@@ -324,8 +297,7 @@ def _short(value: float) -> float:
 def answer_map(design: PageDesign, ask: Ask) -> View:
     """An image of numbers into `sequences`, rows from low to high y.
 
-    Where some places have to be followed one by one there is no image, and `aside` says that panel
-    `map_followed` draws it.
+    If some places have to be followed one by one there is none; with `aside`, `map_followed` draws.
     """
     plane = Plane.asked(design.chain, ask)
     wide, high = pixels(ask)
@@ -349,7 +321,7 @@ _known: dict[Plane, Known] = {}
 
 
 def answer_map_followed(design: PageDesign, ask: Ask) -> View:
-    """As panels `map` and `border` together, coarser: `coarse` says how many pixels stand as one.
+    """As panels `map` and `border` together, with `coarse` by `coarse` pixels as one.
 
     The coarsest image comes first, and curves with the last.
     """
@@ -388,7 +360,7 @@ def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
 def answer_border(design: PageDesign, ask: Ask) -> View:
     """Curves in units of the bench, the design's place, and the nearest other sequence.
 
-    `aside` says that no closed form tells them all, and that panel `map_followed` looks for them.
+    With `aside`, no closed form gives them all, and panel `map_followed` searches them.
     """
     plane = Plane.asked(design.chain, ask)
     ask.close()
