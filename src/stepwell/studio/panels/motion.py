@@ -24,13 +24,12 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     ask.close()
     chain = design.chain
     cycle = chain.cycle()
-    # A search takes a hundred times as long as all else here: panel `margin` does it aside.
-    limits = proved_margin(chain)
     path = motion.drawn(cycle.path)
     header = {
         **motion.path_told(cycle.path, path),
         **motion.cycle_told(cycle),
-        **motion.margins_of(limits),
+        # A search takes a hundred times as long as all else here: panel `margin` does it aside.
+        **motion.margins_of(proved_margin(chain)),
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
     }
@@ -38,7 +37,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
 
 
 def answer_margin(design: PageDesign, ask: Ask) -> View:
-    """The margins as panel `evaluate` tells them, by whatever it takes."""
+    """The margins as panel `evaluate` has them, by closed forms or a search."""
     ask.close()
     return View(motion.margins_of(margin(design.chain, progress=ask.tell)))
 
@@ -49,8 +48,7 @@ _POINTS = 121
 def answer_cells(design: PageDesign, ask: Ask) -> View:
     """The keys of the shown chain and of every cell, what can be added, and samples of curves.
 
-    It is asked of designs that are refused too, so that what was typed can be typed otherwise;
-    those have no curves, and `units` is null.
+    A design that is refused, so that it can be corrected, has no curves, and `units` is null.
     """
     ask.close()
     tables = _tables(design)
@@ -113,41 +111,34 @@ def answer_graph(design: PageDesign, ask: Ask) -> View:
     ask.close()
     chain = design.chain
     if len(chain) > _MOST_CELLS:
-        raise InputError(
-            f"the graph of {len(chain)} cells has too many states to be seen: at most "
-            f"{_MOST_CELLS} cells are drawn; `stepwell graph` counts them."
-        )
+        most = f"at most {_MOST_CELLS} cells are drawn; `stepwell graph` counts them"
+        raise InputError(f"the graph of {len(chain)} cells has too many states to be seen: {most}.")
     graph = chain.graph()
     drive, reached = told_in(chain.drive_unit)[1], graph.reachable()
-    nodes = list(graph.nodes)
-    return View(
+    nodes = [
         {
-            "units": motion.units_of(chain),
-            "dot": to_dot(graph),
-            "nodes": [
-                {
-                    "state": node.state,
-                    "label": node.label,
-                    "low_mm": node.low * drive,
-                    "high_mm": node.high * drive,
-                    "reached": node.label in reached,
-                }
-                for node in nodes
-            ],
-            "edges": [
-                {
-                    "from": node.label,
-                    "to": way[0],
-                    "kind": way[1].kind.name.lower(),
-                    "direction": direction,
-                    "drive_mm": way[1].drive * drive,
-                }
-                for node in nodes
-                for direction in (1, -1)
-                if (way := graph.transition(node.label, direction)) is not None
-            ],
+            "state": node.state,
+            "label": node.label,
+            "low_mm": node.low * drive,
+            "high_mm": node.high * drive,
+            "reached": node.label in reached,
         }
-    )
+        for node in graph.nodes
+    ]
+    edges = [
+        {
+            "from": node.label,
+            "to": way[0],
+            "kind": way[1].kind.name.lower(),
+            "direction": direction,
+            "drive_mm": way[1].drive * drive,
+        }
+        for node in graph.nodes
+        for direction in (1, -1)
+        if (way := graph.transition(node.label, direction)) is not None
+    ]
+    units, dot = motion.units_of(chain), to_dot(graph)
+    return View({"units": units, "dot": dot, "nodes": nodes, "edges": edges})
 
 
 _MOST_TURNS = 100
@@ -159,19 +150,17 @@ def answer_program(design: PageDesign, ask: Ask) -> View:
     found = program_of(design.chain, ask)
     ask.close()
     path = motion.drawn(found.path)
-    header = {"units": motion.units_of(found.chain), **motion.program_told(found)}
-    return View(
-        {**header, "events": motion.events_of(found.path.events, path), "written": _written(found)},
-        motion.arrays_of(path),
-    )
+    header = {
+        "units": motion.units_of(found.chain),
+        **motion.program_told(found),
+        "events": motion.events_of(found.path.events, path),
+        "written": _written(found),
+    }
+    return View(header, motion.arrays_of(path))
 
 
 def program_of(chain: Chain, ask: Ask) -> Program:
-    """The program that is asked for.
-
-    Raises:
-        ValueError: states that are none of this chain, or between which no program leads.
-    """
+    """The program that is asked for."""
     start = _state(chain, ask, "start", chain.first_state)
     if ask.has("turning_points_mm"):
         drive = told_in(chain.drive_unit)[1]
@@ -190,8 +179,6 @@ def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
 
 def _written(found: Program) -> dict[str, Any]:
     """The table [program] of a design file; of one that was planned with tidy numbers."""
-    if found.method is ProgramMethod.GIVEN:
-        kept = WrittenProgram(found.start, found.turning_points, found.target)
-    else:
-        kept = WrittenProgram.of(found)
+    given = WrittenProgram(found.start, found.turning_points, found.target)
+    kept = given if found.method is ProgramMethod.GIVEN else WrittenProgram.of(found)
     return tomllib.loads(kept.text(found.chain))["program"]

@@ -4,6 +4,7 @@ import base64
 import zlib
 from collections.abc import Iterable, Sequence
 from copy import deepcopy
+from itertools import product
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -31,19 +32,15 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
     A file that cannot be read gets a line and stops no other. The design is the one that was
     tested, whatever the names of the files say.
     """
-    files = ask.parts("files", _MOST_FILES)
-    recordings, refused = _read(files)
+    recordings, refused = _read(ask.parts("files", _MOST_FILES))
     ask.close()
     chain = design.chain
     if chain.measure is not Measure.TRAVEL or chain.drive_unit != Measure.TRAVEL.travel_unit:
-        raise InputError(
-            "chain: is not driven by a stroke in mm: recordings of a test machine are of stroke "
-            "and force."
-        )
+        why = "recordings of a test machine are of stroke and force"
+        raise InputError(f"chain: is not driven by a stroke in mm: {why}.")
+    held = account(lab.Batch(tuple(recordings), ())).record["recordings"]
     header: dict[str, Any] = {
-        "files": [
-            _file(one) for one in account(lab.Batch(tuple(recordings), ())).record["recordings"]
-        ],
+        "files": [_file(one) for one in held],
         "refused": refused,
         "series": [],
         "told": [],
@@ -60,7 +57,8 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
             blocks |= _curves(f"{k}", one)
         if comparison is not None:
             try:
-                header["fit"] = _fit(lab.refit(comparison), design)
+                fit = lab.refit(comparison)
+                header["fit"] = {**fit.record(), "design": _taken(fit, design)}
             except lab.LabError as error:
                 header["why_no_fit"] = error.problem
     return View(header, blocks)
@@ -95,10 +93,9 @@ def _unpacked(packed: str, most: int) -> bytes:
     except (ValueError, zlib.error):
         raise InputError("did not arrive whole: choose it again.") from None
     if len(content) > most:
-        raise InputError(
-            f"is too long: all recordings together have at most {_MOST_BYTES >> 20} MiB. Export "
-            f"fewer samples a second, or compare them by `stepwell lab compare`."
-        )
+        limit = f"all recordings together have at most {_MOST_BYTES >> 20} MiB"
+        way = "Export fewer samples a second, or compare them by `stepwell lab compare`"
+        raise InputError(f"is too long: {limit}. {way}.")
     if not unpacking.eof:
         raise InputError("did not arrive whole: choose it again.")
     return content
@@ -142,10 +139,11 @@ def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, An
     """A series with its verdict, and its snaps next to those of the model."""
     tests = comparison.tests if comparison else ()
     test = next((one for one in tests if one.series.name == series.name), None)
-    predicted = _predicted(series)
+    events = series.path.events
+    predicted = [one.stroke for one in events if one.kind is statics.EventKind.SNAP]
     measured = getattr(test, "snaps", None)
     if measured is None:
-        measured = tuple(_measured(series, run) for run in series.recordings)
+        measured = [_measured(series, run) for run in series.recordings]
     return {
         "name": series.name,
         "unloading": series.unloading,
@@ -160,11 +158,6 @@ def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, An
             for pair in _snap_rows(predicted, snaps)
         ],
     }
-
-
-def _predicted(series: lab.Series) -> list[float]:
-    events = series.path.events
-    return [event.stroke for event in events if event.kind is statics.EventKind.SNAP]
 
 
 def _measured(series: lab.Series, run: lab.Recording) -> tuple[float, ...]:
@@ -187,9 +180,8 @@ def _snap_rows(predicted: Sequence[float], measured: Sequence[float]) -> list[di
 def _pairs(
     predicted: Sequence[float], measured: Sequence[float]
 ) -> list[tuple[float | None, float | None]]:
-    near = sorted(
-        (abs(a - b), i, j) for i, a in enumerate(predicted) for j, b in enumerate(measured)
-    )
+    pairs = product(enumerate(predicted), enumerate(measured))
+    near = sorted((abs(a - b), i, j) for (i, a), (j, b) in pairs)
     partner: dict[int, int] = {}
     for _, i, j in near:
         if i not in partner and j not in partner.values():
@@ -201,21 +193,15 @@ def _pairs(
 
 def _curves(name: str, series: lab.Series) -> dict[str, np.ndarray[Any, Any]]:
     """Stroke from state 0 and force of all runs of a series; a new segment where a line ends."""
-    strokes, forces, segments = [], [], []
+    columns: list[tuple[np.ndarray[Any, Any], ...]] = []
     last = 0
     for run in series.recordings:
-        stroke = series.placed(run)
-        segment = _segments(run)
+        stroke, segment = to_unit(series.placed(run), "mm"), _segments(run)
         shown = np.unique(np.linspace(0, len(run) - 1, min(len(run), _DRAWN)).astype(int))
-        strokes.append(to_unit(stroke[shown], "mm"))
-        forces.append(run.force[shown])
-        segments.append(segment[shown] + last)
+        columns.append((stroke[shown], run.force[shown], segment[shown] + last))
         last += int(segment[-1]) + 1
-    return {
-        f"stroke {name}": np.concatenate(strokes),
-        f"force {name}": np.concatenate(forces),
-        f"segment {name}": np.concatenate(segments),
-    }
+    names = (f"{what} {name}" for what in ("stroke", "force", "segment"))
+    return dict(zip(names, map(np.concatenate, zip(*columns, strict=True)), strict=True))
 
 
 def _segments(run: lab.Recording) -> Ints:
@@ -232,25 +218,17 @@ def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
     return steps > most * float(np.median(moving)) if len(moving) else steps > 0
 
 
-def _fit(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
-    """The fit, and the design with it."""
-    return {**found.record(), "design": _taken(found, design)}
-
-
 def _taken(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
     """The tables of the design with the fitted bands, all else as it was."""
     tables = deepcopy(design.tables or {})
     legs = tables.get("leg") or [{}]
     leg = legs[design.leg] if design.leg < len(legs) else {}
     chain = leg["chain"] if "cell" in leg.get("chain", {}) else tables["chain"]
-    fitted = {
-        "stiffness_N_per_m": plain(found.stiffness),
-        "rest_length_mm": plain(found.rest_length, MM),
-    }
+    stiffness, rest_length = plain(found.stiffness), plain(found.rest_length, MM)
+    fitted = {"stiffness_N_per_m": stiffness, "rest_length_mm": rest_length}
     chain["band"] = {**chain.get("band", {}), **fitted}
-    for cell in chain["cell"]:
-        for band in (cell.get("band"), *cell.get("bands", [])):
-            if isinstance(band, dict):
-                for key in fitted:
-                    band.pop(key, None)
+    bands = [band for cell in chain["cell"] for band in (cell.get("band"), *cell.get("bands", []))]
+    for band, key in product(bands, fitted):
+        if isinstance(band, dict):
+            band.pop(key, None)
     return tables

@@ -10,31 +10,19 @@ _LONGEST = 3600.0  # s
 
 
 def arena_of(ask: Ask) -> Arena | None:
-    """The arena that is asked with, or None for a bare floor.
-
-    Raises:
-        ValueError: one that cannot be; the text as for a file.
-    """
+    """The arena that is asked with, or None for a bare floor."""
     return files.loads_arena_tables(ask.table("arena")) if ask.has("arena") else None
 
 
 def walk_asked(ask: Ask) -> tuple[Arena | None, float]:
-    """Where a robot is to walk, and for how many cycles.
-
-    Raises:
-        ValueError: an arena that cannot be, or too many cycles.
-    """
+    """Where a robot is to walk, and for how many cycles."""
     arena, cycles = arena_of(ask), ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)
     ask.close()
     return arena, cycles
 
 
 def maze_asked(ask: Ask) -> tuple[Arena, float]:
-    """Which arena a robot is to go through, and in what time [s].
-
-    Raises:
-        ValueError: none, one that cannot be, or too much time.
-    """
+    """Which arena a robot is to go through, and in what time [s]."""
     arena, limit = arena_of(ask), ask.number("limit_s", 1.0, _LONGEST, 600.0)
     ask.close()
     if arena is None:
@@ -49,14 +37,9 @@ def answer_arenas(_design: PageDesign, ask: Ask) -> View:
 
 
 def answer_arena(_design: PageDesign, ask: Ask) -> View:
-    """The tables of the arena of a `name` or a `text`; or the file of an `arena`.
-
-    The text is all there is of a file: no name in it is ever opened.
-    """
-    if ask.has("arena"):
-        arena = arena_of(ask)
+    """The tables of the arena of a `name` or a `text`; or the file of an `arena`."""
+    if arena := arena_of(ask):
         ask.close()
-        assert arena is not None
         return View({"toml": files.dumps(arena)})
     if ask.has("name"):
         text = files.arena_text(ask.text("name", 200))

@@ -22,12 +22,11 @@ def answer_studies(_design: PageDesign, ask: Ask) -> View:
     if not have("studies"):
         return View({"missing": str(missing("studies")), "folder": "", "studies": []})
     folder = home(ask)
-    found = []
+    found: list[dict[str, Any]] = []
     for name, place in stores(folder).items():
-        running, problem = how(place)
-        told = {"name": name, "running": running, "problem": problem, **described(place)}
-        if "what" in told:
-            found.append(told)
+        if told := described(place):
+            running, problem = how(place)
+            found.append({"name": name, "running": running, "problem": problem, **told})
     return View({"missing": "", "folder": str(folder), "studies": found})
 
 
@@ -36,35 +35,30 @@ _POINTS, _WORDS = 4000, 12
 
 
 def answer_study(_design: PageDesign, ask: Ask) -> View:
-    """The record of `stepwell sweep status --json`, its pace, and columns as they are told.
+    """The record of `stepwell sweep status --json`, its pace, and columns in units of the page.
 
-    `rows` are numbers of designs that are done, evenly over all; of words a column has their
+    `rows` are numbers of designs that are done, evenly over all; a column of words has their
     places in its list, the last of which is any other.
     """
     study = study_of(ask)
     ask.close()
-    found = status(study)
+    found, going, done = status(study), pace(study), study.done_chunks()
     record = accounts.account(found).record
-    going = pace(study)
-    done = study.done_chunks()
-    numbers = np.concatenate([np.asarray(study.rows(k)) for k in done] or [np.empty(0, int)])
+    numbers = np.concatenate([np.empty(0, int), *(np.asarray(study.rows(k)) for k in done)])
     some = np.unique(np.linspace(0, len(numbers) - 1, min(len(numbers), _POINTS)).astype(int))
-    if not len(numbers):
-        some = np.empty(0, int)
     blocks: dict[str, np.ndarray[Any, Any]] = {"rows": numbers[some].astype(np.int32)}
     columns = [
         _column(study, name, study.values(name, done), some, k, blocks)
         for k, name in enumerate(study.columns)
     ]
-    designs = sum(len(study.rows(k)) for k in done)
     rate = going.rate if going else None
     header = {
         **record,
         "name": study.folder.name,
         "command": command_of(study),
-        "designs_done": designs,
+        "designs_done": len(numbers),
         "rate_per_s": rate,
-        "left_s": (study.count - designs) / rate if rate else None,
+        "left_s": (study.count - len(numbers)) / rate if rate else None,
         "at_work": bool(going and going.at_work and not found.finished),
         "version": study.version,
         "columns": columns,
@@ -121,21 +115,20 @@ def answer_study_stop(_design: PageDesign, ask: Ask) -> View:
 
 
 def answer_study_estimate(design: PageDesign, ask: Ask) -> View:
-    """What `stepwell sweep ... --estimate` tells, as numbers."""
+    """What `stepwell sweep ... --estimate` prints, as numbers."""
     study = asked_study(design, ask, home(ask))
     found = estimate(study, cores())
-    return View(
-        {
-            "name": study.folder.name,
-            "designs": found.designs,
-            "sample": found.sample,
-            "each_ms": to_unit(found.each, "ms"),
-            "time_s": found.seconds,
-            "workers": found.workers,
-            "disk_MB": found.disk / 1e6,
-            "command": command_of(study),
-        }
-    )
+    header = {
+        "name": study.folder.name,
+        "designs": found.designs,
+        "sample": found.sample,
+        "each_ms": to_unit(found.each, "ms"),
+        "time_s": found.seconds,
+        "workers": found.workers,
+        "disk_MB": found.disk / 1e6,
+        "command": command_of(study),
+    }
+    return View(header)
 
 
 _MOST = 1_000_000
@@ -146,9 +139,9 @@ def answer_study_csv(_design: PageDesign, ask: Ask) -> View:
     study = study_of(ask)
     ask.close()
     if study.count > _MOST:
+        way = f"stepwell sweep export {study.folder} --out study.parquet"
         raise InputError(
-            f"{study.folder.name}: {study.count} designs are too many for a page: "
-            f"stepwell sweep export {study.folder} --out study.parquet"
+            f"{study.folder.name}: {study.count} designs are too many for a page: {way}"
         )
     with TemporaryDirectory() as folder:
         file = Path(folder) / "study.csv"

@@ -28,15 +28,13 @@ def answer_wish(_design: PageDesign, ask: Ask) -> View:
     ask.close()
     if objective not in _OBJECTIVES:
         raise InputError(f"ask.objective = {objective!r}: must be 'yield' or 'worst'.")
-    found = designed(
-        **wanted,
-        holes=holes,
-        tolerances=tolerances,
-        objective=objective,
-        most_force=force,
-        seed=seed,
-        progress=ask.tell,
-    )
+    how: dict[str, Any] = {
+        "tolerances": tolerances,
+        "objective": objective,
+        "most_force": force,
+        "seed": seed,
+    }
+    found = designed(**wanted, **how, holes=holes, progress=ask.tell)
     tables = files.tables_in(files.dumps(found.chain))
     shown = evaluated(PageDesign(tables), Ask())
     header = {**accounts.account(found).record, "design": tables, "shown": shown.header}
@@ -44,7 +42,6 @@ def answer_wish(_design: PageDesign, ask: Ask) -> View:
 
 
 def _wanted(ask: Ask) -> dict[str, Any]:
-    """What `design` is to be asked for."""
     if ask.has("sequence") == ask.has("states"):
         raise InputError("ask: must have sequence, such as '00>10>11>01>00', or states.")
     key = "sequence" if ask.has("sequence") else "states"
@@ -53,24 +50,21 @@ def _wanted(ask: Ask) -> dict[str, Any]:
     if key == "states" and text == "all":
         return {"states": text, "cells": ask.whole("cells", 1, _MOST_CELLS)}
     if max(map(len, text.replace(">", " ").split()), default=0) > _MOST_CELLS:
-        raise InputError(
-            f"ask.{key} = {text[:60]!r}: has too many cells: at most {_MOST_CELLS} are "
-            f"placed here; `stepwell design` takes more."
-        )
+        most = f"at most {_MOST_CELLS} are placed here; `stepwell design` takes more"
+        raise InputError(f"ask.{key} = {text[:60]!r}: has too many cells: {most}.")
     return {"sequence": text} if key == "sequence" else {"states": states}
 
 
 _MOST = 1_000_000
-# So many are made first, and no more where the engine has to follow each of them.
+# How many are made first, and no more if the engine has to follow each of them.
 _FIRST = 1000
 
 
 def answer_yield(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell yield --json` prints, and the verdict that `stepwell check` gives.
 
-    Of few mechanisms first, where it takes long.
-
-    Without `samples` as many as by default, or fewer where each has to be followed.
+    Without `samples`, of few mechanisms first, then of as many as by default, unless each has to be
+    followed.
     """
     tolerances = ask.tolerances()
     n = ask.whole("samples", 1, _MOST) if ask.has("samples") else None
@@ -80,9 +74,10 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
     tied = bool(sequences.cycle(chain).path.degenerate)
     if n is None:
         first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.tell)
+        view = View(_yield_told(first, tied))
         if first.by_engine > _FIRST // 10:
-            return View(_yield_told(first, tied))
-        ask.show(View(_yield_told(first, tied)))
+            return view
+        ask.show(view)
     found = yields(chain, tolerances, samples=n, seed=seed, progress=ask.tell)
     return View(_yield_told(found, tied))
 
