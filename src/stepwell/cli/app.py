@@ -34,8 +34,6 @@ _NAMES = {
 
 
 class _Grouped(Commands):
-    """All subcommands, in the order of their groups."""
-
     def list_commands(self, ctx: Any) -> list[str]:
         """The names of the commands as `--help` lists them."""
         order = [_name(one) for commands in _GROUPS.values() for one in commands]

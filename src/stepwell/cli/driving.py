@@ -81,7 +81,6 @@ def planned(
 
 
 def _is_state(state: str, last: str) -> bool:
-    """Whether every cell of a state is in one of its phases; `last` has the last of each."""
     return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 

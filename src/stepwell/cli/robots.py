@@ -104,7 +104,6 @@ def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
 
 
 def _points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
-    """For each key its value in every robot."""
     import numpy as np
 
     if drawn is None:

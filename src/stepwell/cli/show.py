@@ -140,7 +140,6 @@ def figure(
 
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
-    """A figure of a design."""
     file = sw.files.load(design)
     program = own(file) if file.program else None
     with screen.usable("--panels"):
@@ -157,7 +156,6 @@ def _rows(panels: str | None) -> list[str | list[str]]:
 
 
 def _list() -> None:
-    """All panels, and the widths of journals."""
     rows = [
         (name, "robot" if one.of is sw.robot.Robot else "chain", one.shows)
         for name, one in sw.reports.PANELS.items()

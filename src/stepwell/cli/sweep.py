@@ -52,24 +52,18 @@ _Engine = Annotated[
 
 @dataclass(frozen=True)
 class _Program(Group):
-    """What a program is searched for."""
-
     start: str | None = option("As in 00.", "--from STATE")
     target: str = option("As in 01.", "STATE", default=...)
 
 
 @dataclass(frozen=True)
 class _Walk(Group):
-    """How every robot walks."""
-
     cycles: int = option("How many cycles each walks.", default=4, min=1)
     engine: _Engine = "cpu"
 
 
 @dataclass(frozen=True)
 class _Maze(Group):
-    """Where every robot walks."""
-
     arena: str = option("A name, or a file of your own.", "ARENA", default=...)
     limit: float = option("Time it is given [s].", default=600.0, min=1)
     layouts: int = option(
@@ -95,8 +89,6 @@ class _Maze(Group):
 
 @dataclass(frozen=True)
 class _Call(Group):
-    """What is computed of every design."""
-
     function: str = option(
         "A function of a design and a seed that gives numbers and texts by name.",
         "FILE.py:NAME",
@@ -118,8 +110,6 @@ class Effort(Group):
 
 @dataclass(frozen=True)
 class _Study(Effort):
-    """How the designs of a study are computed."""
-
     seed: parts.Seed = 0
     chunk: int | None = option("Designs that are computed and written together.", "N", min=1)
     estimate: bool = flag("Print the estimated run time and disk space, then exit.", "--estimate")
@@ -128,8 +118,6 @@ class _Study(Effort):
 
 @dataclass(frozen=True)
 class _Drawn(Group):
-    """Which designs are computed."""
-
     vary: list[str] | None = option(
         "What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
         "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
@@ -188,7 +176,6 @@ _OWN: dict[str, tuple[type[Group], str]] = {
 
 
 def _command(what: str, doc: str) -> None:
-    """A command for something that is computed of chains, or of robots."""
 
     def run(
         *,

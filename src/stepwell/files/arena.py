@@ -121,7 +121,6 @@ def _map_parts(text: str, name: str) -> tuple[Decimal, str, list[str], int]:
 
 
 def _size(line: str, name: str) -> Decimal:
-    """The side of a square in mm, from the first line."""
     match = _FIRST.fullmatch(line)
     with suppress(ArithmeticError):
         if match and 1 <= (size := Decimal(match[1])) <= 10_000:

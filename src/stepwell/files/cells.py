@@ -305,7 +305,6 @@ def _cell(
 
 
 def _key(slip: mechanism.Slip, cell: chain_schema.OneCellKeys, band: dict[str, Any] | None) -> str:
-    """The key of a cell, or of its band, that holds a size."""
     if slip.name.startswith("load."):
         constant = slip.name == "load.force" and cell.load_N is not None
         return "load_N" if constant else "load_mm_N"

@@ -114,8 +114,6 @@ _Path = tuple[str | int, ...]
 
 
 class _Curves:
-    """The CSV files of one folder, each read once."""
-
     def __init__(self, folder: Path):
         self._folder = folder
         self._read: dict[str, MeasuredCurve] = {}
@@ -182,7 +180,6 @@ def _tables(text: str) -> dict[str, Any]:
 
 
 def _names(path: _Path, value: Any) -> Iterator[tuple[_Path, str]]:
-    """Every key that names a file, and the name, in the order of the text."""
     if isinstance(value, dict):
         for key, below in value.items():
             if re.fullmatch(_KEYS, key) and isinstance(below, str):
@@ -199,7 +196,6 @@ def _said(match: re.Match[str]) -> tuple[str, str]:
 
 
 def _put(tables: Any, path: _Path, key: str, numbers: str) -> None:
-    """Put the numbers in place of the name, in what the text says."""
     place = tables
     for step in path[:-1]:
         place = place[step]

@@ -38,7 +38,6 @@ def chain_text(chain: Chain) -> str:
 
 
 def _shared_by(every_cell: Sequence[Cell | Element]) -> Common:
-    """What all cells of levers and bands have in common."""
     cells = [cell for cell in every_cell if isinstance(cell, Cell)]
     if not cells:
         return Common({}, {})
@@ -49,7 +48,6 @@ def _shared_by(every_cell: Sequence[Cell | Element]) -> Common:
 
 
 def _cell_lines(cell: Cell | Element, shared: Common) -> list[str]:
-    """The keys of a [[chain.cell]] table, without those that are shared."""
     name = [f"name = {quoted(cell.name)}"] if cell.name else []
     if isinstance(cell, Element):
         return [*name, *element_lines(cell)]

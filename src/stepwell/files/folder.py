@@ -253,8 +253,6 @@ def _lock(place: Path) -> Path:
 
 
 class _Order(NamedTuple):
-    """Where the results of a command go, and whether they may replace others' work."""
-
     shown: str
     target: Path
     command: str
@@ -401,7 +399,6 @@ def _is_inside(name: str) -> bool:
 
 
 def _digest_of(file: Path) -> str | None:
-    """The SHA-256 of an ordinary file; None of all else."""
     if file.is_symlink() or not file.is_file():
         return None
     with open(file, "rb") as handle:
@@ -409,7 +406,6 @@ def _digest_of(file: Path) -> str | None:
 
 
 def _kept(file: Path) -> str:
-    """The SHA-256 of a file of ours, once it is on the disk."""
     with open(file, "rb+") as handle:
         os.fsync(handle.fileno())
     return digest(file.read_bytes())

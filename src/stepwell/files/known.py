@@ -157,13 +157,11 @@ def _band() -> Table:
 
 
 def _defaults(value: type, keys: Sequence[str]) -> dict[str, Any]:
-    """What a value has under these keys where it is told nothing."""
     by_name = {field.name: field.default for field in dataclasses.fields(value)}
     return {key: _told(key, by_name[field_of(key)]) for key in keys}
 
 
 def _told(key: str, value: Any) -> Any:
-    """A value in SI as a file has it, read."""
     return tomllib.loads(f"x = {written(key, value)}")["x"]
 
 
@@ -172,7 +170,6 @@ def _numbers_of(table: Table) -> dict[str, Any]:
 
 
 def _form(cell: Table) -> str | None:
-    """The key that gives an element's curve; None for a cell of levers."""
     return next((form for form in schema.FORMS if form in cell), None)
 
 

@@ -103,7 +103,6 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
 
 
 def _key(chain: Chain) -> str:
-    """The key of what the actuator of a chain prescribes."""
     return schema.TURNING_POINTS[chain.measure][chain.actuator_stiffness == 0]
 
 

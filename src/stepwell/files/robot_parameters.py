@@ -99,7 +99,6 @@ def key_unit(robot: Robot, path: str) -> str:
 
 
 def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
-    """The robot's sources with the changed numbers assumed."""
     said = dict(robot.sources)
     of, _ = sources(robot, _lists(robot))
     for steps in changed:
@@ -134,7 +133,6 @@ def _unit(steps: Steps) -> str:
 
 
 def _sizes(known: Iterable[Steps]) -> dict[Steps, int]:
-    """How many items each list has."""
     sizes: dict[Steps, int] = {}
     for steps in known:
         for i, step in enumerate(steps):
@@ -178,7 +176,6 @@ def provenance(robot: Robot) -> tuple[Given, ...]:
 
 
 def _by_list(numbers: Iterable[Given]) -> list[Given]:
-    """The numbers of a list put together, where one source gives all of them."""
     lists: dict[str, list[Given]] = {}
     for number in numbers:
         lists.setdefault(re.sub(r"(?:\[\d+\])+$", "", number.path), []).append(number)

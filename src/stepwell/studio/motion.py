@@ -57,7 +57,6 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def _angles(chain: Chain, travel: Floats) -> Floats:
-    """(n, N) angles of the levers in degrees, NaN where there are none."""
     angles = np.full_like(travel, np.nan)
     for i, cell in enumerate(chain.cells):
         if isinstance(cell, Cell):
@@ -160,7 +159,6 @@ def cycle_told(cycle: Cycle) -> dict[str, Any]:
 
 
 def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
-    """The sample at which each event begins, in order."""
     found: list[int] = []
     snaps = iter(np.flatnonzero(path.snap_after))
     # The last bits of a sample's drive may be others than those of its event.

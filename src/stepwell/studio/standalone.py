@@ -133,5 +133,4 @@ def _hash(text: str) -> str:
 
 
 def _data(view: View) -> str:
-    """The view as it would come over the socket, small, in letters that mean nothing to HTML."""
     return base64.b64encode(zlib.compress(packed("replay", 0, view), 9)).decode()

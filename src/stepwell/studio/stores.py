@@ -71,8 +71,6 @@ _LONGEST_WORDS = 4000  # bytes of what a command said last
 
 
 class _Run:
-    """A command at work on a store, and what it says."""
-
     def __init__(self, store: Path):
         self._log: IO[bytes] | None = TemporaryFile()  # noqa: SIM115  until the command has ended
         self._stopped, self._said = False, ""
@@ -118,7 +116,6 @@ class _Run:
 
 
 def _last(log: IO[bytes]) -> str:
-    """The last line that was written."""
     log.seek(max(0, log.seek(0, os.SEEK_END) - _LONGEST_WORDS))
     lines = [line.strip() for line in log.read().decode("utf-8", "replace").split("\n")]
     last = next((line for line in reversed(lines) if line), "")

@@ -43,7 +43,6 @@ def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
 
 
 def _given(what: str, ask: Ask) -> dict[str, Any]:
-    """The inputs of a study other than the design."""
     if what == "program":
         start = ask.text("start", 64) if ask.has("start") else None
         return {"start": start, "target": ask.text("target", 64)}

@@ -67,7 +67,6 @@ def _plain(keys: list[str | int]) -> str:
 
 
 def _known(keys: list[str | int], tables: Tables) -> list[str]:
-    """The keys that the table around a key may hold."""
     return tables[_plain(keys[:-1])].names()
 
 

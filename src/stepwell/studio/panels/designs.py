@@ -78,7 +78,6 @@ def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
 
 
 def _moving(name: str) -> View:
-    """The program of a design, or the full cycle where it has none; a robot's walk."""
     tables = tomllib.loads(files.preset_text(name))
     file = files.loads_tables(tables)
     design = file.subject
@@ -162,14 +161,12 @@ def script(design: Chain | Robot, toml: str) -> str:
 
 
 def _block(text: str) -> str:
-    """Text over several lines, as Python writes it."""
     if "'''" in text or "\\" in text:
         return repr(text)
     return f"'''\n{text}'''"
 
 
 def _made(value: Any, depth: int) -> str:
-    """A value of the public ones as the call that makes it."""
     if isinstance(value, tuple) and value and is_dataclass(value[0]):
         inner = [_made(one, depth + 1) for one in value]
         return _call("(", inner, ",)" if len(value) == 1 else ")", depth)

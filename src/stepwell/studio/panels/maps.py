@@ -284,7 +284,6 @@ def _range(chain: Chain, parameter: Parameter, value: float) -> tuple[float, flo
 
 
 def _force(cell: Any) -> float:
-    """About what a cell needs."""
     if isinstance(cell, Cell):
         return max(abs(cell.force_0), abs(cell.force_1))
     return cell.largest_force

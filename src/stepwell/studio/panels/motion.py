@@ -70,7 +70,6 @@ def answer_cells(design: PageDesign, ask: Ask) -> View:
 
 
 def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
-    """Samples of every element's curve, sheet by sheet."""
     rows: list[np.ndarray[Any, Any]] = [np.empty((0, 4))]
     for i, cell in enumerate(chain.cells):
         if isinstance(cell, Element):
@@ -88,7 +87,6 @@ def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def _tables(design: PageDesign) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
-    """The table that holds the cells, and that which legs share."""
     tables = design.tables or {}
     common, legs = _table(tables.get("chain")), tables.get("leg")
     if not isinstance(legs, list):

@@ -65,7 +65,6 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
 
 
 def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
-    """The recordings, and a line for every file that is none."""
     found: list[lab.Recording] = []
     refused: list[str] = []
     left = _MOST_BYTES
@@ -114,7 +113,6 @@ def _series(
 def _compared(
     recordings: Sequence[lab.Recording], chain: mechanism.Chain, series: Sequence[lab.Series]
 ) -> tuple[lab.Comparison | None, str]:
-    """The comparison; None where there can be none, and why."""
     if not series:
         return None, ""
     if len(chain) > 2 or chain.elements:
@@ -219,7 +217,6 @@ def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
 
 
 def _taken(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
-    """The tables of the design with the fitted bands, all else as it was."""
     tables = deepcopy(design.tables or {})
     legs = tables.get("leg") or [{}]
     leg = legs[design.leg] if design.leg < len(legs) else {}
