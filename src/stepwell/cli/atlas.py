@@ -96,9 +96,8 @@ def build(
         raise wrong("--drive", f"{drive!r}: must be stroke or force.")
     subject, axes = space.read()
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
-        where = {"workers": effort.workers, "scheduler": effort.scheduler, "progress": tell}
-        count = int(space.designs)
-        found = sw.studies.atlas(subject, axes, count, out, drive=drive, seed=space.seed, **where)
+        how = {"drive": drive, "seed": space.seed, "progress": tell, **vars(effort)}
+        found = sw.studies.atlas(subject, axes, int(space.designs), out, **how)
     _show(found.study, _charted(found.study, parts.BandTolerances()), Output(as_json=as_json))
 
 

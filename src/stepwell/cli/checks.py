@@ -44,9 +44,7 @@ def check(
     file = sw.files.loads(text, design)
     wanted = own(file) if target is None and file.program else target
     with usable(design), progress("check") as tell:
-        found = check(
-            chain, wanted, spread, samples=sampling.samples, seed=sampling.seed, progress=tell
-        )
+        found = check(chain, wanted, spread, **vars(sampling), progress=tell)
     output.report(found, text, design, calibrated)
     answered(found.verdict != "won't")
 
@@ -103,7 +101,7 @@ def yield_(
     target = counted.target
     states = target.split(",") if target and "," in target else target
     with usable(design), progress("yield") as tell:
-        how: dict[str, Any] = {"samples": sampling.samples, "seed": sampling.seed, "progress": tell}
+        how: dict[str, Any] = {**vars(sampling), "progress": tell}
         if played is not None:
             turns, start = played.turning_points, played.start
             found = survival(played.chain, turns, played.target, spread, start=start, **how)

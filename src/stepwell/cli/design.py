@@ -173,19 +173,15 @@ def design(
 
     wanted, spread, allowed = wish(target), within.tolerances(), parts.allowed()
     output.free("design")
+    aims = {
+        "objective": aim.objective.value,
+        "most_force": math.inf if aim.force_limit is None else aim.force_limit,
+        "actuator_stiffness": stiffness_of(aim.drive),
+    }
+    how = wanted | allowed | aims | vars(sampling)
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
-            found = design(
-                **wanted,
-                **allowed,
-                tolerances=spread,
-                objective=aim.objective.value,
-                most_force=math.inf if aim.force_limit is None else aim.force_limit,
-                actuator_stiffness=stiffness_of(aim.drive),
-                samples=sampling.samples,
-                seed=sampling.seed,
-                progress=tell,
-            )
+            found = design(**how, tolerances=spread, progress=tell)
     except Impossible as why:
         report(sw.accounts.account(why), output.as_json)
         answered(False)
@@ -331,7 +327,6 @@ def stock(text: str) -> "Stock":
             f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:SPREAD] in N/m, mm and %, as in "
             f"28.5:10:5, or a design file with bands, as in mine.toml.",
         ) from None
+    share = None if part is None else from_unit(part, "percent")
     with usable("--band"):
-        return Stock(
-            k, from_unit(length, "mm"), None if part is None else from_unit(part, "percent")
-        )
+        return Stock(k, from_unit(length, "mm"), share)

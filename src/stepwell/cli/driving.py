@@ -21,10 +21,9 @@ def drive(text: str) -> str | float:
     with suppress(ValueError):
         stiffness = float(text)
     if not sw.mechanism.SOFTEST <= stiffness <= sw.mechanism.STIFFEST:
-        raise typer.BadParameter(
-            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, "
-            f"{sw.mechanism.SOFTEST:g} to {sw.mechanism.STIFFEST:g}."
-        )
+        ends = f"{sw.mechanism.SOFTEST:g} to {sw.mechanism.STIFFEST:g}"
+        must = f"must be stroke, force, or the actuator's stiffness in N/m, {ends}."
+        raise typer.BadParameter(f"{text!r}: {must}")
     return stiffness
 
 

@@ -102,8 +102,8 @@ def band(
     Example: stepwell lab band recordings --window-mm 5:35
     """
     output.free("lab band")
-    # Before all of them are fitted.
     known = [one.name for one in sw.lab.LAWS]
+    # Before all of them are fitted.
     if law is not None and law not in known:
         raise wrong("--law", f"{law!r}: must be one of {', '.join(known)}.")
     given = recordings_in(folders)
@@ -323,8 +323,7 @@ def as_built(
             target=target,
             hole=within.hole * 1e-3,
             wrong_hole=within.wrong_hole / 100,
-            samples=sampling.samples,
-            seed=sampling.seed,
+            **vars(sampling),
             progress=tell,
         )
     output.report(found, text, design)

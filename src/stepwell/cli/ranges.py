@@ -15,9 +15,9 @@ _PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers from `start` to `stop`, both included, in the unit in which they are written.
+    """`count` numbers from `start` to `stop`, both included, in the unit in which they are written.
 
-    On a grid there are `count` of them, at equal steps or, with `log`, in equal ratios.
+    They lie at equal steps or, with `log`, in equal ratios.
     """
 
     start: float
@@ -48,10 +48,9 @@ def read_range(text: str, form: str, example: str) -> Range:
     asked = [(name, "="), (count, ":COUNT")] + [(log, ":log")] * bool(log)
     if any((part is not None) != (sign in form) for part, sign in asked):
         raise wrong
+    many = int(count) if count else None
     try:
-        found = Range(
-            float(start), float(stop), int(count) if count else None, name or "", bool(log)
-        )
+        found = Range(float(start), float(stop), many, name or "", bool(log))
     except ValueError:
         raise wrong from None
     if found.count is not None and found.count < 2:

@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
 
-# A page has about this height [mm].
-_TALLEST = 247.0
-# Two columns of a page.
-_USUAL = "180mm"
+# About the height of a page [mm], and the width of two columns.
+_TALLEST, _USUAL = 247.0, "180mm"
 _PAPER = "paper:"
 _KINDS = ("pdf", "svg", "png")
 
@@ -123,14 +121,9 @@ def figure(
         with screen.usable("DESIGN"):
             drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
     else:
-        drawn = _composed(
-            design,
-            panels,
-            measured=[sw.lab.read(one) for one in measured or ()],
-            mass=None if snap.mass is None else snap.mass * 1e-3,
-            damping=snap.damping,
-            **layout,
-        )
+        layout["measured"] = [sw.lab.read(one) for one in measured or ()]
+        layout["mass"] = None if snap.mass is None else snap.mass * 1e-3
+        drawn = _composed(design, panels, damping=snap.damping, **layout)
     sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
     screen.show_verbatim(f"Wrote {out}")
@@ -161,14 +154,10 @@ def _list() -> None:
         for name, one in sw.reports.PANELS.items()
     ]
     screen.show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
-    widths = [
-        (name, f"{one.width:g}", one.source) for name, one in sw.figures.JOURNAL_WIDTHS.items()
-    ]
+    journals = sw.figures.JOURNAL_WIDTHS.items()
+    widths = [(name, f"{one.width:g}", one.source) for name, one in journals]
     screen.show_lines("")
     screen.show_table("Widths of journals", ["name", "width [mm]", "source"], widths, left=(0, 2))
-
-
-_CYCLES = 8.0
 
 
 def replay(
@@ -224,9 +213,9 @@ def replay(
 def _run(
     robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Progress | None
 ) -> Walk | Maze:
-    place = sw.files.load_arena(arena) if arena is not None else None
+    place = None if arena is None else sw.files.load_arena(arena)
     if place is None or cycles is not None:
-        return sw.simulation.walk(robot, cycles or _CYCLES, arena=place, progress=tell)
+        return sw.simulation.walk(robot, cycles or 8.0, arena=place, progress=tell)
     return sw.simulation.maze(robot, place, progress=tell)
 
 
@@ -303,13 +292,10 @@ def demo(
     screen.show_text(sw.reports.OPENING)
     if left_out:
         titles = "; ".join(telling.title for telling in left_out)
-        screen.show_text(
-            f"Left out, for want of packages that pip install 'stepwell[all]' brings: {titles}."
-        )
+        packages = "packages that pip install 'stepwell[all]' brings"
+        screen.show_text(f"Left out, for want of {packages}: {titles}.")
     shown: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
-    for telling in sw.reports.STEPS:
-        if telling in left_out:
-            continue
+    for telling in [one for one in sw.reports.STEPS if one.can_be_told]:
         screen.show_title(f"{len(shown) + 1}  {telling.title}")
         with screen.progress(telling.title) as tell:
             step = telling.make(tell)
