@@ -107,8 +107,7 @@ def _map_parts(text: str, name: str) -> tuple[Decimal, str, list[str], int]:
     lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
     lines = list(dropwhile(lambda line: not line, lines))
     size = _size(lines[0] if lines else "", name)
-    rest = lines[1:]
-    title = ""
+    rest, title = lines[1:], ""
     if rest and rest[0].startswith("title "):
         title = rest.pop(0).removeprefix("title ").strip()[:200]
         title = "".join(filter(str.isprintable, title))
@@ -157,12 +156,10 @@ def _problems(rows: list[str], skipped: int) -> list[str]:
 def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
     slanted, rest = _slanted(squares)
     walls = [_wall(rectangle, size) for rectangle in _rectangles(rest)]
+    thickness = from_unit(float(size), "mm") / math.sqrt(2.0)
     for (left, begin), (right, end) in slanted:
-        ends = (
-            _point(left, begin + (end < begin), size),
-            _point(right + 1, end + (end > begin), size),
-        )
-        walls.append(Wall(*ends, from_unit(float(size), "mm") / math.sqrt(2.0)))
+        start, stop = (left, begin + (end < begin)), (right + 1, end + (end > begin))
+        walls.append(Wall(_point(*start, size), _point(*stop, size), thickness))
     return walls
 
 
@@ -257,13 +254,11 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
         DesignError: there is none, or its file is wrong; a line for every problem.
     """
     name = os.fspath(arena)
-    if name in _texts():
-        return loads_arena(_texts()[name], f"arena {name}")
-    if not name.endswith(_SUFFIXES):
-        advice = text.did_you_mean(name, _texts())
-        problem = f"no such arena, and no file that ends in .toml or .txt. {advice}"
-        raise DesignError(f"arena {name}", [problem])
-    return loads_arena(design.text_of(arena), name)
+    if name not in _texts() and name.endswith(_SUFFIXES):
+        return loads_arena(design.text_of(arena), name)
+    return loads_arena(
+        _text(name, "no such arena, and no file that ends in .toml or .txt"), f"arena {name}"
+    )
 
 
 def arena_text(name: str) -> str:
@@ -272,8 +267,13 @@ def arena_text(name: str) -> str:
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
     """
+    return _text(name, "no such arena")
+
+
+def _text(name: str, problem: str) -> str:
     if name not in _texts():
-        raise DesignError(f"arena {name}", [f"no such arena. {text.did_you_mean(name, _texts())}"])
+        advice = text.did_you_mean(name, _texts())
+        raise DesignError(f"arena {name}", [f"{problem}. {advice}"])
     return _texts()[name]
 
 
@@ -345,6 +345,6 @@ def _texts() -> dict[str, str]:
     folder = files("stepwell.files") / "arenas"
     found = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
     texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in found}
-    # From the empty floor to what is hardest.
+    # From the empty floor to the hardest.
     order = ("open", "wall", "cylinder", "pen", "three-walls", "corridor")
     return {name: texts[name] for name in order} | texts

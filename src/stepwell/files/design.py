@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -140,8 +141,7 @@ def text_of(design: str | os.PathLike[str]) -> str:
         return preset_text(name.removeprefix(PRESET))
     try:
         text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
-        unsure = doubt(Path(design))
-        if unsure is None:
+        if (unsure := doubt(Path(design))) is None:
             return with_curves(text, name)
         problem = f"its folder {unsure}."
     except DesignError:
@@ -149,8 +149,7 @@ def text_of(design: str | os.PathLike[str]) -> str:
     except FileNotFoundError:
         problem = f"no such file.{_neighbour(Path(design))}"
     except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        byte = error.object[error.start]
+        line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
         problem = f"line {line}: byte 0x{byte:02x} is not UTF-8: save the file as UTF-8 text."
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}."
@@ -221,13 +220,11 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
 def _neighbour(path: Path) -> str:
     if str(path) in presets():
         return f" Did you mean {PRESET}{path}?"
-    try:
-        suffixes = (".toml", path.suffix)
-        names = [other.name for other in path.parent.iterdir() if other.suffix in suffixes]
-    except OSError:
-        return ""
-    near = nearest_word(path.name, names)
-    return f" Did you mean {path.with_name(near)}?" if near else ""
+    with suppress(OSError):
+        others = [one.name for one in path.parent.iterdir() if one.suffix in (".toml", path.suffix)]
+        if near := nearest_word(path.name, others):
+            return f" Did you mean {path.with_name(near)}?"
+    return ""
 
 
 @cache

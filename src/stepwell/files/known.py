@@ -132,14 +132,12 @@ def _band_keys(path: Path, shared: Table, own: Table) -> Iterator[KnownKey]:
         hidden = {"two_sided", *_CUBIC}
     if law & {"table_mm_N", "table_csv"}:
         hidden.add("stiffness_N_per_m")
-    defaults = {key: shared.get(key, value) for key, value in _band().items()}
-    defaults = {key: value for key, value in defaults.items() if key not in hidden}
+    defaults = {k: shared.get(k, value) for k, value in _band().items() if k not in hidden}
     yield from _keys(path, schema.BandKeys, defaults | _rows_in(own))
 
 
 def _rows_in(table: Table) -> dict[str, Any]:
-    """Lists of rows are there or not; nothing stands for them where they are not."""
-    return {key: None for key in _ROWS if key in table}
+    return {key: None for key in _ROWS if key in table}  # they have no default
 
 
 def _band_over(shared: Table, table: Table) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """What a design file says the actuator is to do, and what it is for."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from operator import lt
@@ -15,10 +16,9 @@ from stepwell.mechanism import Chain
 if TYPE_CHECKING:
     from stepwell.sequences import Program
 
-# Of the chain's stroke: what the engine takes for the same place, and a tenth of it.
-_SAME, _EXACT = 1e-9, 1e-10
-# Of the chain's stroke: a program that reaches no farther does nothing.
-NOTHING = 1 / 200
+# Of the chain's stroke: what the engine takes for the same place, a tenth of it, and how far a
+# program that does nothing reaches at most.
+_SAME, _EXACT, NOTHING = 1e-9, 1e-10, 1 / 200
 # How far off the middle of its window a turning point may be written, over half the window.
 _ROUND = 0.01
 
@@ -92,9 +92,9 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
             meant = array(toml(point * 1000) for point in drives)
             fits = to_unit(max(points), "mm") <= (1 + _SAME) * chain.full_stroke
             unit, factor = told_in(chain.measure.travel_unit)
+            share = max(map(abs, points)) / chain.full_stroke
             problems.append(
-                f"program.{key} = {value_text(drives)}: stays within "
-                f"{max(map(abs, points)) / chain.full_stroke:.2g} of the chain's "
+                f"program.{key} = {value_text(drives)}: stays within {share:.2g} of the chain's "
                 f"{chain.measure.stroke}, {chain.full_stroke * factor:.12g} {unit}."
                 f"{f' Did you mean {meant}?' * fits} If it is meant so, set unusual = true in "
                 f"[program]."
@@ -151,8 +151,6 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
 def _tidy(value: float, within: float, key: str) -> float:
     """The number of fewest digits near enough to `value`, counted in the unit of the file."""
     exact = Decimal(written(key, value))
-    for digits in range(13):
-        rounded: float = si(key, round(exact, digits))
-        if abs(rounded - value) <= within:
-            return rounded + 0.0  # a zero has no sign
-    return value
+    tried: Iterator[float] = (si(key, round(exact, digits)) for digits in range(13))
+    # A zero has no sign.
+    return next((one + 0.0 for one in tried if abs(one - value) <= within), value)

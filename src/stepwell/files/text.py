@@ -74,8 +74,7 @@ def value_text(value: Any) -> str:
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """A sentence that names the nearest known word, or all of them where none is near."""
-    known = list(known)
-    near = nearest_word(word, known)
+    near = nearest_word(word, known := list(known))
     return f"Did you mean {near}?" if near else f"Known here: {', '.join(known)}."
 
 

@@ -43,19 +43,14 @@ def _tension_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     return rows
 
 
-def _actuator(value: Any) -> Decimal:
+def _actuator(value: Any, least: str, most: str, allowed: str) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
-    allowed = f'from {short(SOFTEST)} to {short(STIFFEST)}, 0, or "rigid"'
-    stiffness = keys.decimal_of(value, Decimal(0), Decimal(STIFFEST), allowed)
-    softest = Decimal(short(SOFTEST))
-    return stiffness if stiffness == 0 else keys.decimal_of(value, softest, stiffness, allowed)
-
-
-def _other_actuator(value: Any) -> Decimal:
-    if value == "rigid":
-        return Decimal("Infinity")
-    return keys.decimal_of(value, Decimal(0), Decimal("1e15"), 'from 0 to 1e15, or "rigid"')
+    allowed = f'from {least} to {most}, {allowed}or "rigid"'
+    stiffness = keys.decimal_of(value, Decimal(0), Decimal(most), allowed)
+    if stiffness == 0:
+        return stiffness
+    return keys.decimal_of(value, Decimal(least), stiffness, allowed)
 
 
 def _state(value: Any) -> str:
@@ -77,8 +72,10 @@ Stiffness = Annotated[Decimal, keys.above_zero("1e-6", "1e9")]
 RestLength = Annotated[Decimal, keys.bounded("0", "1e6", ">= 0 (up to 1e6)")]
 Coefficient = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
 Force = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
-Actuator = Annotated[Decimal, PlainValidator(_actuator)]
-OtherActuator = Annotated[Decimal, PlainValidator(_other_actuator)]
+Actuator = Annotated[
+    Decimal, PlainValidator(lambda value: _actuator(value, short(SOFTEST), short(STIFFEST), "0, "))
+]
+OtherActuator = Annotated[Decimal, PlainValidator(lambda value: _actuator(value, "0", "1e15", ""))]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
 LoadRows = Annotated[

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 from itertools import pairwise
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, ClassVar, NoReturn
 
 from pydantic import Field, PlainValidator, model_validator
 
@@ -114,14 +114,14 @@ def key_in(word: str, unit: str) -> str:
 
 # The columns of a curve, travel first, by what they are.
 COLUMNS = {
-    measure: (
-        key_in(measure.travel, measure.travel_unit),
-        key_in(measure.force, measure.force_unit),
-    )
-    for measure in Measure
+    one: (key_in(one.travel, one.travel_unit), key_in(one.force, one.force_unit)) for one in Measure
 }
 # The joints of a sheet, in SI, by what they are.
 JOINTS = {Measure.TRAVEL: "travel_m", Measure.VOLUME: "volume_m3", Measure.ANGLE: "angle_rad"}
+_RISE = (
+    "Sort the rows and drop repeated ones; give loading or unloading alone; or, if the curve truly "
+    "folds back, give it as curve."
+)
 _PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
 
 
@@ -153,8 +153,7 @@ def _stops(value: Any) -> bool | tuple[bool, bool]:
         return value
     if not isinstance(value, list) or len(value) != 2 or any(type(v) is not bool for v in value):
         refuse("must be true or false, or two of them for the low and the high end.")
-    low, high = value
-    return low, high
+    return tuple(value)
 
 
 def _sheet(value: Any) -> int:
@@ -164,10 +163,8 @@ def _sheet(value: Any) -> int:
 
 
 def _csv(_: Any) -> NoReturn:
-    refuse(
-        "names a file, which is read where a design file is loaded by its own name; in a text "
-        "give the numbers themselves."
-    )
+    way = "in a text give the numbers themselves"
+    refuse(f"names a file, which is read where a design file is loaded by its own name; {way}.")
 
 
 Numbers = Annotated[tuple[Decimal, ...], PlainValidator(_numbers)]
@@ -191,6 +188,8 @@ class ColumnKeys(keys.Keys):
     pressure_kPa: Numbers | None = None
     angle_deg: Numbers | None = None
     torque_mNm: Numbers | None = None
+
+    _rises: ClassVar[bool] = False
 
     @property
     def measure(self) -> Measure:
@@ -218,26 +217,19 @@ class ColumnKeys(keys.Keys):
             refuse(f"has {len(x)} numbers, {keys[1]} {len(y)}: must be as many.", keys[0])
         if max(map(abs, y)) < _LEAST_FORCE:
             refuse(f"must hold a force of {_LEAST_FORCE} or more in size.", keys[1])
-        for i, (a, b) in enumerate(pairwise(x), 1):
-            self._refuse_step(keys[0], i, a, b)
+        for i, (a, b) in enumerate(pairwise(x), 2):
+            if self._rises and b - a < _FINEST:
+                must = f"must lie {_FINEST} or more above the one before, {a}. {_RISE}"
+                refuse(f"number {i}, {b}, {must}", keys[0])
+            if abs(b - a) < _FINEST:
+                refuse(f"number {i}, {b}, must differ from the one before by {_FINEST}.", keys[0])
         return self
-
-    def _refuse_step(self, key: str, i: int, a: Decimal, b: Decimal) -> None:
-        if abs(b - a) < _FINEST:
-            refuse(f"number {i + 1}, {b}, must differ from the one before by {_FINEST}.", key)
 
 
 class RisingKeys(ColumnKeys):
     """Two columns, of which the first rises."""
 
-    def _refuse_step(self, key: str, i: int, a: Decimal, b: Decimal) -> None:
-        if b - a < _FINEST:
-            refuse(
-                f"number {i + 1}, {b}, must lie {_FINEST} or more above the one before, {a}. Sort "
-                f"the rows and drop repeated ones; give loading or unloading alone; or, if the "
-                f"curve truly folds back, give it as curve.",
-                key,
-            )
+    _rises = True
 
 
 class SheetKeys(keys.Keys):
@@ -262,11 +254,9 @@ class SheetKeys(keys.Keys):
             refuse(f"must hold one of {', '.join(JOINTS.values())}.")
         joints = getattr(self, given[0])
         if len(joints) != len(self.cubics_SI) + 1:
-            refuse(
-                f"has {len(joints)} numbers for {len(self.cubics_SI)} rows of cubics_SI: must be "
-                f"one more, where each begins and where the last ends.",
-                given[0],
-            )
+            has = f"has {len(joints)} numbers for {len(self.cubics_SI)} rows of cubics_SI"
+            must = "must be one more, where each begins and where the last ends"
+            refuse(f"{has}: {must}.", given[0])
         if any(b <= a for a, b in pairwise(map(float, joints))):
             refuse("must rise.", given[0])
         return self
