@@ -116,8 +116,9 @@ def main() -> None:
 
 def _flush() -> None:
     """Say nothing where the reader has left, as `head` does after its lines."""
+    if (stream := sys.stdout) is None:
+        return
     try:
-        if sys.stdout is not None:
-            sys.stdout.flush()
+        stream.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

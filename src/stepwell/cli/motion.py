@@ -87,7 +87,7 @@ def graph(
         screen.report(reported, as_json)
         return
     with screen.usable("--out"):
-        sw.reports.write_graph(found, out)
+        sw.reports.write_graph(found, out)  # type: ignore[arg-type]
     if as_json:
         screen.show_json(reported.record, out)
         return
@@ -223,7 +223,13 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
 
     Example: stepwell map preset:paper-forward --out map
     """
-    from stepwell import design as maps
+    from stepwell.design import (
+        MapView,
+        boundaries,
+        parameter_boundaries,
+        parameter_map,
+        transition_map,
+    )
 
     text, chain = options.read_chain(design)
     output.free("map")
@@ -233,18 +239,18 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
             index = cell_of(chain, plane.cell)
             designs = marks(chain, index)
             places = {"x": plane.x.values(1e3), "y": plane.y.values(1e3)}
-            nodes = partial(maps.transition_map, chain, index, **places)
-            curves = partial(maps.boundaries, chain, index, **places)
+            nodes = partial(transition_map, chain, index, **places)
+            curves = partial(boundaries, chain, index, **places)
         else:
             (across, here_across), (up, here_up) = (_axis(one, chain) for one in both)
-            nodes = partial(maps.parameter_map, chain, across, up)
-            curves = partial(maps.parameter_boundaries, chain, across, up)
+            nodes = partial(parameter_map, chain, across, up)
+            curves = partial(parameter_boundaries, chain, across, up)
             designs = {"this design": (here_across, here_up)}
         with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
         with screen.progress("boundaries") as tell:
             found = curves(progress=tell)
-        output.report(maps.MapView(dataset, found, designs), text, design)
+        output.report(MapView(dataset, found, designs), text, design)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
