@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -30,7 +29,6 @@ _There = Annotated[
 _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)}
 
 
-@dataclass(frozen=True)
 class SpaceOptions(Group):
     """The space of designs, and which of them are drawn."""
 

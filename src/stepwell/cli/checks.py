@@ -1,6 +1,5 @@
 """`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import stepwell as sw
@@ -49,7 +48,6 @@ def check(
     answered(found.verdict != "won't")
 
 
-@dataclass(frozen=True)
 class CountedOptions(Group):
     """Which mechanisms count as working."""
 

@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -71,7 +71,6 @@ class Objective(StrEnum):
     WORST = "worst"
 
 
-@dataclass(frozen=True)
 class Parts(Group):
     """The parts that a design may have, and where their anchors may be."""
 
@@ -134,7 +133,6 @@ class Parts(Group):
         }
 
 
-@dataclass(frozen=True)
 class AimOptions(Group):
     """What is made as large as possible, with which actuator."""
 
@@ -209,7 +207,6 @@ def along(text: str) -> Direction:
     return Direction(x, y)
 
 
-@dataclass(frozen=True)
 class Way(Group):
     """The way that the anchor is moved."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,7 +50,6 @@ def read(
         raise typer.Exit(WRONG_INPUT)
 
 
-@dataclass(frozen=True)
 class FittedPart(Group):
     """Which part of tension tests is fitted."""
 
@@ -122,7 +121,6 @@ _Data = Annotated[
 ]
 
 
-@dataclass(frozen=True)
 class BaselineOptions(Group):
     """Which friction is subtracted."""
 
@@ -140,7 +138,6 @@ class BaselineOptions(Group):
         return None if self.baseline is None else recordings_in([self.baseline])
 
 
-@dataclass(frozen=True)
 class RigOptions(Group):
     """The rig of a test machine."""
 
@@ -234,7 +231,6 @@ _Strokes = Annotated[
 ]
 
 
-@dataclass(frozen=True)
 class BuiltTolerances(given.BandTolerances):
     """The tolerances of a first build, and how likely its anchors are in wrong holes."""
 
@@ -250,7 +246,6 @@ class BuiltTolerances(given.BandTolerances):
 BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 
 
-@dataclass(frozen=True)
 class BuildSampling(Group):
     """How many first builds are drawn, and which."""
 
@@ -258,7 +253,6 @@ class BuildSampling(Group):
     seed: given.Seed = 0
 
 
-@dataclass(frozen=True)
 class SeenOptions(Group):
     """What was seen of a first build, and how surely."""
 

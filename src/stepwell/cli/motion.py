@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -126,7 +126,6 @@ def program(
     screen.answered(output.report(found, text, design).record["does_it"])
 
 
-@dataclass(frozen=True)
 class MotionOptions(options.Group):
     """Which motion of a design is shown."""
 
@@ -189,7 +188,6 @@ _Parameter = Annotated[
 ]
 
 
-@dataclass(frozen=True)
 class PlaneOptions(options.Group):
     """What varies on a map: an anchor, or two parameters."""
 

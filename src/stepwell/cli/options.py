@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, dataclass_transform, get_type_hints
 
 import typer
 
@@ -137,9 +137,13 @@ def _declared(default: Any, told: Any) -> Any:
     return field(default=given, kw_only=True, metadata={"typer": told})
 
 
+@dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Group:
     """Options that belong together, as one value: a dataclass of options."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True)(cls)
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
@@ -187,7 +191,6 @@ def command(into: typer.Typer) -> Callable[[Callable[..., None]], Callable[..., 
     return lambda one: into.command(epilog=EXIT_CODES)(grouped(one))
 
 
-@dataclass(frozen=True)
 class Output(Group):
     """What becomes of a result: shown, printed as JSON, written into a folder."""
 
@@ -218,14 +221,12 @@ class Output(Group):
         return {}
 
 
-@dataclass(frozen=True)
 class Folder(Output):
     """The same where a result is always written into a folder."""
 
     out: Annotated[Path, _OUT] = field(kw_only=True)
 
 
-@dataclass(frozen=True)
 class FilmedOutput(Output):
     """The same of a simulation, whose folder holds a video too."""
 

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -195,7 +195,6 @@ def _list(wanted: bool) -> None:
         raise typer.Exit
 
 
-@dataclass(frozen=True)
 class Course(options.Group):
     """Where a robot walks, from where and for how long."""
 
@@ -222,7 +221,6 @@ class Course(options.Group):
         return arena
 
 
-@dataclass(frozen=True)
 class Control(options.Group):
     """What is taken off a robot, as a control."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import webbrowser
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,6 @@ _PAPER = "paper:"
 _KINDS = ("pdf", "svg", "png")
 
 
-@dataclass(frozen=True)
 class PageOptions(options.Group):
     """The page that a figure is for."""
 
@@ -47,7 +45,6 @@ class PageOptions(options.Group):
         return {"width": wide, "height": high, "columns": self.columns, "letters": self.letters}
 
 
-@dataclass(frozen=True)
 class SnapOptions(options.Group):
     """What the panel of a snap needs to know of the cells."""
 
@@ -55,7 +52,6 @@ class SnapOptions(options.Group):
     damping: float | None = option("Of each cell [N s/m], for the panel snap.", "N_S/M")
 
 
-@dataclass(frozen=True)
 class FigureFile(options.Group):
     """The file of a figure."""
 

@@ -6,7 +6,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -50,19 +49,16 @@ _Engine = Annotated[
 ]
 
 
-@dataclass(frozen=True)
 class _Program(Group):
     start: str | None = option("As in 00.", "--from STATE")
     target: str = option("As in 01.", "STATE", default=...)
 
 
-@dataclass(frozen=True)
 class _Walk(Group):
     cycles: int = option("How many cycles each walks.", default=4, min=1)
     engine: _Engine = "cpu"
 
 
-@dataclass(frozen=True)
 class _Maze(Group):
     arena: str = option("A name, or a file of your own.", "ARENA", default=...)
     limit: float = option("Time it is given [s].", default=600.0, min=1)
@@ -87,7 +83,6 @@ class _Maze(Group):
     engine: _Engine = "cpu"
 
 
-@dataclass(frozen=True)
 class _Call(Group):
     function: str = option(
         "A function of a design and a seed that gives numbers and texts by name.",
@@ -96,7 +91,6 @@ class _Call(Group):
     )
 
 
-@dataclass(frozen=True)
 class Effort(Group):
     """On which processes the work is done."""
 
@@ -108,7 +102,6 @@ class Effort(Group):
     )
 
 
-@dataclass(frozen=True)
 class _Study(Effort):
     seed: parts.Seed = 0
     chunk: int | None = option("Designs that are computed and written together.", "N", min=1)
@@ -116,7 +109,6 @@ class _Study(Effort):
     as_json: Json = False
 
 
-@dataclass(frozen=True)
 class _Drawn(Group):
     vary: list[str] | None = option(
         "What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
@@ -150,7 +142,6 @@ class _Drawn(Group):
             return sw.studies.Space(axes, how, count, seed)
 
 
-@dataclass(frozen=True)
 class _Sampled(_Drawn):
     """The same of chains, which can be sampled too."""
 
@@ -159,7 +150,6 @@ class _Sampled(_Drawn):
     )
 
 
-@dataclass(frozen=True)
 class _Chosen(parts.ToleranceOptions, _Sampled):
     """The same with the tolerances of the samples."""
 

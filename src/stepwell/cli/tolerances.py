@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -38,7 +38,6 @@ TravelTolerance = Annotated[
 Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
 
 
-@dataclass(frozen=True)
 class Sampling(Group):
     """How many mechanisms are made at random, and which."""
 
@@ -51,7 +50,6 @@ class Sampling(Group):
     seed: Seed = 0
 
 
-@dataclass(frozen=True)
 class BandTolerances(Group):
     """The tolerances of bands and elements that all commands with tolerances take."""
 
@@ -91,7 +89,6 @@ class BandTolerances(Group):
             )
 
 
-@dataclass(frozen=True)
 class DesignTolerances(BandTolerances):
     """The tolerances of a mechanism that is being designed."""
 
@@ -101,7 +98,6 @@ class DesignTolerances(BandTolerances):
     friction: Friction = 0.0
 
 
-@dataclass(frozen=True)
 class ToleranceOptions(DesignTolerances):
     """The tolerances within which mechanisms are made."""
 
