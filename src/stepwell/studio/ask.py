@@ -88,7 +88,7 @@ class Ask:
 
     def pair(self, key: str, least: float, most: float) -> tuple[float, float]:
         """Two numbers between two bounds, the first below the second."""
-        value = self._take(key, None)
+        value = self._take(key)
         if isinstance(value, list) and len(value) == 2:
             low, high = (Ask({key: one}).number(key, least, most) for one in value)
             if low < high:
@@ -100,21 +100,21 @@ class Ask:
         self, key: str, longest: int, least: float, most: float, *, least_many: int = 1
     ) -> list[float]:
         """Numbers of a list, each between two bounds."""
-        value = self._take(key, None)
+        value = self._take(key)
         if not isinstance(value, list) or not least_many <= len(value) <= longest:
             raise _wrong(key, value, f"a list of {least_many} to {longest} numbers")
         return [Ask({key: one}).number(key, least, most) for one in value]
 
     def table(self, key: str) -> dict[str, Any]:
         """An object with keys of its own, which the caller checks."""
-        value = self._take(key, None)
+        value = self._take(key)
         if not isinstance(value, dict):
             raise _wrong(key, value, "an object")
         return value
 
     def parts(self, key: str, longest: int) -> "list[Ask]":
         """The objects of a list, each to be asked by itself."""
-        value = self._take(key, None)
+        value = self._take(key)
         whole = isinstance(value, list) and 1 <= len(value) <= longest
         if not whole or not all(isinstance(one, dict) for one in value):
             raise _wrong(key, value, f"a list of 1 to {longest} objects")
@@ -128,7 +128,7 @@ class Ask:
             advice = f"Did you mean {near}?" if near else f"Known here: {known}."
             raise InputError(f"ask.{_shown(key)}: unknown key. {advice}")
 
-    def _take(self, key: str, default: Any) -> Any:
+    def _take(self, key: str, default: Any = None) -> Any:
         self._known.append(key)
         return self._keys.pop(key, default)
 
@@ -181,10 +181,9 @@ class PageDesign:
     @property
     def robot(self) -> Robot:
         """The robot; a chain is refused."""
-        found = self.read.subject
-        if not isinstance(found, Robot):
-            raise DesignError("design", ["is a chain, and this needs a robot."])
-        return found
+        if isinstance(found := self.read.subject, Robot):
+            return found
+        raise DesignError("design", ["is a chain, and this needs a robot."])
 
     @property
     def program(self) -> WrittenProgram | None:

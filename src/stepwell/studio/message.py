@@ -41,12 +41,10 @@ class Refusal(NamedTuple):
 
 
 def problems_of(error: StepwellError) -> list[Refusal]:
-    """Every problem that an error tells, in the words that a command would print."""
+    """Every problem that an error has, in the words that a command would print."""
     if isinstance(error, DesignError):
         return [Refusal.of(line) for line in error.problems]
-    if isinstance(error, SlipError):
-        return [Refusal.of(slips_text(error))]
-    return [Refusal.of(str(error))]
+    return [Refusal.of(slips_text(error) if isinstance(error, SlipError) else str(error))]
 
 
 VERSION = 1

@@ -66,9 +66,8 @@ def _angles(chain: Chain, travel: Floats) -> Floats:
 
 def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     """(m, N) travels and energies of every cell by itself; NaN for curves that fold back."""
-    travel = np.linspace(
-        [cell.low for cell in chain.cells], [cell.high for cell in chain.cells], _LANDSCAPE
-    )
+    low, high = zip(*((cell.low, cell.high) for cell in chain.cells), strict=True)
+    travel = np.linspace(low, high, _LANDSCAPE)
     energy = np.full_like(travel, np.nan)
     for i, cell in enumerate(chain.cells):
         if isinstance(cell, Cell) or len(cell.laws) == 1:
@@ -98,18 +97,13 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
         told |= {
             "lever_mm": cell.lever * MM,
             "limit_deg": float(np.degrees(cell.limit)),
-            "bands": [
-                {"p_mm": plain(band.p, MM), "q_mm": plain(band.q, MM)} for band in cell.bands
-            ],
+            "bands": [{"p_mm": plain(b.p, MM), "q_mm": plain(b.q, MM)} for b in cell.bands],
             "force_0_N": cell.force_0,
             "force_1_N": cell.force_1,
         }
     else:
-        told |= {
-            "force_0_N": plain(ends[0], force),
-            "force_1_N": plain(ends[1], force),
-            "bands": [],
-        }
+        first, last = (plain(end, force) for end in ends)
+        told |= {"force_0_N": first, "force_1_N": last, "bands": []}
     return told
 
 
@@ -180,10 +174,8 @@ def margins_of(limits: Margin | None) -> dict[str, Any]:
     """How far every anchor and every stiffness is from another sequence, and the nearest one."""
     if limits is None:
         return {"margins": [], "margin": None, "method": "search"}
-    known = sorted(
-        (change for change in limits.changes if np.isfinite(change.distance)),
-        key=lambda change: (change.parameter != "anchor", change.distance),
-    )
+    known = [change for change in limits.changes if np.isfinite(change.distance)]
+    known.sort(key=lambda change: (change.parameter != "anchor", change.distance))
     return {
         "margins": [_change(change) for change in limits.changes],
         # What a design becomes takes a cycle of its own: it is told of the nearest alone.
@@ -238,9 +230,6 @@ def motion_of(
 
 def _phases(path: Path) -> Ints:
     """(n, N) the phase of every cell at every sample; -1 in transit."""
-    columns = zip(path.chain.stretches, path.sheet.T, path.travel.T, strict=True)
-    found = [
-        [phase_at(own, on, s) for on, s in zip(sheet.tolist(), travel.tolist(), strict=True)]
-        for own, sheet, travel in columns
-    ]
+    columns = zip(path.chain.stretches, path.sheet.T.tolist(), path.travel.T.tolist(), strict=True)
+    found = [[phase_at(own, *at) for at in zip(on, s, strict=True)] for own, on, s in columns]
     return np.array([[-1 if one == "-" else int(one) for one in cell] for cell in found]).T

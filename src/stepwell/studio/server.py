@@ -59,11 +59,10 @@ def serve(
     with _listening(port) as listening:
         own = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
-        address = f"http://{HOST}:{own}/?token={token}"
 
         def ready() -> None:
             if opened is not None:
-                opened(address)
+                opened(f"http://{HOST}:{own}/?token={token}")
 
         config = uvicorn.Config(
             application(own, token, design, ready, studies),
@@ -113,19 +112,17 @@ def application(
         await websocket.accept()
         await _talked(websocket, Session(websocket.send_bytes, threads, design, kept))
 
-    def of(name: str, content: bytes) -> Any:
-        kind = _TYPES[name.rpartition(".")[2]]
-
+    def route(path: str, name: str) -> Any:
         async def page(_request: Any) -> Any:
-            return responses.Response(content, media_type=kind)
+            kind = _TYPES[name.rpartition(".")[2]]
+            return responses.Response(held[name], media_type=kind)
 
-        return page
+        return routing.Route(path, page)
 
     # The files are read now and by their own names: no path of a request is ever opened.
     held = page_files()
-    routes = [routing.Route(f"/{name}", of(name, content)) for name, content in held.items()]
-    if "index.html" in held:
-        routes.append(routing.Route("/", of("index.html", held["index.html"])))
+    routes = [route(f"/{name}", name) for name in held]
+    routes += [route("/", "index.html")] if "index.html" in held else []
     routes.append(routing.WebSocketRoute("/socket", talk))
     return Guard(applications.Starlette(routes=routes, lifespan=lifespan), port, token)
 

@@ -15,6 +15,7 @@ from stepwell.studio.ask import View
 from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
 
 CANCEL, START = "cancel", "start"
+Send = Callable[[bytes], Awaitable[None]]  # of the socket
 
 
 class Waiting:
@@ -49,16 +50,13 @@ class Waiting:
 class Session:
     """What goes on for one socket.
 
-    Args:
-        send: of the socket, bytes.
-        threads: where quick questions are answered, so that the socket keeps hearing.
-        start: the tables of the design that the command was started with, or None.
-        studies: the folder in which studies are kept, or None.
+    Quick questions are answered in `threads`, so that the socket keeps hearing; `start` has the
+    tables of the design that the command was started with.
     """
 
     def __init__(
         self,
-        send: Callable[[bytes], Awaitable[None]],
+        send: Send,
         threads: Executor,
         start: dict[str, Any] | None,
         studies: Path | None = None,
@@ -80,8 +78,7 @@ class Session:
         if message.type == CANCEL:
             await self._cancel(message.seq)
         elif message.type == START:
-            title = (self._start or {}).get("title", "")
-            view = View({"design": self._start, "title": title})
+            view = View({"design": self._start, "title": (self._start or {}).get("title", "")})
             await self._send(packed(START, message.seq, view))
         else:
             lane = self._long.get(message.type)
@@ -116,7 +113,7 @@ class Session:
 class LongWork:
     """Long work of one type, in a process of its own."""
 
-    def __init__(self, send: Callable[[bytes], Awaitable[None]]):
+    def __init__(self, send: Send):
         self.waiting, self.aside = Waiting(), Aside()
         self.running: Message | None = None
         self._send = send

@@ -14,9 +14,8 @@ from stepwell.base import InputError, need
 from stepwell.studies import Study, opened
 from stepwell.studio.ask import Ask
 
-# Names that are listed, and bytes of a store's description that are read.
-_MOST, _LONGEST = 500, 1 << 23
-_NAME = 200
+# Names that are listed, bytes of a store's description that are read, letters of a name.
+_MOST, _LONGEST, _NAME = 500, 1 << 23, 200
 
 
 def home(ask: Ask) -> Path:
@@ -57,12 +56,9 @@ def described(place: Path) -> dict[str, Any]:
         with (place / "zarr.json").open("rb") as file:
             held = json.loads(file.read(_LONGEST))
         asked = held["attributes"]["stepwell_study"]
-        count, chunk = asked["designs"].get("count"), asked["chunk"]
-        return {
-            "what": str(asked["what"]),
-            "count": int(count) if isinstance(count, int) else None,
-            "chunks": -(-int(count) // int(chunk)) if isinstance(count, int) else None,
-        }
+        count, chunk = asked["designs"].get("count"), int(asked["chunk"])
+        count, chunks = (count, -(-count // chunk)) if isinstance(count, int) else (None, None)
+        return {"what": str(asked["what"]), "count": count, "chunks": chunks}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ZeroDivisionError):
         return {}
 

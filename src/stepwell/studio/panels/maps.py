@@ -110,13 +110,8 @@ class Plane:
             for k, curve in enumerate(curves)
         ]
         ways = _ways(here, curves, blocks, (x, y)) if np.all(np.isfinite(here)) else []
-        header = {
-            "here": [value if math.isfinite(value) else None for value in here.tolist()],
-            "units": [x, y],
-            "boundaries": listed,
-            "nearest": ways,
-        }
-        return header, blocks
+        place = [value if math.isfinite(value) else None for value in here.tolist()]
+        return {"here": place, "units": [x, y], "boundaries": listed, "nearest": ways}, blocks
 
 
 def pixels(ask: Ask) -> tuple[int, int]:
@@ -225,10 +220,7 @@ _WORDS = {
     "p.y": "y of p",
     "q.x": "x of q",
     "q.y": "y of q",
-    "rest_length": "rest length",
     "limit": "largest angle",
-    "force_scale": "force scale",
-    "travel_scale": "travel scale",
 }
 
 
@@ -248,7 +240,7 @@ def _parameter_told(chain: Chain, parameter: Parameter) -> dict[str, Any]:
     if parameter.cell is not None and "." in parameter.part:
         low, high = math.floor(low), math.ceil(high)
     else:
-        low, high = _short(low), _short(high)
+        low, high = (float(f"{end:.3g}") for end in (low, high))
     of = "" if parameter.cell is None else chain.names[parameter.cell]
     word = _WORDS.get(parameter.part, parameter.part.replace("_", " "))
     return {
@@ -287,10 +279,6 @@ def _force(cell: Any) -> float:
     if isinstance(cell, Cell):
         return max(abs(cell.force_0), abs(cell.force_1))
     return cell.largest_force
-
-
-def _short(value: float) -> float:
-    return float(f"{value:.3g}")
 
 
 def answer_map(design: PageDesign, ask: Ask) -> View:

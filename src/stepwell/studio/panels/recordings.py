@@ -12,7 +12,7 @@ import numpy as np
 
 from stepwell import lab, mechanism, statics
 from stepwell.accounts import account
-from stepwell.base import Floats, InputError, Ints, Measure, plain, to_unit, told_in
+from stepwell.base import InputError, Ints, Measure, plain, to_unit, told_in
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
@@ -39,14 +39,8 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
         why = "recordings of a test machine are of stroke and force"
         raise InputError(f"chain: is not driven by a stroke in mm: {why}.")
     held = account(lab.Batch(tuple(recordings), ())).record["recordings"]
-    header: dict[str, Any] = {
-        "files": [_file(one) for one in held],
-        "refused": refused,
-        "series": [],
-        "told": [],
-        "fit": None,
-        "why_no_fit": "",
-    }
+    header: dict[str, Any] = {"files": [_file(one) for one in held], "refused": refused}
+    header |= {"series": [], "told": [], "fit": None, "why_no_fit": ""}
     blocks: dict[str, np.ndarray[Any, Any]] = {}
     if recordings:
         series, told = _series(recordings, chain)
@@ -117,8 +111,7 @@ def _compared(
         return None, ""
     if len(chain) > 2 or chain.elements:
         kind = "elements" if chain.elements else f"{len(chain)} cells"
-        why = f"The design has {kind}: one or two cells of levers get a verdict and a fit."
-        return None, why
+        return None, f"The design has {kind}: one or two cells of levers get a verdict and a fit."
     return lab.compare(recordings, [chain], as_designed=True), ""
 
 
@@ -206,14 +199,10 @@ def _segments(run: lab.Recording) -> Ints:
     """(n,) numbers of the pieces without a gap in time or stroke."""
     gap = np.zeros(len(run), dtype=bool)
     for values, most in zip((run.time, run.stroke), _GAP, strict=True):
-        gap[1:] |= _jumps(values, most)
+        steps = np.abs(np.diff(values))
+        if np.any(steps > 0):
+            gap[1:] |= steps > most * np.median(steps[steps > 0])
     return np.cumsum(gap)
-
-
-def _jumps(values: Floats, most: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    steps = np.abs(np.diff(values))
-    moving = steps[steps > 0]
-    return steps > most * float(np.median(moving)) if len(moving) else steps > 0
 
 
 def _taken(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
