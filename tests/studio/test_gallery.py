@@ -158,7 +158,7 @@ def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.M
 
     monkeypatch.setattr(builtins, "__import__", none_of_it)
     found: list[View] = []
-    monkeypatch.setattr(designs, "gallery_names", lambda: ["robot-forward"])
+    monkeypatch.setattr(designs, "_designs", lambda: [{"name": "robot-forward"}])
     designs.answer_thumbnails(PageDesign(None), Ask({}, lambda _done, _total: None, found.append))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)

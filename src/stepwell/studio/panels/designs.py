@@ -20,7 +20,7 @@ from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of
 from stepwell.studio.panels.motion import program_of
-from stepwell.studio.panels.robots import maze_asked, walk_asked
+from stepwell.studio.panels.robots import asked_run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,11 +37,6 @@ def answer_gallery(_design: PageDesign, ask: Ask) -> View:
     """Names, titles and groups, in the order of the page."""
     ask.close()
     return View({"designs": _designs()})
-
-
-def gallery_names() -> list[str]:
-    """The names of all designs in the order of the page."""
-    return [one["name"] for one in _designs()]
 
 
 @cache
@@ -72,9 +67,9 @@ _BLOCKS = ("drive", "travel", "angle", "segment", "direction")
 def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
     """One motion after another in the order of the gallery, and at last how many they were."""
     ask.close()
-    for name in gallery_names():
-        ask.show(_moving(name))
-    return View({"count": len(gallery_names())})
+    for one in _designs():
+        ask.show(_moving(one["name"]))
+    return View({"count": len(_designs())})
 
 
 def _moving(name: str) -> View:
@@ -232,13 +227,9 @@ def _drawn(what: str, cycle: Cycle) -> Figure:
 
     if what == "mechanism":
         return figures.mechanism(cycle.chain, cycle.sequence)
-    of = {
-        "overview": figures.overview,
-        "force": figures.force_stroke,
-        "travel": figures.travel_stroke,
-    }
+    of = {"overview": "overview", "force": "force_stroke", "travel": "travel_stroke"}
     if what in of:
-        return of[what](cycle)
+        return getattr(figures, of[what])(cycle)
     raise InputError(f"ask.what = {what!r}: must be overview, mechanism, force, travel or samples.")
 
 
@@ -256,18 +247,9 @@ def answer_replay(design: PageDesign, ask: Ask) -> View:
 
 
 def _result(design: PageDesign, ask: Ask) -> Chain | Program | Walk | Maze:
-    if ask.has("limit_s"):
-        arena, limit = maze_asked(ask)
-        robot = design.robot
-        from stepwell.simulation import maze
-
-        return maze(robot, arena, limit=limit, progress=ask.tell)
-    if ask.has("cycles"):
-        place, cycles = walk_asked(ask)
-        robot = design.robot
-        from stepwell.simulation import walk
-
-        return walk(robot, cycles, arena=place, progress=ask.tell)
+    in_maze = ask.has("limit_s")
+    if in_maze or ask.has("cycles"):
+        return asked_run(design, ask, in_maze=in_maze)()
     chain, written = design.chain, design.program
     if ask.has("turning_points_mm"):
         result = program_of(chain, ask)

@@ -1,9 +1,15 @@
 """What the page asks of robots: where they stand, what they will do, and what they do."""
 
+from functools import partial
+from typing import TYPE_CHECKING
+
 from stepwell import accounts, base, files
 from stepwell.robot import Arena
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
+
+if TYPE_CHECKING:
+    from stepwell.simulation import Maze, Walk
 
 _MOST_CYCLES = 1000
 _LONGEST = 3600.0  # s
@@ -14,20 +20,21 @@ def arena_of(ask: Ask) -> Arena | None:
     return files.loads_arena_tables(ask.table("arena")) if ask.has("arena") else None
 
 
-def walk_asked(ask: Ask) -> tuple[Arena | None, float]:
-    """Where a robot is to walk, and for how many cycles."""
-    arena, cycles = arena_of(ask), ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)
+def asked_run(design: PageDesign, ask: Ask, *, in_maze: bool) -> "partial[Walk | Maze]":
+    """The simulation that is asked for: a walk of `cycles`, or a maze in a time of `limit_s`."""
+    arena = arena_of(ask)
+    if in_maze:
+        how: dict[str, float] = {"limit": ask.number("limit_s", 1.0, _LONGEST, 600.0)}
+    else:
+        how = {"cycles": ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)}
     ask.close()
-    return arena, cycles
-
-
-def maze_asked(ask: Ask) -> tuple[Arena, float]:
-    """Which arena a robot is to go through, and in what time [s]."""
-    arena, limit = arena_of(ask), ask.number("limit_s", 1.0, _LONGEST, 600.0)
-    ask.close()
-    if arena is None:
+    if in_maze and arena is None:
         raise base.InputError("ask.arena: is missing; a maze needs one, if only the open floor.")
-    return arena, limit
+    robot = design.robot
+    # Numbers of a robot can be wrong, and said so, where it cannot be simulated.
+    from stepwell.simulation import maze, walk
+
+    return partial(maze if in_maze else walk, robot, arena=arena, progress=ask.tell, **how)
 
 
 def answer_arenas(_design: PageDesign, ask: Ask) -> View:
@@ -73,26 +80,24 @@ def answer_predict(design: PageDesign, ask: Ask) -> View:
 
 def answer_walk(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell walk --json` prints, and every sample."""
-    arena, cycles = walk_asked(ask)
-    robot = design.robot
-    from stepwell.simulation import walk
-    from stepwell.studio.scene import Live
-
-    live = Live(robot, arena, ask)
-    found = walk(robot, cycles, arena=arena, progress=ask.tell, look=live.look)
-    return live.view(found, record=accounts.account(found).record)
+    return _answer(asked_run(design, ask, in_maze=False), ask)
 
 
 def answer_maze(design: PageDesign, ask: Ask) -> View:
     """The record that `stepwell maze --json` prints, and every sample."""
-    arena, limit = maze_asked(ask)
-    robot = design.robot
-    from stepwell.simulation import maze
+    return _answer(asked_run(design, ask, in_maze=True), ask)
+
+
+def _answer(run: "partial[Walk | Maze]", ask: Ask) -> View:
+    from stepwell.simulation import Maze
     from stepwell.studio.scene import Live
 
-    live = Live(robot, arena, ask)
-    found = maze(robot, arena, limit=limit, progress=ask.tell, look=live.look)
-    return live.view(found.walk, record=accounts.account(found).record, outcome=str(found.outcome))
+    live = Live(*run.args, run.keywords["arena"], ask)
+    found = run(look=live.look)
+    record = accounts.account(found).record
+    if isinstance(found, Maze):
+        return live.view(found.walk, record=record, outcome=str(found.outcome))
+    return live.view(found, record=record)
 
 
 _SHARES = 0.8, 1.2
