@@ -13,8 +13,6 @@ from importlib.resources import files
 from itertools import dropwhile, groupby, product
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field
-
 from stepwell.base import from_unit, limits
 from stepwell.files import design, robots, text
 from stepwell.files.schema import keys, robot, wording
@@ -48,8 +46,8 @@ class ArenaKeys(keys.Keys):
     heading_deg: Heading | None = None
     unusual: keys.Switch = False
     goal: RoundKeys | None = None
-    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), keys.at_most("obstacles")] = ()
-    cylinder: Annotated[tuple[RoundKeys, ...], Field(strict=False), keys.at_most("obstacles")] = ()
+    wall: Annotated[tuple[WallKeys, ...], keys.at_most("obstacles")] = ()
+    cylinder: Annotated[tuple[RoundKeys, ...], keys.at_most("obstacles")] = ()
 
 
 # Where a reader may come from when a path holds one of these keys.

@@ -28,7 +28,7 @@ _BESIDE = 1e-6
 
 
 def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
-    """The element that a table describes; ValueError where no element is like that."""
+    """The element that a table describes, or a ValueError."""
     (form,) = keys.forms
     given = getattr(keys, form)
     stops = False if keys.stops is None else keys.stops

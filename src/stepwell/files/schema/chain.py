@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Annotated, Any
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import PlainValidator, model_validator
 
 from stepwell.base import Measure, short
 from stepwell.files.schema import elements, keys
@@ -137,9 +137,7 @@ class LeverKeys(keys.Keys):
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
     band: BandKeys = BandKeys()
-    bands: (
-        Annotated[tuple[PlacedBandKeys, ...], Field(strict=False), keys.at_most("bands")] | None
-    ) = None
+    bands: Annotated[tuple[PlacedBandKeys, ...], keys.at_most("bands")] | None = None
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
     friction_N: elements.Friction | None = None
@@ -150,9 +148,7 @@ class LeverKeys(keys.Keys):
 class OneCellKeys(elements.ElementKeys, LeverKeys):
     """A cell of levers and bands, or an element that holds no chain."""
 
-    beside: (
-        Annotated[tuple[elements.PartKeys, ...], Field(strict=False), keys.at_most("bands")] | None
-    ) = None
+    beside: Annotated[tuple[elements.PartKeys, ...], keys.at_most("bands")] | None = None
 
     @property
     def forms(self) -> list[str]:
@@ -183,9 +179,7 @@ class OneCellKeys(elements.ElementKeys, LeverKeys):
 class CellKeys(OneCellKeys):
     """A cell of levers and bands, or any element."""
 
-    inside: (
-        Annotated[tuple[OneCellKeys, ...], Field(strict=False), keys.at_most("graph_cells")] | None
-    ) = None
+    inside: Annotated[tuple[OneCellKeys, ...], keys.at_most("graph_cells")] | None = None
 
 
 # The forms that the curve of an element may have, and what only levers or only elements have.
@@ -209,7 +203,7 @@ class ChainKeys(SharedKeys):
     actuator_stiffness_N_per_m: Actuator | None = None
     actuator_stiffness_kPa_per_mL: OtherActuator | None = None
     actuator_stiffness_N_m_per_rad: OtherActuator | None = None
-    cell: Annotated[tuple[CellKeys, ...], Field(strict=False), keys.at_most("cells")]
+    cell: Annotated[tuple[CellKeys, ...], keys.at_most("cells")]
 
     @model_validator(mode="after")
     def _some_cell(self) -> ChainKeys:

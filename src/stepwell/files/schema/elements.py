@@ -6,7 +6,7 @@ from decimal import Decimal
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, NoReturn
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import PlainValidator, model_validator
 
 from stepwell.base import Measure, short, told_in
 from stepwell.files.schema import keys
@@ -271,9 +271,7 @@ class NumberKeys(keys.Keys):
     table_csv: CsvName | None = None
     points_csv: CsvName | None = None
     curve_csv: CsvName | None = None
-    sheets: Annotated[tuple[SheetKeys, ...], Field(strict=False), keys.at_most("rows")] | None = (
-        None
-    )
+    sheets: Annotated[tuple[SheetKeys, ...], keys.at_most("rows")] | None = None
 
 
 class CurveKeys(LibraryKeys, NumberKeys):

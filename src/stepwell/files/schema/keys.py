@@ -34,8 +34,8 @@ def few(name: str, value: Any) -> Any:
 
 
 def at_most(name: str) -> BeforeValidator:
-    """A list is looked at only where it is no longer than the limit of that name."""
-    return BeforeValidator(lambda value: few(name, value))
+    """A list as a tuple, looked at only where it is no longer than the limit of that name."""
+    return BeforeValidator(lambda v: tuple(few(name, v)) if isinstance(v, list) else v)
 
 
 def listed(name: str, value: Any, least: int, problem: str) -> list[Any]:
@@ -60,7 +60,7 @@ def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decim
 
 @dataclass(frozen=True, slots=True)
 class Within:
-    """A check of one number, whose bounds can be told."""
+    """A check of one number, whose bounds can be read."""
 
     least: Decimal
     most: Decimal
@@ -73,9 +73,8 @@ class Within:
 
 def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
     """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
-    return PlainValidator(
-        Within(Decimal(least), Decimal(most), allowed or f"from {least} to {most}")
-    )
+    allowed = allowed or f"from {least} to {most}"
+    return PlainValidator(Within(Decimal(least), Decimal(most), allowed))
 
 
 def above_zero(least: str, most: str) -> PlainValidator:

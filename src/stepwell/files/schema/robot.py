@@ -65,7 +65,7 @@ class LegChainKeys(schema.SharedKeys):
     """A leg's chain, or what the chains of all legs share."""
 
     title: keys.Line = ""
-    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), keys.at_most("cells")] = ()
+    cell: Annotated[tuple[schema.CellKeys, ...], keys.at_most("cells")] = ()
 
     @model_validator(mode="after")
     def _some_cell(self) -> "LegChainKeys":
@@ -182,8 +182,8 @@ class RobotKeys(keys.Keys):
     blocks: BlocksKeys = BlocksKeys()
     floor: FloorKeys = FloorKeys()
     drive: DriveKeys = DriveKeys()
-    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), keys.at_most("legs")]
-    antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False), keys.at_most("antennas")] = ()
+    leg: Annotated[tuple[LegKeys, ...], keys.at_most("legs")]
+    antenna: Annotated[tuple[AntennaKeys, ...], keys.at_most("antennas")] = ()
     source: SourceKeys = SourceKeys()
     unusual: keys.Switch = False
 
