@@ -93,10 +93,9 @@ def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
     size = float(np.max(np.abs([rows[:, 1], force])))
     if not 1e-12 <= size <= 1e15:
         raise InputError(f"{where}: forces up to {size:.3g}: must be from 1e-12 to 1e15.")
-    for ends, begins, scale, what in (
-        (force, rows[:, 1], size, "force"),
-        (energy, rows[:, 5], size * (joints[-1] - joints[0]), "energy"),
-    ):
+    work = size * (joints[-1] - joints[0])
+    for ends, column, scale, what in ((force, 1, size, "force"), (energy, 5, work, "energy")):
+        begins = rows[:, column]
         off = np.abs(ends[:-1] - begins[1:])
         if not np.all(off <= _NEAR * scale):
             k = int(np.argmax(off))
@@ -114,10 +113,8 @@ def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
     off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
     beside = off > _BESIDE * (joints[-1] - joints[0])
     if beside.any():
-        raise InputError(
-            f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row: must begin a "
-            f"new row there."
-        )
+        at = f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row"
+        raise InputError(f"{at}: must begin a new row there.")
 
 
 def _refuse_lost(element: mechanism.Element) -> None:
@@ -131,10 +128,9 @@ def _refuse_lost(element: mechanism.Element) -> None:
                 continue
             held = to < len(sheets) and sheets[to].begin <= at <= sheets[to].end
             if not held or not element.energy_at(at, to) < element.energy_at(at, k):
-                raise InputError(
-                    f"sheets[{k}].{side} = {to + 1}: must be the number of a sheet of less energy "
-                    f"at {at * factor:.6g} {unit}, where this one ends."
-                )
+                where = f"at {at * factor:.6g} {unit}, where this one ends"
+                must = f"must be the number of a sheet of less energy {where}."
+                raise InputError(f"sheets[{k}].{side} = {to + 1}: {must}")
 
 
 def element_lines(element: mechanism.Element) -> list[str]:
@@ -144,11 +140,9 @@ def element_lines(element: mechanism.Element) -> list[str]:
 
 def _written(element: mechanism.Element) -> Written:
     """A table or points where they give this very element again, else its cubics."""
-    options = _options(element)
-    wanted = element.renamed("")
+    options, wanted = _options(element), element.renamed("")
     for curve in _as_columns(element):
-        keys = curve | options
-        if _reads_as(keys, wanted):
+        if _reads_as(keys := curve | options, wanted):
             return keys
     sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
     keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"}
@@ -201,14 +195,11 @@ def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
 
 def _sheet(sheet: mechanism.Sheet, measure: Measure) -> Written:
     key = element_schema.JOINTS[measure]
-    keys = {
-        key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
-        "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:].tolist()))),
-    }
-    for side, other in (("below", sheet.below), ("above", sheet.above)):
-        if other is not None:
-            keys[side] = str(other + 1)
-    return keys
+    cubics = tuple(map(tuple, sheet.rows[:, 1:].tolist()))
+    keys = {key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end))}
+    keys["cubics_SI"] = written("cubics_SI", cubics)
+    ends = {"below": sheet.below, "above": sheet.above}
+    return keys | {side: str(other + 1) for side, other in ends.items() if other is not None}
 
 
 def _reads_as(keys: Written, wanted: mechanism.Element) -> bool:
@@ -236,11 +227,11 @@ def cells_of(
     tables: Sequence[chain_schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
 ) -> tuple[mechanism.Cell | mechanism.Element, ...]:
     """The cells of a list; `problems` gets a line for all that is wrong with each."""
-    cells = [
+    made = (
         (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
         for i, one in enumerate(tables)
-    ]
-    return tuple(cell for cell in cells if cell)
+    )
+    return tuple(filter(None, made))
 
 
 def chain_of(

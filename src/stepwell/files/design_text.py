@@ -108,8 +108,7 @@ def _band(band: Band) -> Written:
     if isinstance(band.law, Cubic):
         keys |= {"quadratic_per_mm": band.law.a2, "cubic_per_mm2": band.law.a3}
     if isinstance(band.law, Table):
-        tension = _tension(band, band.law)
-        if tension:
+        if tension := _tension(band, band.law):
             del keys["stiffness_N_per_m"]
         name = "table_mm_N" if tension else "shape_mm"
         keys[name] = tuple(zip(band.law.extension, tension or band.law.shape, strict=True))
@@ -150,8 +149,8 @@ def whole_text(robot: Robot) -> str:
 
 def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -> str:
     odd = robot.unusual or any(of_robot(robot))
-    head = _title(robot.title) + (["unusual = true"] if odd else [])
-    text = [*head, *([""] if head else []), *chain]
+    head = [*_title(robot.title), *["unusual = true"] * odd]
+    text = [*head, *[""] * bool(head), *chain]
     for name in schema.PARTS:
         text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
     for leg in robot.legs:
@@ -165,9 +164,8 @@ def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -
 
 
 def _cells(table: str, chain: Chain, shared: Common) -> list[str]:
-    return [
-        line for cell in chain.cells for line in (f"[[{table}]]", *_cell_lines(cell, shared), "")
-    ]
+    parts = ((f"[[{table}]]", *_cell_lines(cell, shared), "") for cell in chain.cells)
+    return [line for part in parts for line in part]
 
 
 def _title(title: str) -> list[str]:

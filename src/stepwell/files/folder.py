@@ -95,7 +95,7 @@ _MOST_BYTES, _MOST_NAMED = 1 << 20, 6
 
 
 class OverwriteError(base.StepwellError, FileExistsError):
-    """What somebody else wrote stands where results should go; nothing was written."""
+    """Files that this command did not write stand where results should go; nothing was written."""
 
 
 class IncompleteError(base.InputError):
@@ -328,15 +328,13 @@ def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
         return
     notes = [note for name in (MANIFEST, UNFINISHED) if (note := _note(target / name))]
     if notes and notes[0].command != command:
-        raise OverwriteError(
-            f"{shown}: holds what `stepwell {notes[0].command}` wrote, and a folder is for one "
-            f"command's results. Name another folder, or replace them with --force (in Python "
-            f"force=True)."
-        )
+        holds = f"holds what `stepwell {notes[0].command}` wrote"
+        way = "Name another folder, or replace them with --force (in Python force=True)."
+        raise OverwriteError(f"{shown}: {holds}, and a folder is for one command's results. {way}")
     if theirs := _others(target, new):
-        named = ", ".join(map(base.printable, theirs[:_MOST_NAMED])) + (
-            f" and {len(theirs) - _MOST_NAMED} more" if len(theirs) > _MOST_NAMED else ""
-        )
+        named = ", ".join(map(base.printable, theirs[:_MOST_NAMED]))
+        if len(theirs) > _MOST_NAMED:
+            named += f" and {len(theirs) - _MOST_NAMED} more"
         it = "it" if len(theirs) == 1 else "them"
         raise OverwriteError(
             f"{shown}: `stepwell {command}` did not write {named} like this, so nothing is "

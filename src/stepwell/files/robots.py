@@ -1,5 +1,6 @@
 """The tables of a robot's design file as a robot, and a robot as tables that leave nothing out."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from typing import Any, NamedTuple, TypeVar
@@ -76,13 +77,10 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Step
     for steps, every in said.items():
         narrowest = min((one.size for one in every), default=0)
         found = [one for one in every if one.size == narrowest]
-        one, *others = found or [_Said(0, schema.ASSUMED, "")]
-        of[steps] = one.label
-        problems += [
-            f"{other.where}: {one.label} has that too; keep one of them."
-            for other in others
-            if other.label != one.label
-        ]
+        label = found[0].label if found else schema.ASSUMED
+        of[steps] = label
+        others = [one.where for one in found if one.label != label]
+        problems += [f"{where}: {label} has that too; keep one of them." for where in others]
     return of, list(dict.fromkeys(problems))
 
 
@@ -95,10 +93,10 @@ def _said_of(
     }
     problems: list[str] = []
     for label, paths in lists.items():
+        table = label if label.isalpha() else quoted(label)
         for i, path in enumerate(paths):
-            if not robot.antennas and path.split(".")[0].split("[")[0] == "antenna":
+            if not robot.antennas and re.match(r"antenna([.\[]|$)", path):
                 continue  # said of antennas that were taken off
-            table = label if label.isalpha() else quoted(label)
             where = f"source.{table}[{i}] = {value_text(path)}"
             try:
                 found = find(path, said)
