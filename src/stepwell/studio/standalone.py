@@ -42,17 +42,15 @@ def replay(
 ) -> str:
     """A motion as one HTML page that plays anywhere: no server, and nothing loaded from elsewhere.
 
+    It has a slider and the assumptions of its numbers; of a chain the mechanism, force, travel and
+    energy; of a robot itself from above and from the side, its way and its legs. Long runs are
+    thinned, so that the page stays below a megabyte.
+
     Args:
-        result: a chain or its full cycle, a program, or what a robot did: a walk, or its way
-            through an arena.
+        result: a chain or its full cycle, a program, or a robot's walk or way through an arena.
         title: the chain's or the robot's own by default.
         margin: that of the chain, where it has been found already.
         progress: called with (done, total) while margins of a chain are searched.
-
-    Returns:
-        HTML text with a slider and what its numbers rest on. Of a chain the mechanism, force,
-        travel and energy; of a robot itself from above and from the side, its way and its legs.
-        Long runs are thinned, so that the page stays below a megabyte.
 
     Raises:
         ValueError: none of these, or a run that was over before its first sample.
@@ -89,13 +87,12 @@ def embedded(page: str, title: str, *, plays: bool = False) -> str:
 
     Args:
         page: HTML text, as of `replay`.
-        title: what it shows, for those who do not see it.
-        plays: whether it plays by itself while it is in view; never for readers who want less
-            motion.
+        title: what it shows, for screen readers.
+        plays: whether it plays by itself while it is in view; never with reduced motion.
 
     Returns:
-        An `iframe` element as wide as what is around it: its scripts run, but reach neither what
-        is around it nor any address.
+        An `iframe` element as wide as its surroundings: its scripts run, but reach neither them
+        nor any address.
     """
     # A frame knows its own name, and nothing else of its surroundings.
     name = f' name="{_PLAYS}"' if plays else ""

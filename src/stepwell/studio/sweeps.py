@@ -128,16 +128,11 @@ def _words_of(study: Study) -> list[str]:
         return ["--built", str(designs.count), *chain.from_iterable(given.items()), *seed]
     if not isinstance(designs, Space):
         return ["--table", "designs.csv"]
-    words = [word for axis in designs.axes for word in ("--vary", _axis_word(study, axis))]
-    if designs.how is How.GRID:
-        return words
-    return [*words, f"--{designs.how}", str(designs.count), *seed]
-
-
-def _axis_word(study: Study, axis: Axis) -> str:
-    of_chain = isinstance(study.subject, mechanism.Chain)
-    factor = told_in(study.varied[axis.name])[1] if of_chain else 1.0
-    ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
-    assert isinstance(study.designs, Space)
-    count = f":{axis.count}" if study.designs.how is How.GRID else ""
-    return f"{axis.name}={ends}{count}{':log' * axis.log}"
+    gridded, words = designs.how is How.GRID, list[str]()
+    for axis in designs.axes:
+        of_chain = isinstance(study.subject, mechanism.Chain)
+        factor = told_in(study.varied[axis.name])[1] if of_chain else 1.0
+        ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
+        count = f":{axis.count}" * gridded
+        words += ["--vary", f"{axis.name}={ends}{count}{':log' * axis.log}"]
+    return words if gridded else [*words, f"--{designs.how}", str(designs.count), *seed]

@@ -119,9 +119,9 @@ def _robot(name: str, robot: Robot) -> View:
 
     moving = walking(robot)
     sequences = {leg.name: str(leg.chain.cycle().sequence) for leg in robot.legs}
-    told = [f"{leg} {sequence}" for leg, sequence in sequences.items()]
-    alike = len(set(sequences.values())) == 1
-    sequence = sequences[robot.legs[0].name] if alike else ", ".join(told)
+    sequence, *others = set(sequences.values())
+    if others:
+        sequence = ", ".join(f"{leg} {own}" for leg, own in sequences.items())
     return View({"name": name, "sequence": sequence, **moving.header}, moving.blocks)
 
 
@@ -195,8 +195,7 @@ def answer_text(design: PageDesign, ask: Ask) -> View:
     return View({"toml": toml, "python": script(found, toml)})
 
 
-_DPI = 600
-_KINDS = ("svg", "png", "pdf")
+_DPI, _KINDS = 600, ("svg", "png", "pdf")
 
 
 def answer_export(design: PageDesign, ask: Ask) -> View:
@@ -250,10 +249,10 @@ def _result(design: PageDesign, ask: Ask) -> Chain | Program | Walk | Maze:
     in_maze = ask.has("limit_s")
     if in_maze or ask.has("cycles"):
         return asked_run(design, ask, in_maze=in_maze)()
-    chain, written = design.chain, design.program
+    result, written = design.chain, design.program
     if ask.has("turning_points_mm"):
-        result = program_of(chain, ask)
-    else:
-        result = chain if written is None else written.on(chain)
+        result = program_of(result, ask)
+    elif written is not None:
+        result = written.on(result)
     ask.close()
     return result

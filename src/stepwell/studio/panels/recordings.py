@@ -116,14 +116,9 @@ def _compared(
 
 
 def _file(record: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "name": record["source"],
-        "samples": record["samples"],
-        "rate_Hz": record["rate_Hz"],
-        "stroke_mm": [record["stroke_from_mm"], record["stroke_to_mm"]],
-        "direction": record["direction"],
-        "odd": record["odd"],
-    }
+    stroke = [record["stroke_from_mm"], record["stroke_to_mm"]]
+    same = {key: record[key] for key in ("samples", "rate_Hz", "direction", "odd")}
+    return {"name": record["source"], "stroke_mm": stroke, **same}
 
 
 def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
@@ -178,8 +173,8 @@ def _pairs(
         if i not in partner and j not in partner.values():
             partner[i] = j
     found = {i: measured[j] for i, j in partner.items()}
-    alone = [b for j, b in enumerate(measured) if j not in partner.values()]
-    return [*((a, found.get(i)) for i, a in enumerate(predicted)), *((None, b) for b in alone)]
+    alone = [(None, b) for j, b in enumerate(measured) if j not in partner.values()]
+    return [*((a, found.get(i)) for i, a in enumerate(predicted)), *alone]
 
 
 def _curves(name: str, series: lab.Series) -> dict[str, np.ndarray[Any, Any]]:

@@ -76,18 +76,16 @@ def _column(
     k: int,
     blocks: dict[str, np.ndarray[Any, Any]],
 ) -> dict[str, Any]:
-    unit, factor = study.told(name)
-    told: dict[str, Any] = {"name": name, "unit": unit, "varied": name in study.varied}
+    (unit, factor), block = study.told(name), f"c{k}"
+    told = {"name": name, "unit": unit, "varied": name in study.varied, "block": block}
     if study.columns[name] != "text":
-        blocks[f"c{k}"] = values[some] * factor
-        return {**told, "block": f"c{k}", "words": None}
-    words = [str(one) for one in values]
-    if name == "problem":
-        words = [one.partition(":")[0] for one in words]
+        blocks[block] = values[some] * factor
+        return {**told, "words": None}
+    words = [str(one).partition(":")[0] if name == "problem" else str(one) for one in values]
     often = [word for word, _ in Counter(words).most_common(_WORDS)]
     places = {word: place for place, word in enumerate(often)}
-    blocks[f"c{k}"] = np.array([places.get(words[i], len(often)) for i in some], np.int32)
-    return {**told, "block": f"c{k}", "words": [*often, "any other"]}
+    blocks[block] = np.array([places.get(words[i], len(often)) for i in some], np.int32)
+    return {**told, "words": [*often, "any other"]}
 
 
 def answer_study_begin(design: PageDesign, ask: Ask) -> View:
@@ -96,9 +94,8 @@ def answer_study_begin(design: PageDesign, ask: Ask) -> View:
         study = study_of(ask)
         ask.close()
     else:
-        folder = home(ask)
-        study = asked_study(design, ask, folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        study = asked_study(design, ask, home(ask))
+        home(ask).mkdir(parents=True, exist_ok=True)
     study = begun(study)
     begin(study.folder)
     return View({"name": study.folder.name})
