@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -53,7 +53,8 @@ class Plane:
 
     chain: Chain  # at some place of the plane
     axes: tuple[PlaneAxis, PlaneAxis]  # of x and of y
-    here: tuple[float, float]  # where the design is, in SI
+    # Where the design is, in SI: while it moves, all else that is known of the plane stays.
+    here: tuple[float, float] = field(compare=False)
 
     @classmethod
     def asked(cls, chain: Chain, ask: Ask) -> "Plane":
@@ -87,11 +88,6 @@ class Plane:
         """The boundaries on the plane, looked for on `search` nodes each way where not exact."""
         x, y = ((axis.parameter, np.array([axis.low, axis.high])) for axis in self.axes)
         return parameter_boundaries(self.chain, x, y, search=search, progress=progress)
-
-    def proved_curves(self) -> tuple[Boundary, ...]:
-        """The boundaries where closed forms give all of them; Unproved where they do not."""
-        # Where the design is does not change the curves: while it moves they are known.
-        return _proved_curves(replace(self, here=(0.0, 0.0)))
 
     def told(self, curves: Iterable[Boundary]) -> tuple[dict[str, Any], Blocks]:
         """The curves in units of the bench, and how far the design is from the nearest."""
@@ -315,12 +311,11 @@ def answer_map_followed(design: PageDesign, ask: Ask) -> View:
     plane = Plane.asked(design.chain, ask)
     wide, high = pixels(ask)
     ask.close()
-    key = replace(plane, here=(0.0, 0.0))
-    if key not in _known:
+    if plane not in _known:
         found = _found(plane, wide, high, ask)
         _known.clear()
-        _known[key] = found
-    header, blocks, curves = _known[key]
+        _known[plane] = found
+    header, blocks, curves = _known[plane]
     told, lines = plane.told(curves)
     return View({**header, **told}, blocks | lines)
 
@@ -352,7 +347,7 @@ def answer_border(design: PageDesign, ask: Ask) -> View:
     plane = Plane.asked(design.chain, ask)
     ask.close()
     try:
-        curves, aside = plane.proved_curves(), False
+        curves, aside = _proved_curves(plane), False
     except Unproved:
         curves, aside = (), True
     header, blocks = plane.told(curves)
