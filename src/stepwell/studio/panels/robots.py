@@ -92,7 +92,7 @@ def _answer(run: "partial[Walk | Maze]", ask: Ask) -> View:
     from stepwell.simulation import Maze
     from stepwell.studio.scene import Live
 
-    live = Live(*run.args, run.keywords["arena"], ask)
+    live = Live(run.args[0], run.keywords["arena"], ask)
     found = run(look=live.look)
     record = accounts.account(found).record
     if isinstance(found, Maze):
