@@ -40,9 +40,8 @@ if TYPE_CHECKING:
         loads_arena_tables,
     )
     from stepwell.files.known import columns_of, known_keys, new_cells
-    from stepwell.files.rig import loads_rig, rig_toml
     from stepwell.files.robot_parameters import Given, key_unit, parameters, provenance, vary
-    from stepwell.files.write import dumps, save, with_program
+    from stepwell.files.write import dumps, loads_rig, rig_toml, save, with_program
 
 __all__ = [
     "OUTPUTS",
@@ -99,9 +98,8 @@ _LATE = {
         "loads_arena_tables",
     ),
     "known": ("columns_of", "known_keys", "new_cells"),
-    "rig": ("loads_rig", "rig_toml"),
     "robot_parameters": ("Given", "key_unit", "parameters", "provenance", "vary"),
-    "write": ("dumps", "save", "with_program"),
+    "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),
 }
 
 

@@ -1,17 +1,25 @@
-"""A chain, a robot or an arena in, its file out."""
+"""A chain, a robot, an arena or a rig in, its file out; and a rig from its file."""
 
+import math
 import os
 import re
 from contextlib import suppress
+from decimal import Decimal
+from typing import TYPE_CHECKING, Annotated
 
 from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import arena_toml, loads_arena
 from stepwell.files.design import loads
 from stepwell.files.design_text import chain_text, robot_text
 from stepwell.files.program import WrittenProgram
-from stepwell.files.text import DesignError
+from stepwell.files.schema.keys import Keys, above_zero, bounded, fields, table_lines
+from stepwell.files.schema.wording import checked
+from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
+
+if TYPE_CHECKING:
+    from stepwell.lab import Rig
 
 # The table from its head to the next one or to what is said above that; checked afterwards.
 _PROGRAM = re.compile(
@@ -81,3 +89,42 @@ def with_program(text: str, program: WrittenProgram) -> str:
             return changed
     # A table that stood there in another form, such as program = { ... } on one line.
     return dumps(chain, program=program)
+
+
+Start = Annotated[Decimal, bounded("-10", "10")]
+
+
+class RigKeys(Keys):
+    """What lies between a test machine and a mechanism."""
+
+    bar_mm: Annotated[Decimal, bounded("20", "1e6")] | None = None
+    stretch: Annotated[Decimal, above_zero("0.5", "2")] | None = None
+    start_loading_mm: Start | None = None
+    start_unloading_mm: Start | None = None
+    compliance_mm_per_N: Annotated[Decimal, bounded("0", "1e3")] | None = None
+    friction_N: Annotated[Decimal, bounded("0", "1e6")] | None = None
+
+
+_EMPTY = "is empty: a rig is what `stepwell lab calibrate` writes, as in stretch = 1.02"
+
+
+def loads_rig(text: str, name: str = "rig") -> "Rig":
+    """The rig that a text describes, in SI.
+
+    Args:
+        text: TOML, as `stepwell lab calibrate` writes it; without bar_mm the machine moves with
+            the block.
+        name: what messages call it.
+
+    Raises:
+        DesignError: the text is none, or asks for what no rig can be; a line for every problem.
+    """
+    from stepwell.lab import Rig
+
+    return Rig(**fields(checked(RigKeys, parsed(text, name, _EMPTY), name)))
+
+
+def rig_toml(rig: "Rig") -> str:
+    """The file of a rig; an infinite bar is left out."""
+    lines = table_lines(RigKeys, rig, ["bar_mm"] if math.isinf(rig.bar) else [])
+    return "\n".join(lines) + "\n"
