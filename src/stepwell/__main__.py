@@ -5,8 +5,7 @@ import signal
 import sys
 
 
-def leave(*_: object) -> None:
-    """End the program at once, with a line; what Ctrl-C does before a command runs."""
+def _leave(*_: object) -> None:
     os.write(2, b"Interrupted before anything was done.\n")
     os._exit(130)
 
@@ -16,7 +15,7 @@ def main() -> None:
 
     An error that nothing expected, of any package, ends in one line and a report of it.
     """
-    signal.signal(signal.SIGINT, leave)
+    signal.signal(signal.SIGINT, _leave)
     # Matrices are small here. Threads of the linear algebra would wait for each other: a fit takes
     # ten times as long on a busy machine. NumPy reads this as it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -9,11 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
-from stepwell.__main__ import leave
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.options import grouped
-from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
+from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled, warn
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
@@ -96,8 +95,6 @@ def main() -> None:
         # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    # Typer ends without a word where Ctrl-C comes before the command that it looks for.
-    signal.signal(signal.SIGINT, leave)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
@@ -105,6 +102,9 @@ def main() -> None:
     except SystemExit as end:
         if isinstance(end.__context__, BrokenPipeError):
             sys.exit(PIPE_CLOSED)
+        # Typer ends without a word where Ctrl-C comes before the command that it looks for.
+        if end.__context__ and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+            warn("Interrupted before anything was done.")
         raise
     finally:
         # What is left to do is to leave.

@@ -21,7 +21,10 @@ _FOLLOWED, _IN_CLOSED_FORM = 100, 20_000
 class Run(ByValue):
     """A full cycle of a design with its robustness margin, each computed once.
 
-    The landings tell whether each snap lands where it does for other mobilities; None if unchecked.
+    Attributes:
+        cycle: the full cycle.
+        margin: how far the design is from another sequence.
+        landings: whether each snap lands where it does for other mobilities; None if unchecked.
     """
 
     cycle: Cycle
@@ -30,10 +33,16 @@ class Run(ByValue):
 
     @classmethod
     def of(cls, chain: Chain, mobility_ratio: float | None = None) -> "Run":
-        """The run of a chain, with landings checked for mobilities up to a ratio.
+        """The run of a chain.
 
-        By default up to 10, for up to 8 cells. ValueError for a ratio that is not allowed;
-        StaticsError where the engine could not go on.
+        Args:
+            chain: the design.
+            mobility_ratio: landings are checked for mobilities up to this ratio; for up to 10, and
+                for up to 8 cells, by default.
+
+        Raises:
+            ValueError: a ratio that is not allowed.
+            StaticsError: the engine could not go on; its text says what to do.
         """
         motion = cycle(chain)
         path = motion.path

@@ -39,7 +39,7 @@ def path(
     prefer: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Follow the chain's local energy minimum exactly at these turning points; see `Chain.path`."""
+    """Follow the local energy minimum exactly at these points. All else as for `Chain.path`."""
     points = _finite_turns(turning_points)
     problem = places.problem_of(chain, prefer=prefer)
     points = _reached_turns(chain, problem, points)
