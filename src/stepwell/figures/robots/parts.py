@@ -97,10 +97,10 @@ def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegP
     )
 
 
-def rest_states(leg: Leg) -> tuple[Sequence[float], Sequence[float]]:
-    """Travels with every cell at 0 and at 1 [m]."""
-    cells = leg.chain.cells
-    return [0.0] * len(cells), [cell.full_travel for cell in cells]
+def at_ends(robot: Robot, leg: Leg) -> tuple[LegParts, LegParts]:
+    """Everything of a leg with every cell at 0, and with every cell at 1."""
+    full = leg.chain.full_travels
+    return leg_parts(robot, leg, [0.0] * len(full)), leg_parts(robot, leg, full)
 
 
 def in_body(leg: Leg, anchor: Sequence[float]) -> Floats:
@@ -129,9 +129,8 @@ def bracket(robot: Robot, antenna: Antenna) -> Floats:
 def anchor_moves(robot: Robot, antenna: Antenna) -> Floats:
     """(2, 2) where the anchor p that an antenna moves is at rest and at full swing [m]."""
     leg = robot.leg(antenna.leg)
-    cell = leg.cell_index(antenna.cell)
-    parts = leg_parts(robot, leg, [0.0] * len(leg.chain))
-    at = parts.bands[int(np.flatnonzero(parts.owner == cell)[0]), 0]
+    rest, _ = at_ends(robot, leg)
+    at = rest.bands[rest.owner == leg.cell_index(antenna.cell)][0, 0]
     return np.array([at, at + in_body(leg, antenna.moves)])
 
 
@@ -142,8 +141,8 @@ def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Floats]:
     swings = antenna_swings or [0.0] * len(robot.antennas)
     lines = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
     for leg in robot.legs:
-        front = leg_parts(robot, leg, [0.0] * len(leg.chain)).blocks[0, 0]
-        back = leg_parts(robot, leg, leg.chain.full_travels).blocks[-1, 0]
+        at_0, at_1 = at_ends(robot, leg)
+        front, back = at_0.blocks[0, 0], at_1.blocks[-1, 0]
         length = front - back + robot.blocks.length
         lines.append(rectangle(((front + back) / 2, leg.at[1]), length, robot.blocks.width))
     pairs = zip(robot.antennas, swings, strict=True)

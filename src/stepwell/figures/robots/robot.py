@@ -1,7 +1,7 @@
 """The robot itself from above and from the side, drawn from its values."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from textwrap import wrap
 from typing import Any
@@ -17,7 +17,7 @@ from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, p
 from stepwell.figures.common.sheet import Box
 from stepwell.figures.common.words import literal
 from stepwell.figures.robots import parts
-from stepwell.figures.robots.parts import antenna_line, leg_parts, rectangle, rest_states
+from stepwell.figures.robots.parts import antenna_line, at_ends, rectangle
 from stepwell.robot import Antenna, Leg, Robot
 
 # A drawing of this width has room for its dimensions [mm].
@@ -39,10 +39,9 @@ def above_limits(robot: Robot) -> Box:
     points = [body, np.asarray(robot.body.supports)]
     half = np.array([robot.blocks.length, robot.blocks.width]) / 2
     for leg in robot.legs:
-        for travels in rest_states(leg):
-            parts = leg_parts(robot, leg, travels)
-            points += [parts.blocks - half, parts.blocks + half]
-            points += [parts.levers.reshape(-1, 2), parts.bands.reshape(-1, 2)]
+        for pose in at_ends(robot, leg):
+            points += [pose.blocks - half, pose.blocks + half]
+            points += [pose.levers.reshape(-1, 2), pose.bands.reshape(-1, 2)]
     for antenna in robot.antennas:
         swings = np.linspace(0.0, antenna.swing, 7)
         points += [antenna_line(antenna, swing) for swing in swings]
@@ -61,13 +60,14 @@ def draw_above(ax: Axes, robot: Robot) -> None:
         x, y = np.array(point) * style.MM
         ax.plot([0.4 * x, x], [0.4 * y, y], color=SUPPORT, linewidth=1.4, zorder=1.5)
         ax.plot(x, y, "s", color=SUPPORT, markersize=4.5, zorder=7, gid="support")
+    outermost: list[list[float]] = []
     for leg in robot.legs:
-        at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
+        at_0, at_1 = at_ends(robot, leg)
         _chain_above(ax, robot, leg, at_1, faint=True)
         _chain_above(ax, robot, leg, at_0, faint=False)
-    # The bar that joins the outermost blocks.
-    ends = [leg_parts(robot, leg, rest_states(leg)[0]).blocks[-1] for leg in robot.legs]
-    bar = np.array(sorted(ends, key=lambda end: end[1])) * style.MM
+        outermost.append(at_0.blocks[-1].tolist())
+    # The bar that joins these blocks.
+    bar = np.array(sorted(outermost, key=lambda end: end[1])) * style.MM
     ax.plot(*bar.T, **_HOLDER, zorder=1.2)
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
@@ -79,8 +79,7 @@ def draw_above(ax: Axes, robot: Robot) -> None:
 def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
     """What is measured, and the names of legs and antennas."""
     leg = min(robot.legs, key=lambda one: one.at[1])
-    poses = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
-    near, far = (pose.blocks[-1] * style.MM for pose in poses)
+    near, far = (pose.blocks[-1] * style.MM for pose in at_ends(robot, leg))
     stroke = f"stroke {mm(leg.chain.full_stroke)} mm"
     along_x(ax, (far[0], near[0]), (near[1], box[2] + 18.0), stroke)
     low, high = (pick(one.at[1] for one in robot.legs) for pick in (min, max))
@@ -190,7 +189,7 @@ def draw_side(ax: Axes, robot: Robot) -> None:
     pivot = float(robot.foot.depth(0.0)) * style.MM  # above the floor while the feet stand on it
     _body(ax, robot, pivot)
     leg = min(robot.legs, key=lambda one: one.at[1])
-    at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
+    at_0, at_1 = at_ends(robot, leg)
     _leg(ax, robot, at_1, pivot, faint=True)
     _leg(ax, robot, at_0, pivot, faint=False)
     if detailed():
@@ -277,25 +276,12 @@ def robot_drawing(robot: Robot) -> Figure:
     Drawn from its values with every cell at 0 and, pale, with every cell at 1, with dimensions in
     mm; two columns wide, or as a narrower panel of a page without them.
     """
-    page = sheet.page_width(style.PAGE)
-    above, side = above_limits(robot), side_limits(robot)
-    left, right = min(above[0], side[0]), max(above[1], side[1])
-    scale = min(_LARGEST, (page - 4.0) / (right - left))
-    high = [(box[3] - box[2]) * scale for box in (above, side)]
-    words = wrap(robot.title, int(page / _LETTER))
-    title, key = 7.0 + _LINE * (len(words) - 1) if words else 1.0, _rows()[1]
-    height = sum(high) + key + title + 2.0
-    figure = sheet.blank(page, height)
-    across = (right - left) * scale
-    start = (page - across) / 2
-    draw_above(sheet.place(figure, start, height - title - high[0], across, high[0]), robot)
-    draw_side(sheet.place(figure, start, key, across, high[1]), robot)
-    for ax in figure.axes:
-        ax.set_xlim(left, right)
-    _key(figure, robot)
+    words = wrap(robot.title, int(sheet.page_width(style.PAGE) / _LETTER))
+    figure = _page(robot, [_ABOVE, _SIDE], 7.0 + _LINE * (len(words) - 1) if words else 1.0)
+    width, height = sheet.size_of(figure)
     look = {"ha": "center", "va": "top", "weight": "bold"}
     for k, line in enumerate(words):
-        sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
+        sheet.text_at(figure, width / 2, height - 1.5 - _LINE * k, literal(line), **look)
     return figure
 
 
@@ -311,7 +297,7 @@ def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
         robot: any robot.
         ax: axes to draw into; a new figure of two columns' width by default.
     """
-    return _view(robot, ax, above_limits, draw_above)
+    return _view(robot, ax, _ABOVE)
 
 
 @style.styled
@@ -321,40 +307,45 @@ def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
     Drawn from its values with every cell at 0 and, pale, with every cell at 1, x forward and z up
     from the floor, dimensions in mm; the rightmost leg is in front. All else as for `robot_above`.
     """
-    return _view(robot, ax, side_limits, draw_side)
+    return _view(robot, ax, _SIDE)
 
 
-def _view(
-    robot: Robot,
-    ax: Axes | None,
-    limits_of: Callable[[Robot], Box],
-    draw: Callable[[Axes, Robot], None],
-) -> Figure:
-    if ax is not None:
-        draw(ax, robot)
-        return sheet.root(ax)
+_View = tuple[Callable[[Robot], Box], Callable[[Axes, Robot], None]]
+_ABOVE: _View = above_limits, draw_above
+_SIDE: _View = side_limits, draw_side
+
+
+def _view(robot: Robot, ax: Axes | None, view: _View) -> Figure:
+    if ax is None:
+        return _page(robot, [view], 2.0)
+    view[1](ax, robot)
+    return sheet.root(ax)
+
+
+def _page(robot: Robot, views: Sequence[_View], head: float) -> Figure:
+    """Views at one scale above each other, under so much room [mm], and the key below them."""
     page = sheet.page_width(style.PAGE)
-    left, right, bottom, top = limits_of(robot)
+    columns, rows = legends.laid(_ENTRIES, page, _ENTRY, 4)
+    key = _KEY + 3.8 * (rows - 2)
+    lefts, rights, bottoms, tops = zip(*(limits_of(robot) for limits_of, _ in views), strict=True)
+    left, right = min(lefts), max(rights)
     scale = min(_LARGEST, (page - 4.0) / (right - left))
-    across, high = (right - left) * scale, (top - bottom) * scale
-    key = _rows()[1]
-    figure = sheet.blank(page, high + key + 2.0)
-    draw(sheet.place(figure, (page - across) / 2, key, across, high), robot)
-    _key(figure, robot)
+    across = (right - left) * scale
+    tall = [(top - bottom) * scale for bottom, top in zip(bottoms, tops, strict=True)]
+    figure = sheet.blank(page, key + sum(tall) + 2.0 * (len(views) - 1) + head)
+    axes = sheet.stack(figure, ((page - across) / 2, key), across, tall, 2.0)
+    for ax, (_, draw) in zip(axes, views, strict=True):
+        draw(ax, robot)
+        ax.set_xlim(left, right)
+    legends.below(figure, _key(robot), columns)
     return figure
 
 
-def _rows() -> tuple[int, float]:
-    """Columns of the key, and its height [mm]."""
-    columns, rows = legends.laid(_ENTRIES, sheet.page_width(style.PAGE), _ENTRY, 4)
-    return columns, _KEY + 3.8 * (rows - 2)
-
-
-def _key(figure: Figure, robot: Robot) -> None:
+def _key(robot: Robot) -> list[Artist]:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     edge = {"edgecolor": _faded(style.INK, True), "linewidth": 0.6}
     antenna = legends.line("antenna, pale at full swing", ANTENNA, 1.8)
-    handles: list[Artist] = [
+    return [
         *legends.cells(longest.names, 1.8, "band of {}", marker="o", markersize=2.8),
         legends.line("lever", width=1.6, marker="o", **style.hollow(2.6)),
         legends.line("V links, foot", FOOT, 1.2, marker="o", markersize=5.0),
@@ -363,4 +354,3 @@ def _key(figure: Figure, robot: Robot) -> None:
         *[antenna] * bool(robot.antennas),
         legends.shade("pale: every cell at 1", "white", **edge),
     ]
-    legends.below(figure, handles, _rows()[0])
