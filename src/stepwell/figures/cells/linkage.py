@@ -227,7 +227,8 @@ class Drawing:
         self.origin = np.array(origin)
         self.strongest = linkage.greatest_tension()
         cells = len(linkage.chain)
-        colours = np.array(style.cell_colours(cells))[linkage.owner]
+        all_colours = style.cell_colours(cells)
+        colours = np.array(all_colours)[linkage.owner]
         self.posts = LineCollection([], colors=style.FIXED_BLOCK, linewidths=2.2 * weight, zorder=1)
         faces = [style.FIXED_BLOCK] + [style.BLOCK] * cells
         edges = {"edgecolors": style.INK, "linewidths": 0.6 * weight}
@@ -238,14 +239,7 @@ class Drawing:
         (self.joints,) = ax.plot([], [], "o", **joints)
         look = {"s": (2.6 * weight) ** 2, "c": np.repeat(colours, 2), "linewidths": 0}
         self.anchors = ax.scatter(*np.zeros((2, len(colours) * 2)), **look, zorder=6)
-        for artist in (self.posts, self.blocks, self.levers, self.bands):
-            ax.add_collection(artist, autolim=False)
-        self._symbols = self._draw_symbols(ax) if linkage.symbols else ()
-
-    def _draw_symbols(self, ax: Axes) -> Sequence[Artist]:
-        symbols, weight = self.linkage.symbols, self.weight
-        colours = style.cell_colours(len(self.linkage.chain))
-        curves = [colours[i] for i, symbol in symbols.items() for _ in symbol.curves]
+        curves = [all_colours[i] for i, one in linkage.symbols.items() for _ in one.curves]
         self.rods = LineCollection([], colors=style.INK, linewidths=1.5 * weight, zorder=1.5)
         look = {"facecolors": "white", "edgecolors": style.INK, "linewidths": 0.8 * weight}
         self.boxes = PolyCollection([], **look, zorder=3, gid="elements")
@@ -254,16 +248,15 @@ class Drawing:
         self.curves = LineCollection([], colors=curves, **thick, zorder=4)
         dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": style.INK}
         (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
-        drawn = (self.rods, self.boxes, self.zeros, self.curves)
-        for artist in drawn:
+        lever_parts = (self.posts, self.blocks, self.levers, self.bands)
+        symbols = (self.rods, self.boxes, self.zeros, self.curves) if linkage.symbols else ()
+        for artist in (*lever_parts, *symbols):
             ax.add_collection(artist, autolim=False)
-        return (*drawn, self.dots)
-
-    @property
-    def artists(self) -> Sequence[Artist]:
-        """From the lowest to the topmost."""
-        own = (self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors)
-        return (*own, *self._symbols)
+        # From the lowest to the topmost.
+        self.artists: Sequence[Artist] = (
+            *(self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors),
+            *(*symbols, self.dots),
+        )
 
     def move(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
@@ -271,8 +264,6 @@ class Drawing:
         """Put every part where it is at these travels (N,) [m]; sheets as for `pose`."""
         pose = self.linkage.pose(travels, sheets)
         self.blocks.set_verts(list(self._page(corners(pose.blocks))))
-        if self._symbols:
-            self._move_symbols(pose)
         self.posts.set_segments(list(self._page(pose.posts)))
         levers = self._page(pose.levers)
         self.levers.set_segments(list(levers))
@@ -283,21 +274,16 @@ class Drawing:
         self.bands.set_linewidth(list(self.weight * (THINNEST + (THICKEST - THINNEST) * share)))
         self.bands.set_linestyle([SLACK_DASHES if s else "solid" for s in pose.slack])
         self.anchors.set_offsets(bands.reshape(-1, 2))
-        return pose
-
-    def _move_symbols(self, pose: Pose) -> None:
         self.rods.set_segments(list(self._page(pose.rods)))
         self.boxes.set_verts(list(self._page(corners(pose.boxes))))
-        curves: list[Floats] = []
-        zeros: list[Floats] = []
-        side = self.linkage.box
-        for symbol, box in zip(self.linkage.symbols.values(), pose.boxes, strict=True):
-            curves += [self._page(box[:2] + side * curve) for curve in symbol.curves]
-            line = np.array([(0.0, symbol.zero), (1.0, symbol.zero)])
-            zeros.append(self._page(box[:2] + side * line))
+        feet, side = pose.boxes[:, :2], self.linkage.box
+        shown = list(zip(self.linkage.symbols.values(), feet, strict=True))
+        curves = [self._page(foot + side * curve) for one, foot in shown for curve in one.curves]
         self.curves.set_segments(curves)
-        self.zeros.set_segments(zeros)
+        lines = [foot + side * np.array([(0.0, one.zero), (1.0, one.zero)]) for one, foot in shown]
+        self.zeros.set_segments([*map(self._page, lines)])
         self.dots.set_data(*self._page(pose.dots).T)
+        return pose
 
     def _page(self, xy: Floats) -> Floats:
         return self.origin + self.scale * xy
