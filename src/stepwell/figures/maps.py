@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -118,12 +119,14 @@ def transition_map(
     figure, ax, keys = _lay_out(_rows(dataset, regions, curves), _aspect(dataset, x, y))
     at = (points * scale for one in curves for points in one.points)
     walls = [np.column_stack([x.share(points[:, 0]), y.share(points[:, 1])]) for points in at]
+    # What is at the nodes, and up to the boundaries between them.
+    spread = partial(between, x=x.share(x.values), y=y.share(y.values), curves=walls)
     places = _places(x), _places(y)
-    shown = _draw_regions(ax, places, [*regions, *_blanks(dataset)], (x, y), walls)
+    shown = _draw_regions(ax, places, regions, spread)
     for axis, values in (("x", x), ("y", y)):
         kind = "log" if values.is_log else "linear"
         ax.set(**{f"{axis}scale": kind, f"{axis}lim": values.values[[0, -1]]})
-    monostable = _between(dataset["monostable"].to_numpy().astype(int), x, y, walls)
+    monostable = spread(dataset["monostable"].to_numpy().astype(int))
     if np.any(monostable):
         look = {"colors": "none", "hatches": ["////"]}
         hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
@@ -233,16 +236,16 @@ def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
 
 
 def _regions(dataset: Dataset) -> list[_Region]:
-    """Every sequence that occurs, by its pathway or a letter, as long as there are letters."""
-    present = [pair for pair in _nodes(dataset) if pair[0] not in _EMPTY]
+    """Every sequence that occurs, by its pathway or a letter, as long as there are letters; then
+    what has none, white and named by why.
+    """
+    nodes, letters = _nodes(dataset), iter(string.ascii_uppercase)
+    present = [pair for pair in nodes if pair[0] not in _EMPTY]
     present.sort(key=lambda item: -int(np.sum(item[1])))
-    letters = iter(string.ascii_uppercase)
-    return [
-        _Region(
-            _PATHWAYS[name].label if name in _PATHWAYS else next(letters, ""), name, inside, shade
-        )
-        for (name, inside), shade in zip(present, _shades(present), strict=True)
-    ]
+    labels = (_PATHWAYS[v].label if v in _PATHWAYS else next(letters, "") for v, _ in present)
+    named = zip(labels, present, _shades(present), strict=True)
+    blank = [_Region(_EMPTY[v][0], v, inside, "white") for v, inside in nodes if v in _EMPTY]
+    return [_Region(label, *pair, shade) for label, pair, shade in named] + blank
 
 
 def _shades(present: Sequence[tuple[str, Bools]]) -> list[ColorType]:
@@ -277,35 +280,20 @@ def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
 
 def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
     """The key: sequences, what changes between them, what is missing."""
+    known = [one for one in regions if one.sequence not in _EMPTY]
     rows = [
         Row(one.name, sequence_words(one.sequence, _ROOM), one.shade)
         if one.sequence not in _PATHWAYS
         else Row("", f"{one.name}: {one.sequence}", one.shade)
-        for one in regions
+        for one in known
         if one.name
     ]
-    if small := len(regions) - len(rows):
+    if small := len(known) - len(rows):
         rows.append(Row("", f"{small} smaller regions"))
     rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
     if np.any(dataset["monostable"]):
         rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
-    return rows + [Row("", _EMPTY[name][1]) for name, _ in _nodes(dataset) if name in _EMPTY]
-
-
-def _blanks(dataset: Dataset) -> list[_Region]:
-    """Places without a sequence, white and named by why."""
-    return [
-        _Region(_EMPTY[name][0], "", inside, "white")
-        for name, inside in _nodes(dataset)
-        if name in _EMPTY
-    ]
-
-
-def _between(
-    nodes: NDArray[np.intp], x: _Axis, y: _Axis, walls: Sequence[Floats]
-) -> NDArray[np.intp]:
-    """What is at the nodes, and up to the boundaries between them."""
-    return between(nodes, x.share(x.values), y.share(y.values), walls)
+    return rows + [Row("", _EMPTY[v.sequence][1]) for v in regions if v.sequence in _EMPTY]
 
 
 def _places(axis: _Axis) -> Floats:
@@ -318,15 +306,14 @@ def _draw_regions(
     ax: Axes,
     places: tuple[Floats, Floats],
     regions: Sequence[_Region],
-    axes: tuple[_Axis, _Axis],
-    walls: Sequence[Floats],
+    spread: Callable[[NDArray[np.intp]], NDArray[np.intp]],
 ) -> list[_Region]:
     """The regions with all places inside, not only nodes; what has no sequence stays white."""
     number = np.zeros(regions[0].inside.shape, int)
     for k, region in enumerate(regions):
         number[region.inside] = k
-    found = _between(number, *axes, walls)
-    blank = np.isin(found, [k for k, region in enumerate(regions) if not region.sequence])
+    found = spread(number)
+    blank = np.isin(found, [k for k, region in enumerate(regions) if region.sequence in _EMPTY])
     ax.set_facecolor("white")
     shades = ListedColormap([region.shade for region in regions])
     look = {"vmin": -0.5, "vmax": len(regions) - 0.5, "shading": "nearest"}
