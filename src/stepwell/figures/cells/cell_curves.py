@@ -268,11 +268,7 @@ def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) 
 
     Source: Kamp et al. 2024, Fig. 1D.
     """
-
-    def scaled(cell: Cell, theta: Floats) -> Floats:
-        return cell.force(theta) / (_stiffness(cell) * cell.lever)
-
-    return _curves(cells, scaled, ax, "Force $F/(kr)$", ends=True)
+    return _curves(cells, Cell.force, 1, ax, "Force $F/(kr)$")
 
 
 @style.styled
@@ -282,17 +278,27 @@ def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None)
 
     Source: Kamp et al. 2024, Fig. 1E.
     """
-
-    def scaled(cell: Cell, theta: Floats) -> Floats:
-        return cell.energy(theta) / (_stiffness(cell) * cell.lever**2)
-
-    return _curves(cells, scaled, ax, "Energy $E/(kr^2)$", ends=False)
+    return _curves(cells, Cell.energy, 2, ax, "Energy $E/(kr^2)$")
 
 
 def _curves(
-    cells: Sequence[Cell | Element], curve: Curve, ax: Axes | None, label: str, *, ends: bool
+    cells: Sequence[Cell | Element], law: Curve, power: int, ax: Axes | None, label: str
 ) -> Figure:
-    levers = _with_levers(cells)
+    """A law over k and this power of r; of a force with its ends marked, and zero."""
+    if not cells:
+        raise InputError("cells is empty: give one cell or more.")
+    levers: list[Cell] = []
+    for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            raise InputError(
+                f"cells[{i}] is an Element, which has no lever angle: draw it with element_curve."
+            )
+        levers.append(cell)
+
+    def curve(cell: Cell, theta: Floats) -> Floats:
+        return law(cell, theta) / (max(band.stiffness for band in cell.bands) * cell.lever**power)
+
+    ends = law is Cell.force
     # Names beside each other where there is room, the marks in a row of their own.
     columns = 2 if sheet.page_width(style.COLUMN) >= _TWO else 1
     rows = math.ceil(len(levers) / columns)
@@ -316,17 +322,6 @@ def _curves(
     if own:
         sheet.keep_inside(ax)
     return figure
-
-
-def _with_levers(cells: Sequence[Cell | Element]) -> list[Cell]:
-    if not cells:
-        raise InputError("cells is empty: give one cell or more.")
-    for i, cell in enumerate(cells):
-        if isinstance(cell, Element):
-            raise InputError(
-                f"cells[{i}] is an Element, which has no lever angle: draw it with element_curve."
-            )
-    return [cell for cell in cells if isinstance(cell, Cell)]
 
 
 def _mark(ax: Axes, cell: Cell, curve: Curve, colour: str, *, ends: bool) -> None:
@@ -357,10 +352,6 @@ def _look(mark: str, colour: str) -> dict[str, Any]:
     if mark == _PEAK:
         return style.hollow(4.0, colour, color=colour)
     return {"markersize": 4.0, "color": colour}
-
-
-def _stiffness(cell: Cell) -> float:
-    return max(band.stiffness for band in cell.bands)
 
 
 def _names(cells: Sequence[Cell]) -> list[str]:
