@@ -1,7 +1,6 @@
 """Several figures as the panels of one, at the width of a journal's column."""
 
 import difflib
-import math
 import re
 import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -60,12 +59,8 @@ def length(text: str) -> float:
     known = text.strip().lower()
     if known in WIDTHS:
         return WIDTHS[known].width
-    found = re.fullmatch(r"([\d.]+)\s*([a-z]*)", known)
-    try:
-        value, unit = (float(found[1]), found[2]) if found else (math.nan, "")
-    except ValueError:
-        value, unit = math.nan, ""
-    if math.isnan(value):
+    found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", known)
+    if found is None:
         near = difflib.get_close_matches(known, [*WIDTHS, *(f"{k}-single" for k in WIDTHS)], n=1)
         guess = f" Did you mean {near[0]}?" if near and near[0] in WIDTHS else ""
         names = ", ".join(WIDTHS)
@@ -73,6 +68,7 @@ def length(text: str) -> float:
             f"{text!r}: must be a length such as 88mm, 8.8cm, 3.5in or 250pt, or one of {names}."
             f"{guess}"
         )
+    value, unit = float(found[1]), found[2]
     if unit not in _MM:
         was = f"unknown unit {unit!r}" if unit else "has no unit"
         raise InputError(f"{text!r}: {was}; write {value:g}mm, or use cm, in or pt.")
