@@ -133,33 +133,39 @@ def _lines(text: str, most: int = 1) -> list[str]:
 
 def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
     ends = [row.far for row in rows if math.isfinite(row.far)] + [2.0 * row.off for row in rows]
-    ax.set_xlim(0.0, 1.06 * max(ends) or 1.0)
-    ax.set_ylim(sheet.size_of(sheet.root(ax))[1] * ax.get_position().height, 0.0)
-    y = 0.0
-    for row in rows:
-        known = math.isfinite(row.far)
-        y = _write(ax, 0.012 * ax.get_xlim()[1], y, row.lines, 0 if known else -1)
-        if known:
+    most = 1.06 * max(ends) or 1.0
+    ax.set_xlim(0.0, most)
+    words = [(row.lines, 0 if math.isfinite(row.far) else -1) for row in rows]
+    for row, y in zip(rows, _under(ax, 0.012 * most, words, _BAR, _GAP), strict=True):
+        if math.isfinite(row.far):
             colour = _pale(style.VERMILLION if row.near else style.GREEN)
             look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
-            ax.barh(y + _BAR / 2, row.far, _BAR, **look)
+            ax.barh(y, row.far, _BAR, **look)
         # In the bar, so that whichever is longer is seen to be.
         inner = {"color": _OFF, "edgecolor": style.INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
-        ax.barh(y + _BAR / 2, row.off, 0.5 * _BAR, **inner)
-        y += _BAR + _GAP
-    ax.set_yticks([])
-    _bare(ax)
+        ax.barh(y, row.off, 0.5 * _BAR, **inner)
     ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
     ax.set_xlabel(panel.label)
 
 
-def _write(ax: Axes, x: float, y: float, lines: Sequence[str], bold: int) -> float:
-    """Lines from a height down, one of them bold; the height below them."""
-    for k, line in enumerate(lines):
-        weight = "bold" if k == bold else "normal"
-        ax.text(x, y + _LINE / 2, literal(line), va="center_baseline", fontweight=weight)
-        y += _LINE
-    return y
+def _under(
+    ax: Axes, x: float, words: Sequence[tuple[list[str], int]], bar: float, gap: float
+) -> list[float]:
+    """Write each row's lines, one of them bold, from the top down; the middles of bars under them,
+    all in mm.
+    """
+    ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
+    ax.set_yticks([])
+    _bare(ax)
+    y, middles = 0.0, []
+    for lines, bold in words:
+        for k, line in enumerate(lines):
+            weight = "bold" if k == bold else "normal"
+            ax.text(x, y + _LINE / 2, literal(line), va="center_baseline", fontweight=weight)
+            y += _LINE
+        middles.append(y + bar / 2)
+        y += bar + gap
+    return middles
 
 
 def _pale(colour: str) -> tuple[float, float, float]:
@@ -316,22 +322,16 @@ def _outcome_lines(text: str) -> list[str]:
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
     """A bar under the name of each outcome; the interval of the wanted one."""
     ax.set_xlim(0.0, 100.0)
-    ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
-    y = 0.0
-    for k, (lines, share, colour) in enumerate(outcomes):
-        y = _write(ax, 0.0, y, lines, len(lines) - 1 if k == 0 else -1)
-        middle = y + _YIELD_BAR / 2
+    words = [(one.lines, -1 if k else len(one.lines) - 1) for k, one in enumerate(outcomes)]
+    middles = _under(ax, 0.0, words, _YIELD_BAR, _YIELD_GAP)
+    for (_, share, colour), y in zip(outcomes, middles, strict=True):
         look = {"color": _pale(colour), "linewidth": 0, "gid": "outcomes"}
-        ax.barh(middle, 100.0 * share, _YIELD_BAR, **look)
-        if k == 0:
-            ends = [100.0 * bound for bound in result.interval]
-            ax.plot(ends, [middle] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
-        else:
+        ax.barh(y, 100.0 * share, _YIELD_BAR, **look)
+        if y > middles[0]:
             x = 2.0 if share > 0.5 else 100.0 * share + 2.0
-            ax.text(x, middle, percent(share), va="center_baseline")
-        y += _STEP
-    ax.set_yticks([])
-    _bare(ax)
+            ax.text(x, y, percent(share), va="center_baseline")
+    ends = [100.0 * bound for bound in result.interval]
+    ax.plot(ends, middles[:1] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
     count = f"{result.samples:,}".replace(",", "\N{THIN SPACE}")
     ax.set_xlabel(f"Share of {count} built mechanisms [%]")
     sheet.name_panel(ax, "What they do")
@@ -350,11 +350,8 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     middles = [k * _STEP + _STEP / 2 for k in range(len(parts))]
     for middle, i in zip(middles, parts, strict=True):
         colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
-        total, alone = table.total[i], table.first_order[i]
-        for share, shade, gid in (
-            (total, style.pale(colour), "total"),
-            (alone, colour, "first order"),
-        ):
+        total, alone = (table.total[i], style.pale(colour)), (table.first_order[i], colour)
+        for gid, (share, shade) in (("total", total), ("first order", alone)):
             # An index near zero may come out below it.
             ax.barh(middle, max(0.0, float(share)), _YIELD_BAR, color=shade, linewidth=0, gid=gid)
     ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
