@@ -203,8 +203,8 @@ def test_letters_that_a_font_has_are_drawn_and_others_are_told_once(monkeypatch,
     monkeypatch.setattr(_names, "families", lambda: ("DejaVu Sans", "a font of East Asia"))
     monkeypatch.setattr(
         _names,
-        "_letters",
-        lambda family, known=_names._letters: (
+        "letters_of",
+        lambda family, known=_names.letters_of: (
             known(family) if family == "DejaVu Sans" else frozenset(map(ord, "漢字"))
         ),
     )

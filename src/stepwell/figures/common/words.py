@@ -5,7 +5,7 @@ import math
 import re
 from functools import cache
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from matplotlib.font_manager import FontProperties, findfont, fontManager
 from matplotlib.ft2font import FT2Font
@@ -82,15 +82,21 @@ def families() -> tuple[str, ...]:
 
 
 def _drawable(letter: str) -> str:
-    if letter.isascii() or any(ord(letter) in _letters(name) for name in families()):
+    if letter.isascii() or any(ord(letter) in letters_of(name) for name in families()):
         return letter
     _say_so(letter)
     return _MISSING
 
 
 @cache
-def _letters(family: str) -> frozenset[int]:
-    return frozenset(FT2Font(findfont(FontProperties(family=[family]))).get_charmap())
+def letters_of(family: str, weight: str = "normal", slant: str = "normal") -> frozenset[int]:
+    """The letters that a font has."""
+    return frozenset(FT2Font(font_file(family, weight, slant)).get_charmap())
+
+
+def font_file(family: str, weight: str, slant: Any) -> str:
+    """Where a font is kept."""
+    return findfont(FontProperties(family=[family], weight=weight, style=slant))
 
 
 _said: set[str] = set()

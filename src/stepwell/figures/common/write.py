@@ -10,18 +10,16 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties, findfont
-from matplotlib.ft2font import FT2Font
 
 from stepwell.base import InputError, write_atomic
 from stepwell.figures.common.style import STYLE
+from stepwell.figures.common.words import font_file, letters_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -39,8 +37,8 @@ class _Face(NamedTuple):
     """A font as SVG names it: its family, its weight and its slant."""
 
     family: str
-    weight: Literal["normal", "bold"]
-    slant: Literal["normal", "italic", "oblique"]
+    weight: str
+    slant: str
 
 
 def with_fonts(svg: str) -> str:
@@ -71,16 +69,7 @@ def _face(look: str, letter: str) -> _Face:
     slant = "italic" if "italic" in words else "oblique" if "oblique" in words else "normal"
     named = [family.strip().strip("'\"") for family in families.split(",")]
     faces = [_Face(family, weight, slant) for family in named]
-    return next((face for face in faces if ord(letter) in _letters(face)), faces[0])
-
-
-@cache
-def _letters(face: _Face) -> frozenset[int]:
-    return frozenset(FT2Font(_file(face)).get_charmap())
-
-
-def _file(face: _Face) -> str:
-    return findfont(FontProperties(family=[face.family], weight=face.weight, style=face.slant))
+    return next((face for face in faces if ord(letter) in letters_of(*face)), faces[0])
 
 
 def _rule(face: _Face, letters: set[str]) -> str:
@@ -94,7 +83,7 @@ def _rule(face: _Face, letters: set[str]) -> str:
     options.layout_features = ["kern", "mark", "mkmk", "ccmp"]
     logging.getLogger("fontTools").setLevel(logging.ERROR)
     written = io.BytesIO()
-    with subset.load_font(_file(face), options) as font:
+    with subset.load_font(font_file(*face), options) as font:
         cutter = subset.Subsetter(options)
         cutter.populate(text="".join(sorted(letters)))
         cutter.subset(font)
