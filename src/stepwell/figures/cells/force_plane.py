@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -39,19 +40,6 @@ class _Switch(NamedTuple):
     colour: str
     up: float
     down: float
-
-
-class _Gap(NamedTuple):
-    """Two cells next to each other in a wanted order, and how far apart their forces are."""
-
-    first: int
-    second: int
-    side: int
-    size: float
-
-    @property
-    def colour(self) -> tuple[float, float, float]:
-        return style.pale(style.YELLOW, 0.0) if self.size > 0 else style.pale(style.VERMILLION, 0.3)
 
 
 @style.styled
@@ -105,15 +93,23 @@ def force_plane(
             f"the force plane of {count} {what} needs {width + _LEAST - side:.0f} mm of width, and "
             f"has {width:.4g} mm."
         )
-    gap = _narrowest(forces, orders)
+    # Between neighbours, how far the second is on: the step that is smallest, or farthest the wrong
+    # way, with its side and its ends.
+    steps = [
+        ((-1.0) ** k * float(forces[j, k] - forces[i, k]), k, sorted(forces[[i, j], k].tolist()))
+        for k in (0, 1)
+        for i, j in pairwise(orders[k])
+    ]
+    step, way, ends = min(steps, key=itemgetter(0), default=(0.0, 0, []))
+    shade = style.pale(style.YELLOW, 0.0) if step > 0 else style.pale(style.VERMILLION, 0.3)
     key = legends.those(
         (region, legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
         (places is not None, legends.mark("can be reached", ".", 3.0, color=style.FAINT)),
         (cloud is not None, legends.line("95 % as built", width=1.0)),
     )
-    if gap is not None:
-        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} {of.sign}"
-        key.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
+    if steps:
+        words = f"{'narrowest step' if step > 0 else 'wrong by'} {abs(step):.3g} {of.sign}"
+        key.append(legends.shade(words, shade, alpha=0.6, linewidth=0))
     narrow = width < _WIDE
     columns = 2 if narrow else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
@@ -130,16 +126,13 @@ def force_plane(
     _draw_cells(ax, forces, colours)
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
-    if gap is not None:
+    if steps:
         # The narrowest step, as a band across the plane.
-        look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0, "gid": "narrowest"}
-        ends = np.sort(forces[[gap.first, gap.second], gap.side])
-        (ax.axvspan, ax.axhspan)[gap.side](*ends, **look, zorder=0.5)
+        look = {"color": shade, "alpha": 0.6, "linewidth": 0, "gid": "narrowest"}
+        (ax.axvspan, ax.axhspan)[way](*ends, **look, zorder=0.5)
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
-        order = _Order(strip_ax, ax, half, orders[half])
-        order.draw(forces, cloud, colours)
-        order.frame(switches)
+        _Order(strip_ax, ax, half, orders[half]).draw(forces, cloud, switches)
     _name_cells(ax, forces, switches)
     middle = {"ha": "center", "va": "center", "rotation": 90}
     sheet.text_at(figure, 3.0, base + strip / 2, "loads", **middle)
@@ -177,16 +170,6 @@ def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tu
             f"one that moves first."
         )
     return order
-
-
-def _narrowest(forces: Floats, orders: tuple[Sequence[int], Sequence[int]]) -> _Gap | None:
-    """The step between neighbours that is smallest, or farthest the wrong way."""
-    gaps = (
-        _Gap(i, j, side, (1 - 2 * side) * float(forces[j, side] - forces[i, side]))
-        for side in (0, 1)
-        for i, j in pairwise(orders[side])
-    )
-    return min(gaps, key=lambda gap: gap.size, default=None)
 
 
 def _name(chain: Chain, side: int) -> str:
@@ -255,15 +238,15 @@ class _Order(NamedTuple):
     side: int
     cells: Sequence[int]
 
-    def draw(self, forces: Floats, cloud: Floats | None, colours: Sequence[str]) -> None:
-        """Draw every cell at its force, or over the range of it."""
+    def draw(self, forces: Floats, cloud: Floats | None, switches: Sequence[_Switch]) -> None:
+        """Draw every cell at its force, or over the range of it, and name the rows."""
         ax, main, side, count = self.ax, self.main, self.side, len(self.cells)
 
         def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:
             return np.array([values, rows] if side == 0 else [rows, values])
 
         for row, cell in enumerate(self.cells):
-            value, colour = float(forces[cell, side]), colours[cell]
+            value, colour = float(forces[cell, side]), switches[cell].colour
             if cloud is not None:
                 ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
                 bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
@@ -276,12 +259,8 @@ class _Order(NamedTuple):
             ax.plot(*turned([value, value], [row, last]), **lead)
             end = main.get_ylim()[1] if side == 0 else main.get_xlim()[1]
             main.plot(*turned([value, value], [forces[cell, 1 - side], end]), **lead)
-
-    def frame(self, switches: Sequence[_Switch]) -> None:
-        """Put the names of the cells at their rows; the forces are those of the plane."""
-        ax, main, count = self.ax, self.main, len(self.cells)
         names = [literal(shortened(switches[i].name, _NAME)) for i in self.cells]
-        if self.side == 0:
+        if side == 0:
             ax.set_xticks(main.get_xticks(), [])
             ax.set(xlim=main.get_xlim(), ylim=(count - 0.4, -0.6))
             ax.set_yticks(range(count), names)
