@@ -85,11 +85,7 @@ def arrange(
 ) -> DrawingPlan:
     """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)
-    if len(chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
-            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
-        )
+    refuse_long(chain)
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     places = [_place(chain, state) for state in wanted]
@@ -103,7 +99,7 @@ def arrange(
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
     page = page_width(style.PAGE)
     # Cells, what a band's width means, and one that is slack.
-    key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
+    key = _KEY + _MORE * (legends.laid(len(chain) + 2, page, _ENTRY)[1] - 1)
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
         """Places, room for arrows at the left and right, scale and height with c columns."""
@@ -136,7 +132,10 @@ def arrange(
 def refuse_long(chain: Chain) -> None:
     """Refuse a chain of more cells than can be seen."""
     if len(chain) > MOST_CELLS:
-        raise InputError(f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen.")
+        raise InputError(
+            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen; "
+            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
+        )
 
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
@@ -204,11 +203,6 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: Point, scale: float) -> No
         ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=style.INK, linewidth=0.5)
 
 
-def _entries(width: float) -> int:
-    """How many entries a row of the key has room for."""
-    return max(1, int(width / _ENTRY))
-
-
 def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
     linkage, scale = plan.linkage, plan.scale
     handles = legends.cells(linkage.chain.names, 2.0)
@@ -217,7 +211,7 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
         handles.append(legends.line(strongest, width=THICKEST * 0.8))
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
-    columns = min(len(handles), _entries(plan.width))
+    columns, _ = legends.laid(len(handles), plan.width, _ENTRY)
     legends.above(ax, handles, columns, bbox_to_anchor=(0.02, 0.6 / plan.height))
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
