@@ -111,7 +111,8 @@ def _cells(
     handles: list[Artist] = [legends.line("model")]
     for count in sorted({test.series.bands for test in tests}):
         colour, mark = _LOOKS[(count - 1) % len(_LOOKS)]
-        handles.append(legends.mark(bands_words(count), mark, 3.2, color=colour))
+        name = f"{count} band{'s' * (count > 1)}"
+        handles.append(legends.mark(name, mark, 3.2, color=colour))
     handles.append(legends.mark("extrapolated to the stop", **style.hollow(3.2)))
     sizes = (3, 50.0, 16.0, 18.5, 16.0)
     return _panels(list(groups.values()), draw, sizes, handles, "Lever angle $\\theta$ [°]", label)
@@ -189,11 +190,6 @@ def _pair(ax: Axes, test: PairTest) -> None:
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
     order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
     sheet.name_panel(ax, words.literal(f"{mechanism}: {order}"))
-
-
-def bands_words(count: int) -> str:
-    """How many bands a cell has."""
-    return "1 band" if count == 1 else f"{count} bands"
 
 
 @style.styled
@@ -330,7 +326,7 @@ def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float
         at = [k for k, kind in enumerate(kinds) if kind == (bands, pair)]
         off = 0.16 * (n - (len(result.kinds) - 1) / 2)
         rows = [geometries.index(result.samples[k].geometry) + off for k in at]
-        name = f"{'pairs' if pair else 'cells'}, {bands_words(bands)}"
+        name = f"{'pairs' if pair else 'cells'}, {bands} band{'s' * (bands > 1)}"
         style = {"linestyle": "none", "marker": mark, "markersize": 4.0, "color": colour}
         fit, left_out = np.array(result.fit_error)[at], np.array(result.left_out_error)[at]
         ax.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)

@@ -165,7 +165,11 @@ class _Shown:
         for joint, colour in ((np.zeros(2), style.FIXED_BLOCK), (self.outer, style.BLOCK)):
             look: _Look = {"facecolor": colour, "edgecolor": style.INK, "linewidth": 0.7}
             ax.add_patch(Polygon(self._block(joint), **look, zorder=2))
-        self._hold(ax)
+        # What holds the inner block.
+        half, y = 1.5 * self.half[0], -self.half[1]
+        ax.plot([-half, half], [y, y], color=style.INK, linewidth=1.1, zorder=3)
+        for x in np.linspace(-half, half, 7)[1:]:
+            ax.plot([x - 1.6, x], [y - 1.6, y], color=style.INK, linewidth=0.5, zorder=1)
         for along in (-self.pair, self.pair):
             x, y = np.array([(0.0, along), self.outer + np.array([0.0, along])]).T
             pins: _Look = style.hollow(3.4, markeredgewidth=0.7, marker="o", gid="lever")
@@ -189,12 +193,6 @@ class _Shown:
     def _block(self, joint: Floats) -> Floats:
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
         return joint + corners * self.half
-
-    def _hold(self, ax: Axes) -> None:
-        half, y = 1.5 * self.half[0], -self.half[1]
-        ax.plot([-half, half], [y, y], color=style.INK, linewidth=1.1, zorder=3)
-        for x in np.linspace(-half, half, 7)[1:]:
-            ax.plot([x - 1.6, x], [y - 1.6, y], color=style.INK, linewidth=0.5, zorder=1)
 
     def _turn(self, ax: Axes, foot: float, share: float) -> None:
         """θ, from the x axis to a lever that starts at height `foot`."""
