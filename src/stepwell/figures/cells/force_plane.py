@@ -93,22 +93,17 @@ def force_plane(
             f"the force plane of {count} {what} needs {width + _LEAST - side:.0f} mm of width, and "
             f"has {width:.4g} mm."
         )
-    # Between neighbours, how far the second is on: the step that is smallest, or farthest the wrong
-    # way, with its side and its ends.
-    steps = [
-        ((-1.0) ** k * float(forces[j, k] - forces[i, k]), k, sorted(forces[[i, j], k].tolist()))
-        for k in (0, 1)
-        for i, j in pairwise(orders[k])
-    ]
-    step, way, ends = min(steps, key=itemgetter(0), default=(0.0, 0, []))
-    shade = style.pale(style.YELLOW, 0.0) if step > 0 else style.pale(style.VERMILLION, 0.3)
+    step, way, ends = _narrowest(forces, orders)
+    words, shade = "narrowest step", style.pale(style.YELLOW, 0.0)
+    if step <= 0:
+        words, shade = "wrong by", style.pale(style.VERMILLION, 0.3)
     key = legends.those(
         (region, legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
         (places is not None, legends.mark("can be reached", ".", 3.0, color=style.FAINT)),
         (cloud is not None, legends.line("95 % as built", width=1.0)),
     )
-    if steps:
-        words = f"{'narrowest step' if step > 0 else 'wrong by'} {abs(step):.3g} {of.sign}"
+    if ends:
+        words = f"{words} {abs(step):.3g} {of.sign}"
         key.append(legends.shade(words, shade, alpha=0.6, linewidth=0))
     narrow = width < _WIDE
     columns = 2 if narrow else 3
@@ -126,7 +121,7 @@ def force_plane(
     _draw_cells(ax, forces, colours)
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
-    if steps:
+    if ends:
         # The narrowest step, as a band across the plane.
         look = {"color": shade, "alpha": 0.6, "linewidth": 0, "gid": "narrowest"}
         (ax.axvspan, ax.axhspan)[way](*ends, **look, zorder=0.5)
@@ -170,6 +165,20 @@ def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tu
             f"one that moves first."
         )
     return order
+
+
+def _narrowest(
+    forces: Floats, orders: tuple[Sequence[int], Sequence[int]]
+) -> tuple[float, int, list[float]]:
+    """Of the steps between neighbours the smallest, or that farthest the wrong way: its size, its
+    side and its ends, none where nothing has a neighbour.
+    """
+    steps = (
+        ((1 - 2 * k) * float(forces[j, k] - forces[i, k]), k, sorted(forces[[i, j], k].tolist()))
+        for k in (0, 1)
+        for i, j in pairwise(orders[k])
+    )
+    return min(steps, key=itemgetter(0), default=(0.0, 0, []))
 
 
 def _name(chain: Chain, side: int) -> str:
