@@ -1,7 +1,8 @@
 """The mechanism moving through its stroke as one small SVG that plays by itself."""
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from html import escape
 from pathlib import Path as File
 
@@ -135,7 +136,11 @@ class _Picture:
         # A cycle ends where it begins; a program rests there before it starts again.
         around = np.allclose(path.travel[0], path.travel[-1], atol=1e-9)
         frames.append(frames[0] if around else frames[-1])
-        self.poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
+        poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
+        # Of every part where it is in each frame.
+        self.parts = Pose(
+            *(np.array([getattr(pose, part.name) for pose in poses]) for part in fields(Pose))
+        )
         self.snaps = [frame.snap for frame in frames]
         self.round = MotionRound(seconds)
         self.left, self.bottom, right, top = self.linkage.bounds([f.travels for f in frames])
@@ -157,42 +162,39 @@ class _Picture:
 
     def _linkage(self) -> Iterable[str]:
         yield _mark("joint", "white", style.INK, 1.8 * self.weight) + self._ground()
-        yield self._lines(lambda pose: pose.posts, style.FIXED_BLOCK, 2.6)
-        yield self._lines(lambda pose: pose.rods, style.INK, 2.0)
-        yield self._boxes(lambda pose: pose.blocks[:1], style.FIXED_BLOCK)
-        yield self._boxes(lambda pose: pose.blocks[1:], style.BLOCK)
-        yield self._lines(lambda pose: pose.levers, style.INK, 2.0, "joint")
+        yield self._lines(self.parts.posts, style.FIXED_BLOCK, 2.6)
+        yield self._lines(self.parts.rods, style.INK, 2.0)
+        yield self._boxes(self.parts.blocks[:, :1], style.FIXED_BLOCK)
+        yield self._boxes(self.parts.blocks[:, 1:], style.BLOCK)
+        yield self._lines(self.parts.levers, style.INK, 2.0, "joint")
 
     def _bands(self) -> Iterable[str]:
         for i in dict.fromkeys(self.linkage.owner.tolist()):
-            own, colour, name = self.linkage.owner == i, self.colours[i], f"anchor{i}"
+            colour, name = self.colours[i], f"anchor{i}"
             yield _mark(name, colour, "none", 2.6 * self.weight)
-            yield self._lines(lambda pose, own=own: pose.bands[own], colour, 3.0, name)
+            yield self._lines(self.parts.bands[:, self.linkage.owner == i], colour, 3.0, name)
 
     def _symbols(self) -> Iterable[str]:
         for m, (i, symbol) in enumerate(self.linkage.symbols.items()):
-            yield self._boxes(lambda pose, m=m: pose.boxes[m : m + 1], "white")
-            at = self._page(np.array([pose.boxes[m, :2] for pose in self.poses]))
+            yield self._boxes(self.parts.boxes[:, m : m + 1], "white")
+            at = self._page(self.parts.boxes[:, m, :2])
             look = f'fill="none" {self._pen(self.colours[i], 2.0)}'
             side = self.linkage.box * self.scale
             for curve in symbol.curves:
                 few = curve[:: max(1, len(curve) // 48)]
                 yield self.round.shifted(at[0] + few * (side, -side), at - at[0], look)
             for colour, width in (("white", 8.0), (style.INK, 6.0)):
-                at = self._page(np.array([pose.dots[m] for pose in self.poses]))
+                at = self._page(self.parts.dots[:, m])
                 yield self.round.path(at, "M{} {}h0", self._pen(colour, width))
 
-    def _lines(
-        self, of: Callable[[Pose], Floats], colour: str, width: float, mark: str = ""
-    ) -> str:
-        ends = self._page(np.array([of(pose) for pose in self.poses])).reshape(len(self.poses), -1)
+    def _lines(self, lines: Floats, colour: str, width: float, mark: str = "") -> str:
+        ends = self._page(lines).reshape(len(lines), -1)
         look = f'fill="none" {self._pen(colour, width)}'
         if mark:
             look += "".join(f' marker-{at}="url(#{mark})"' for at in ("start", "mid", "end"))
         return self.round.path(ends, "M{} {}L{} {}" * (ends.shape[1] // 4), look)
 
-    def _boxes(self, of: Callable[[Pose], Floats], fill: str) -> str:
-        boxes = np.array([of(pose) for pose in self.poses])
+    def _boxes(self, boxes: Floats, fill: str) -> str:
         page = self._page(corners(boxes.reshape(-1, 4))).reshape(len(boxes), -1)
         shape = "M{} {}L{} {}L{} {}L{} {}Z" * boxes.shape[1]
         return self.round.path(page, shape, f'fill="{fill}" {self._pen(style.INK, 0.8)}')
