@@ -37,14 +37,6 @@ _CHANGED = {
 _OFF = style.pale(style.SKY, 0.55)
 
 
-class _Panel(NamedTuple):
-    """Changes in one unit: nearest first, its factor, and the label of the axis."""
-
-    changes: list[Change]
-    factor: float
-    label: str
-
-
 class _Row(NamedTuple):
     """A change: what is written above its bar, how long that is, and how far parts are off."""
 
@@ -69,7 +61,12 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
         margin: what `design.margin` returns.
         tolerances: how far parts are off when it is built, shaded; by default the usual ones.
     """
-    drawn = [(panel, _rows(margin, panel, tolerances or USUAL)) for panel in _panels(margin)]
+    off = tolerances or USUAL
+    panels = (
+        ("The anchor moved by [mm]", _rows(margin, True, off)),
+        ("The number changed by [%]", _rows(margin, False, off)),
+    )
+    drawn = [(label, rows) for label, rows in panels if rows]
     every = [row for _, rows in drawn for row in rows]
     near = legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
     handles = legends.those(
@@ -82,39 +79,34 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
     figure = sheet.blank(style.COLUMN, height)
     top = height - head
-    for (panel, rows), high in zip(drawn, tall, strict=True):
+    for (label, rows), high in zip(drawn, tall, strict=True):
         ax = sheet.place(figure, _LEFT, top - high, style.COLUMN - _LEFT - _RIGHT, high)
-        _draw(ax, panel, rows)
+        _draw(ax, label, rows)
         top -= high + _FOOT + _BETWEEN
     legends.on_top(figure, handles, _LEFT, columns=2 if len(handles) == 2 else 1)
     return figure
 
 
-def _panels(margin: Margin) -> list[_Panel]:
-    """The anchors, then all that is told as a share."""
-    near = sorted(margin.changes, key=lambda change: change.distance)
-    units = (style.MM, "The anchor moved by [mm]"), (100.0, "The number changed by [%]")
-    moved = [[one for one in near if (one.parameter == "anchor") == so] for so in (True, False)]
-    return [_Panel(one, *unit) for one, unit in zip(moved, units, strict=True) if one]
-
-
-def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
-    chain, shown = margin.chain, panel.changes[:_MOST]
+def _rows(margin: Margin, anchors: bool, tolerances: Tolerances) -> list[_Row]:
+    """Of the anchors in mm, or of all that is told as a share in %; nearest first."""
+    some = [change for change in margin.changes if (change.parameter == "anchor") == anchors]
+    chain, shown = margin.chain, sorted(some, key=lambda change: change.distance)[:_MOST]
     words = {"force": chain.measure.force, "travel": chain.measure.travel}
-    reach = f" within {number(margin.reach * style.MM)} mm" if panel.factor == style.MM else ""
+    factor = style.MM if anchors else 100.0
+    reach = f" within {number(margin.reach * style.MM)} mm" if anchors else ""
     found: list[_Row] = []
     for change in shown:
         changed, deviation = _CHANGED[change.parameter]
         what = f"{chain.names[change.cell]}: {changed.format(**words)}"
-        off = getattr(tolerances, deviation) * panel.factor
+        off = getattr(tolerances, deviation) * factor
         if math.isinf(change.distance):
             found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
             continue
         lines = _lines(f"{what} {_by(change)}")
         if change.becomes and len(chain) <= _SPELLED:
             lines += _lines(f"then {sequence_words(change.becomes, _ROOM - 5)}", _MOST_LINES)
-        found.append(_Row(lines, change.distance * panel.factor, off))
-    left = len(panel.changes) - len(shown)
+        found.append(_Row(lines, change.distance * factor, off))
+    left = len(some) - len(shown)
     return found + [_Row([f"and {left} more, no nearer"])] * bool(left)
 
 
@@ -131,7 +123,7 @@ def _lines(text: str, most: int = 1) -> list[str]:
     return shortened(text, _ROOM, most).split("\n")
 
 
-def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
+def _draw(ax: Axes, label: str, rows: Sequence[_Row]) -> None:
     ends = [row.far for row in rows if math.isfinite(row.far)] + [2.0 * row.off for row in rows]
     most = 1.06 * max(ends) or 1.0
     ax.set_xlim(0.0, most)
@@ -145,7 +137,7 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
         inner = {"color": _OFF, "edgecolor": style.INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
         ax.barh(y, row.off, 0.5 * _BAR, **inner)
     ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
-    ax.set_xlabel(panel.label)
+    ax.set_xlabel(label)
 
 
 def _under(
@@ -263,12 +255,6 @@ _YIELD_FOOT, _YIELD_HEAD = 10.0, 6.0
 _YIELD_MOST_LINES = 3
 
 
-class _Outcome(NamedTuple):
-    lines: list[str]
-    share: float
-    colour: str
-
-
 @style.styled
 def yield_bars(result: Yield) -> Figure:
     """The share of mechanisms that work, with its confidence interval, and what the others do.
@@ -281,7 +267,7 @@ def yield_bars(result: Yield) -> Figure:
     """
     table = result.sensitivities
     outcomes = _outcomes(result)
-    tall = sum(_STEP + _LINE * len(one.lines) for one in outcomes)
+    tall = sum(_STEP + _LINE * len(lines) for lines, _ in outcomes)
     parts = [] if table is None or table.deviation == 0 else _parts(table)
     rows = _STEP * len(parts)
     page = sheet.page_width(style.PAGE if parts else style.COLUMN)
@@ -302,32 +288,32 @@ def yield_bars(result: Yield) -> Figure:
     return figure
 
 
-def _outcomes(result: Yield) -> list[_Outcome]:
-    """What was wanted, then the most frequent other outcomes."""
+def _outcomes(result: Yield) -> list[tuple[list[str], float]]:
+    """Names and shares of what was wanted, then of the most frequent other outcomes."""
     others = list(result.outcomes.items())
     low, high = map(percent, result.interval)
     # On a line of its own: beside or on the bar, the interval would strike it through.
     words = f"{percent(result.share)} ({low} to {high}) as wanted"
-    found = [_Outcome([*_outcome_lines(result.target), words], result.share, style.GREEN)]
+    found = [([*_outcome_lines(result.target), words], result.share)]
     shown = [(_outcome_lines(text), count) for text, count in others[:_OUTCOMES]]
     if rest := sum(count for _, count in others[_OUTCOMES:]):
         shown.append(([f"{len(others) - _OUTCOMES} other outcomes"], rest))
-    return found + [_Outcome(one, n / result.samples, style.VERMILLION) for one, n in shown]
+    return found + [(lines, n / result.samples) for lines, n in shown]
 
 
 def _outcome_lines(text: str) -> list[str]:
     return _lines(sequence_words(text, _ROOM), _YIELD_MOST_LINES)
 
 
-def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
+def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[tuple[list[str], float]]) -> None:
     """A bar under the name of each outcome; the interval of the wanted one."""
     ax.set_xlim(0.0, 100.0)
-    words = [(one.lines, -1 if k else len(one.lines) - 1) for k, one in enumerate(outcomes)]
+    words = [(lines, -1 if k else len(lines) - 1) for k, (lines, _) in enumerate(outcomes)]
     middles = _under(ax, 0.0, words, _YIELD_BAR, _YIELD_GAP)
-    for (_, share, colour), y in zip(outcomes, middles, strict=True):
-        look = {"color": _pale(colour), "linewidth": 0, "gid": "outcomes"}
-        ax.barh(y, 100.0 * share, _YIELD_BAR, **look)
-        if y > middles[0]:
+    for k, ((_, share), y) in enumerate(zip(outcomes, middles, strict=True)):
+        colour = _pale(style.VERMILLION if k else style.GREEN)
+        ax.barh(y, 100.0 * share, _YIELD_BAR, color=colour, linewidth=0, gid="outcomes")
+        if k:
             x = 2.0 if share > 0.5 else 100.0 * share + 2.0
             ax.text(x, y, percent(share), va="center_baseline")
     ends = [100.0 * bound for bound in result.interval]
