@@ -1,13 +1,13 @@
 """The usual figure of every value that can be drawn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from stepwell.base import InputError, of_kind
-from stepwell.design import Boundary, Design
+from stepwell.design import Design
 from stepwell.figures import graphs, maps, measured, robustness
 from stepwell.figures.cells.cell_curves import element_curve, unit_cell_force
 from stepwell.figures.cells.force_plane import force_plane
@@ -51,7 +51,7 @@ def plot(value: Any, **options: Any) -> Figure:
     Raises:
         ValueError: a value of which there is no usual figure, or what that function raises.
     """
-    draw = _map if _is_map(value) else of_kind(_USUAL, value)
+    draw = maps.transition_map if _is_map(value) else of_kind(_USUAL, value)
     if draw is None:
         known = ", ".join(sorted(_USUAL))
         raise InputError(
@@ -78,16 +78,12 @@ def _is_map(value: Any) -> bool:
     return type(value).__module__.startswith("xarray.") and "moved_cell" in value.attrs
 
 
-def _map(data: Any, boundaries: Sequence[Boundary] = (), **options: Any) -> Figure:
-    return maps.transition_map(data, boundaries, **options)
-
-
 def _map_view(view: Any, **options: Any) -> Figure:
     if not _is_map(view.dataset):
         raise InputError(
             "this dataset is no map: only those of transition_map and parameter_map can be drawn."
         )
-    return _map(view.dataset, **options)
+    return maps.transition_map(view.dataset, **options)
 
 
 def _chain(chain: Chain, **options: Any) -> Figure:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,14 +36,6 @@ PRESSED = style.PURPLE
 _MORE = (style.GREEN, style.BLUE, style.VERMILLION, style.INK)
 
 
-class Rest(NamedTuple):
-    """From when to when [s] a leg rests in a state."""
-
-    begin: float
-    end: float
-    state: str
-
-
 def leg_colours(robot: Robot) -> dict[str, str]:
     """One colour a leg, by its name; neither blue nor vermillion, which have other meanings."""
     names = [leg.name for leg in robot.legs]
@@ -73,12 +65,12 @@ def standing(force: Floats) -> Bools:
     return force > LOADED
 
 
-def resting(walk: Walk, leg: str, some: slice) -> list[Rest]:
-    """The states that a leg rests in, one after another, as `Walk.gait` counts them."""
+def resting(walk: Walk, leg: str, some: slice) -> list[tuple[float, float, str]]:
+    """From when to when [s] a leg rests in which state, as `Walk.gait` counts them."""
     states = ((time, walk.state(leg, time)) for time in walk.time[some].tolist())
     rests = groupby(((time, state) for time, state in states if state is not None), itemgetter(1))
     found = [(state, [time for time, _ in rest]) for state, rest in rests]
-    return [Rest(times[0], times[-1], state) for state, times in found]
+    return [(times[0], times[-1], state) for state, times in found]
 
 
 def direction(gait: str) -> int:
@@ -240,7 +232,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     return figure
 
 
-def _states(ax: Axes, found: list[Rest]) -> None:
+def _states(ax: Axes, found: list[tuple[float, float, str]]) -> None:
     """Below the axes, a bracket for every rest with the state under it."""
     low, high = ax.get_xlim()
     span = high - low
