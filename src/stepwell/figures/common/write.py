@@ -1,7 +1,5 @@
 """Figures as files, as SVG text with its fonts inside, and as pictures that move."""
 
-from __future__ import annotations
-
 import base64
 import html
 import io
@@ -11,19 +9,16 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 from stepwell.base import InputError, write_atomic
 from stepwell.figures.common.style import STYLE
 from stepwell.figures.common.words import font_file, letters_of
-
-if TYPE_CHECKING:
-    from PIL.Image import Image as Picture
-
 
 _TEXT = re.compile(r"<text(?P<look>[^>]*)>(?P<inside>.*?)</text>", re.DOTALL)
 _SPAN = re.compile(r"<tspan(?P<look>[^>]*)>(?P<inside>.*?)</tspan>", re.DOTALL)
@@ -100,15 +95,13 @@ _COLOURS = 96
 
 def write_gif(
     file: str | os.PathLike[str],
-    pictures: Iterator[Picture],
-    seen: Sequence[Picture],
+    pictures: Iterator[Image.Image],
+    seen: Sequence[Image.Image],
     hundredths: int | Sequence[int],
 ) -> Path:
     """Write frames of one size, in the colours of those `seen`, as a GIF that repeats for ever;
     `hundredths` is how long one lasts, or each [0.01 s].
     """
-    from PIL import Image
-
     shared = _palette(seen)
     frames = (one.quantize(palette=shared, dither=Image.Dither.NONE) for one in pictures)
     each = 10 * hundredths if isinstance(hundredths, int) else [10 * one for one in hundredths]
@@ -120,10 +113,8 @@ def write_gif(
     return Path(file)
 
 
-def _palette(pictures: Sequence[Picture]) -> Picture:
+def _palette(pictures: Sequence[Image.Image]) -> Image.Image:
     """A picture in the colours that all frames share."""
-    from PIL import Image
-
     sheet = Image.fromarray(np.vstack([np.asarray(picture) for picture in pictures]))
     shared = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
     # Averaging greys the paper, and Pillow tells very light colours apart only roughly.

@@ -1,12 +1,10 @@
 """The mechanism moving through its stroke, snaps included, as a GIF."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -14,6 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from PIL import Image
 
 from stepwell.base import Floats, InputError, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
@@ -24,10 +23,6 @@ from stepwell.figures.common.words import literal, minus
 from stepwell.figures.motion import overview, stroke_program, strokes
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
-
-if TYPE_CHECKING:
-    from PIL.Image import Image as Picture
-
 
 _DPI = 110.0
 # Height of the plan of strokes [mm].
@@ -80,7 +75,7 @@ def animation(
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
     look += [frame for frame in frames if frame.snap][:1]
 
-    def pictures() -> Iterator[Picture]:
+    def pictures() -> Iterator[Image.Image]:
         for k, frame in enumerate(frames):
             yield scene.shoot(frame)
             if progress is not None:
@@ -174,19 +169,15 @@ class _Scene:
         # Everything that stands still, drawn once.
         self.still = canvas.copy_from_bbox(self.figure.bbox)
 
-    def swatches(self) -> Picture:
+    def swatches(self) -> Image.Image:
         """The colours of thin lines, which keep them so in the palette."""
-        from PIL import Image
-
         width, height = (int(side) for side in self.figure.bbox.size)
         colours = [*style.cell_colours(len(self.chain)), style.LOADING, style.UNLOADING]
         sheet = Image.new("RGB", (len(colours), 1))
         sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
         return sheet.resize((width, height), Image.Resampling.NEAREST)
 
-    def shoot(self, frame: stroke_program.Instant) -> Picture:
-        from PIL import Image
-
+    def shoot(self, frame: stroke_program.Instant) -> Image.Image:
         self.drawing.move(frame.travels, frame.sheets)
         (stroke, some), (force, more) = self.said
         u, f = float(np.sum(frame.travels)) * stroke.factor, frame.force * force.factor
