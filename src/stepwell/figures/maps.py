@@ -153,25 +153,23 @@ def _lay_out(
     # A long key stands beside the map; a short one, which would leave the page empty, below it.
     long = Key(rows, style.PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
     page = sheet.page_width(style.PAGE if long else style.COLUMN)
-    if page < sheet.BESIDE:
-        side = min(page - 18.0, _WIDEST)
-        key = Key(rows, page - 6.0)
-        height = 15.0 + side * aspect + key.height
-        keys = [(key, (4.0, 0.0, page - 6.0, key.height))]
-    else:
-        side, key = _SIDE, Key(rows, page - _SIDE - 24.0)
-        curves = [row for row in rows if row.line is not None]
-        under: list[Key] = []
-        if curves and key.height > _LONG + side * aspect:
-            # Curves under the map: beside it their rows would leave half of the page empty.
-            under = [Key(curves, side + 16.0)]
-            key = Key([row for row in rows if row.line is None], key.width)
-        left = 15.0 + side * aspect + sum(one.height for one in under)
-        height = max(left, key.height + 6.0)
-        keys = [(key, (22.0 + side, 0.0, key.width, height))]
-        keys += [(one, (4.0, height - left, one.width, one.height)) for one in under]
-    figure = sheet.blank(page, height)
+    side = min(page - 18.0, _WIDEST) if page < sheet.BESIDE else _SIDE
     tall = side * aspect
+    under: list[Key] = []
+    beside: list[Key] = []
+    if page < sheet.BESIDE:
+        under = [Key(rows, page - 6.0)]
+    else:
+        beside = [Key(rows, page - side - 24.0)]
+        curves, others = ([row for row in rows if bool(row.line) == so] for so in (True, False))
+        if curves and beside[0].height > _LONG + tall:
+            # Curves under the map: beside it their rows would leave half of the page empty.
+            under, beside = [Key(curves, side + 16.0)], [Key(others, beside[0].width)]
+    left = 15.0 + tall + sum(key.height for key in under)
+    height = max([left, *(key.height + 6.0 for key in beside)])
+    keys = [(key, (22.0 + side, 0.0, key.width, height)) for key in beside]
+    keys += [(key, (4.0, height - left, key.width, key.height)) for key in under]
+    figure = sheet.blank(page, height)
     return figure, sheet.place(figure, 16.0, height - 3.0 - tall, side, tall), keys
 
 
