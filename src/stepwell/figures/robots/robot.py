@@ -22,6 +22,7 @@ from stepwell.robot import Antenna, Leg, Robot
 
 # A drawing of this width has room for its dimensions [mm].
 _DETAILED = 140.0
+_FADED = 0.72  # how pale cells at 1 are
 FOOT, SUPPORT, ANTENNA = style.BLUE, style.VERMILLION, style.ORANGE
 _BODY: dict[str, Any] = {"facecolor": style.pale(style.BLOCK, 0.5), "edgecolor": style.INK}
 _BODY |= {"linewidth": 0.8, "zorder": 1}
@@ -71,7 +72,11 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     ax.plot(*bar.T, **_HOLDER, zorder=1.2)
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
-    _scale(ax, box)
+    # What is forward, and how long 50 mm are.
+    x, y = box[1] - 26.0, box[2] + 6.0
+    arrow(ax, (x, y), (x + 18.0, y), width=1.0)
+    ax.text(x + 9.0, y + 1.5, "forward", ha="center", va="bottom")
+    scale_bar(ax, x - (12.0 if detailed() else 36.0), y, 50.0)
     if detailed():
         _dimensions(ax, robot, box)
 
@@ -94,16 +99,8 @@ def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
     legends.beside(ax, labels)
 
 
-def _scale(ax: Axes, box: Box) -> None:
-    """What is forward, and how long 50 mm are."""
-    x, y = box[1] - 26.0, box[2] + 6.0
-    arrow(ax, (x, y), (x + 18.0, y), width=1.0)
-    ax.text(x + 9.0, y + 1.5, "forward", ha="center", va="bottom")
-    scale_bar(ax, x - (12.0 if detailed() else 36.0), y, 50.0)
-
-
 def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, faint: bool) -> None:
-    shade, z = partial(_faded, faint=faint), 2.0 if faint else 3.0
+    shade, z = partial(style.pale, amount=_FADED * faint), 2.0 if faint else 3.0
     ink = shade(style.INK)
     frame = {"facecolor": "none" if faint else style.BLOCK, "edgecolor": ink, "linewidth": 0.6}
     for middle in parts.blocks:
@@ -158,10 +155,6 @@ def _antenna_text(robot: Robot, antenna: Antenna) -> str:
     leg = robot.leg(antenna.leg)
     moved = literal(f"{antenna.leg} {leg.chain.names[leg.cell_index(antenna.cell)]}")
     return f"{first}\nmoves $p$ of {moved} by {mm(math.hypot(*antenna.moves))} mm"
-
-
-def _faded(colour: str, faint: bool) -> tuple[float, float, float]:
-    return style.pale(colour, 0.72 if faint else 0.0)
 
 
 def _centre_of_mass(ax: Axes, x: float, y: float) -> None:
@@ -242,7 +235,7 @@ def _beyond(robot: Robot) -> float:
 
 
 def _leg(ax: Axes, robot: Robot, parts: parts.LegParts, pivot: float, *, faint: bool) -> None:
-    shade, z = partial(_faded, faint=faint), 3.0 if faint else 4.0
+    shade, z = partial(style.pale, amount=_FADED * faint), 3.0 if faint else 4.0
     ink, fill = shade(style.INK), "white" if faint else style.BLOCK
     frame = {"facecolor": fill, "edgecolor": ink, "linewidth": 0.6}
     for x, _ in parts.blocks:
@@ -343,7 +336,7 @@ def _page(robot: Robot, views: Sequence[_View], head: float) -> Figure:
 
 def _key(robot: Robot) -> list[Artist]:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
-    edge = {"edgecolor": _faded(style.INK, True), "linewidth": 0.6}
+    edge = {"edgecolor": style.pale(style.INK, _FADED), "linewidth": 0.6}
     antenna = legends.line("antenna, pale at full swing", ANTENNA, 1.8)
     return [
         *legends.cells(longest.names, 1.8, "band of {}", marker="o", markersize=2.8),
