@@ -49,23 +49,19 @@ def heights(
             for column in sorted(order, reverse=bool(sweep % 2)):
                 means = sheet.named(sheet.share @ sheet.heights(order))
                 order[column].sort(key=means.__getitem__)
-        _swap(sheet, best, cost)
-    return sheet.named(sheet.heights(best))
-
-
-def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None:
-    """Exchange two nodes of a column as long as that helps."""
-    better = True
-    while better:
-        better = False
-        for names in order.values():
-            for i, j in combinations(range(len(names)), 2):
-                names[i], names[j] = names[j], names[i]
-                now = sheet.cost(order)
-                if now < cost - 1e-9:
-                    cost, better = now, True
-                else:
+        # Exchange two nodes of a column as long as that helps.
+        before = np.inf
+        while cost < before:
+            before = cost
+            for names in best.values():
+                for i, j in combinations(range(len(names)), 2):
                     names[i], names[j] = names[j], names[i]
+                    now = sheet.cost(best)
+                    if now < cost - 1e-9:
+                        cost = now
+                    else:
+                        names[i], names[j] = names[j], names[i]
+    return sheet.named(sheet.heights(best))
 
 
 class _Crossings:
