@@ -1,6 +1,5 @@
 """Several figures as the panels of one, at the width of a journal's column."""
 
-import difflib
 import re
 import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,7 +10,7 @@ from typing import NamedTuple
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure, SubFigure
 
-from stepwell.base import InputError
+from stepwell.base import InputError, nearest_word
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal
 
@@ -61,8 +60,8 @@ def length(text: str) -> float:
         return WIDTHS[known].width
     found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", known)
     if found is None:
-        near = difflib.get_close_matches(known, [*WIDTHS, *(f"{k}-single" for k in WIDTHS)], n=1)
-        guess = f" Did you mean {near[0]}?" if near and near[0] in WIDTHS else ""
+        near = nearest_word(known, WIDTHS)
+        guess = f" Did you mean {near}?" if near else ""
         names = ", ".join(WIDTHS)
         raise InputError(
             f"{text!r}: must be a length such as 88mm, 8.8cm, 3.5in or 250pt, or one of {names}."
