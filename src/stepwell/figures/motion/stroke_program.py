@@ -175,8 +175,7 @@ def stroke_program(result: Program) -> Figure:
     names = [shortened(name, _NAME, 2) for name in path.chain.names]
     longest = max(len(line) for name in names for line in name.split("\n"))
     right = 4.0 + 1.75 * longest if cells <= MOST_LANES else 5.0
-    upper = sheet.place(figure, 14.0, _FOOT + 3.0 + below, width - 14.0 - right, _ABOVE)
-    lower = sheet.place(figure, 14.0, _FOOT, width - 14.0 - right, below)
+    upper, lower = sheet.stack(figure, (14.0, _FOOT), width - 14.0 - right, [_ABOVE, below], 3.0)
     for ax in (upper, lower):
         ax.set_xlim(limits(plan.way, 0.04))
     upper.tick_params(labelbottom=False)

@@ -220,15 +220,13 @@ def lanes(path: Path, gap: float) -> list[TravelLane]:
     for i, (cell, colour) in enumerate(zip(cells, style.cell_colours(len(cells)), strict=True)):
         low, high = spans[i]
         base = -i * (1.0 + gap) * longest
-
-        def height(travel: Any, base: float = base, low: float = low) -> Any:
-            return base + (travel - low) * of.factor
-
+        # The height of a travel is foot + factor * travel.
+        k, foot = of.factor, base - of.factor * low
         phases = cell.phases if isinstance(cell, Element) else ()
-        spans_of = [(height(max(p.low, low)), height(min(p.high, high))) for p in phases]
-        ticks = [(base, of.number(low)), (height(high), of.number(high))]
-        travel = height(path.travel[:, i])
-        found.append(TravelLane(base, height(high), travel, colour, ticks, spans_of))
+        shades = [(foot + k * max(p.low, low), foot + k * min(p.high, high)) for p in phases]
+        top, travel = foot + k * high, foot + k * path.travel[:, i]
+        ticks = [(base, of.number(low)), (top, of.number(high))]
+        found.append(TravelLane(base, top, travel, colour, ticks, shades))
     return found
 
 
