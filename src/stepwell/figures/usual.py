@@ -19,7 +19,7 @@ from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze
 from stepwell.figures.robots.robot import robot_drawing
 from stepwell.figures.robots.trajectory import trajectory
-from stepwell.lab import BandTest, Comparison, choose_law
+from stepwell.lab import choose_law
 from stepwell.mechanism import Chain
 
 # Mechanisms that are drawn around a design.
@@ -90,25 +90,21 @@ def _chain(chain: Chain, **options: Any) -> Figure:
     return mechanism(chain, options.pop("states", (chain.first_state, chain.last_state)), **options)
 
 
-def _band_test(test: BandTest, **options: Any) -> Figure:
-    return measured.band_laws(test, **{"choice": choose_law(test)} | options)
-
-
-def _comparison(found: Comparison) -> Figure:
-    if found.cells:
-        return measured.measured_forces(found.cells)
-    return measured.measured_pairs(found.pairs)
-
-
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": graphs.machines,
     "BandFit": lambda fit, **options: measured.band_laws(fit.test, fit.choice, **options),
-    "BandTest": _band_test,
+    "BandTest": lambda test, **options: measured.band_laws(
+        test, **{"choice": choose_law(test)} | options
+    ),
     "Calibration": measured.calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),
     "CellTest": lambda test: measured.measured_forces([test]),
     "Chain": _chain,
-    "Comparison": _comparison,
+    "Comparison": lambda found: (
+        measured.measured_forces(found.cells)
+        if found.cells
+        else measured.measured_pairs(found.pairs)
+    ),
     "Cycle": overview,
     "Design": _designed,
     "Element": element_curve,
