@@ -234,11 +234,10 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
     figure = sheet.blank(page, _TALL if beside else 2 * _TALL)
-    (wide, start, width), below = (66.0, 98.0, 78.0), 0.0
+    boxes = [(14.0, 11.0, 66.0, 55.0), (98.0, 11.0, 78.0, 55.0)]
     if not beside:
-        (wide, start, width), below = (page - 18.0, 14.0, page - 18.0), _TALL
-    left = sheet.place(figure, 14.0, 11.0 + below, wide, 55.0)
-    right = sheet.place(figure, start, 11.0, width, 55.0)
+        boxes = [(14.0, low, page - 18.0, 55.0) for low in (11.0 + _TALL, 11.0)]
+    left, right = (sheet.place(figure, *box) for box in boxes)
     used = set(map(id, test.used))
     for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
         mine = id(loop) in used
