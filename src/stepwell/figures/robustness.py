@@ -78,11 +78,10 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
     height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
     figure = sheet.blank(style.COLUMN, height)
-    top = height - head
-    for (label, rows), high in zip(drawn, tall, strict=True):
-        ax = sheet.place(figure, _LEFT, top - high, style.COLUMN - _LEFT - _RIGHT, high)
+    wide = style.COLUMN - _LEFT - _RIGHT
+    axes = sheet.stack(figure, (_LEFT, _FOOT), wide, tall, _FOOT + _BETWEEN)
+    for ax, (label, rows) in zip(axes, drawn, strict=True):
         _draw(ax, label, rows)
-        top -= high + _FOOT + _BETWEEN
     legends.on_top(figure, handles, _LEFT, columns=2 if len(handles) == 2 else 1)
     return figure
 

@@ -39,17 +39,16 @@ def prediction(prediction: Prediction) -> Figure:
     for each antenna that flips a leg the displacement of its anchor [mm], with the range it may lie
     in. Two columns wide.
     """
+    legs = len(prediction.legs)
     pushes = sum(len(leg.pushes) for leg in prediction.legs)
-    panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
-    panels += [(_drags, pushes)] if pushes else []
-    panels += [(_flips, len(prediction.flips))] if prediction.flips else []
+    panels = (_margins, legs), (_depths, legs), (_drags, pushes), (_flips, len(prediction.flips))
     page, narrow = sheet.page_width(style.PAGE), _is_narrow()
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
     # Names and remarks stand beside bars, or over them where that is too narrow.
     row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
-    rows_of = [rows + 0.8 * narrow for _, rows in panels]
-    height = top + sum(head + row * rows + _FOOT for rows in rows_of)
+    tall = [row * (rows + 0.8 * narrow) for _, rows in panels if rows]
+    height = top + sum(tall) + len(tall) * (head + _FOOT)
     figure = sheet.blank(page, height)
     # Nothing is ever minus zero.
     advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
@@ -65,12 +64,10 @@ def prediction(prediction: Prediction) -> Figure:
     look = {"color": style.VERMILLION, "ha": "right", "va": "top"}
     lower = height - 1.5 - 8.0 * narrow
     doubt = sheet.text_at(figure, page - 2.0, lower, "in this colour: in doubt", **look)
-    bottom = height - top
-    for (draw, _), rows in zip(panels, rows_of, strict=True):
-        bottom -= head + row * rows
-        ax = sheet.place(figure, 4.0 if narrow else 2.0, bottom, page - beside, row * rows)
+    corner = 4.0 if narrow else 2.0, _FOOT
+    axes = sheet.stack(figure, corner, page - beside, tall, head + _FOOT)
+    for ax, draw in zip(axes, [draw for draw, rows in panels if rows], strict=True):
         draw(ax, prediction)
-        bottom -= _FOOT
     shown = [text for ax in figure.axes for text in ax.texts]
     doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
     if not narrow:
