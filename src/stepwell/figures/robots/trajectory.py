@@ -8,7 +8,6 @@ from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -79,7 +78,14 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     names = [wrap(", ".join(words), int((page - _LEFT) / _LETTER)) for words in remarks]
     named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
     lower = 0.0 if beside else _LOW + _BELOW + _APART
-    handles = _key()
+    handles = [
+        legends.line("path of the body", style.BLUE),
+        legends.mark("start", **_START),
+        legends.mark("end"),
+        legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
+        legends.shade("along the heading", style.BLUE),
+        legends.mark("to its left", "D", **_SIDEWAYS),
+    ]
     columns, keys = legends.laid(len(handles), page - _LEFT, _ENTRY)
     key = _KEY + _ROW * (keys - 1)
     height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
@@ -91,11 +97,9 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         bottom -= _ABOVE + above + high
         path = sheet.place(figure, _LEFT, bottom, wide, high)
         _path(path, walk, box, scale, (wide, high))
-        left, under, low = _LEFT, bottom - lower, _LOW
-        if beside:
-            left, low = _LEFT + wide + _GAP, high
-        moved = sheet.place(figure, left, under, bar, low)
-        turned = sheet.place(figure, left + bar + _GAP, under, bar - 3.0, low)
+        left, low = (_LEFT + wide + _GAP, high) if beside else (_LEFT, _LOW)
+        moved = sheet.place(figure, left, bottom - lower, bar, low)
+        turned = sheet.place(figure, left + bar + _GAP, bottom - lower, bar - 3.0, low)
         _bars(moved, turned, walk, bar)
         bars.append((moved, turned))
         for k, line in enumerate(reversed(lines)):
@@ -109,17 +113,6 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
             ax.set_ylim(-most, most)
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
-
-
-def _key() -> list[Artist]:
-    return [
-        legends.line("path of the body", style.BLUE),
-        legends.mark("start", **_START),
-        legends.mark("end"),
-        legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
-        legends.shade("along the heading", style.BLUE),
-        legends.mark("to its left", "D", **_SIDEWAYS),
-    ]
 
 
 def _outline(walk: Walk, sample: int) -> list[Floats]:
