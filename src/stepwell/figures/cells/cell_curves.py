@@ -172,10 +172,9 @@ class _Curve:
             self._shade(begin, end, {"facecolor": style.PHASE} | _SHADE, "phases")
             draw(phase.sheet, max(begin, low), min(end, high), linewidth=_BOLD, zorder=4)
             past = {"linewidth": _PAST, "linestyle": _DOTS, "zorder": 3, "gid": "goes on"}
-            if begin < low:
-                draw(phase.sheet, begin, low, **past)
-            if end > high:
-                draw(phase.sheet, high, end, **past)
+            for first, last in ((begin, low), (high, end)):
+                if first < last:
+                    draw(phase.sheet, first, last, **past)
         wall = {"facecolor": "white", "edgecolor": style.FAINT, "hatch": "/////", "linewidth": 0}
         below, above = element.stopped
         for stop, inner, outer in ((below, low, self.left), (above, high, self.right)):
