@@ -1,7 +1,5 @@
 """What a figure has to find in a transition graph, and where its states stand on the page."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
