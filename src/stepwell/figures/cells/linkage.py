@@ -151,7 +151,7 @@ class LinkageDrawing:
         default the first that have them.
         """
         reach, half = self.reach, self.half_block
-        inner = np.zeros(2)
+        inner, pair = np.zeros(2), np.array([self.half_pair, 0.0])
         left, side = -reach, 1.0
         of: dict[str, list[Any]] = {name: [] for name in _SHAPES}
         for i, cell in enumerate(self.chain.cells):
@@ -165,14 +165,14 @@ class LinkageDrawing:
                 of["boxes"].append([begin, y - self.box / 2, end, y + self.box / 2])
                 of["rods"] += [[(right, y), (begin, y)], [(end, y), (left, y)]]
                 on = symbol.at(travel, None if sheets is None else sheets[i])
-                of["dots"].append(_xy(begin, y - self.box / 2) + self.box * on)
-                outer = _xy(left + reach, y)
+                of["dots"].append(self.box * on + (begin, y - self.box / 2))
+                outer = np.array([left + reach, y])
             else:
                 theta = float(cell.angle(travels[i]))
                 along, across = math.sin(theta), side * math.cos(theta)
-                outer = inner + _xy(cell.lever * along, cell.lever * across)
+                outer = inner + cell.lever * np.array([along, across])
                 ends = np.array([inner, outer])
-                of["levers"] += [ends - _xy(self.half_pair, 0.0), ends + _xy(self.half_pair, 0.0)]
+                of["levers"] += [ends - pair, ends + pair]
                 for band in cell.bands:
                     turned = np.array([band.p, band.q])[:, ::-1] * (1.0, side)
                     length = float(band.length(theta, cell.lever))
@@ -184,7 +184,7 @@ class LinkageDrawing:
                     of["slack"].append(length <= band.rest_length and not band.two_sided)
                 left, side = outer[0] - reach, -side
             span = self.spans[i] if i < len(self.spans) else 0.0
-            inner = outer + _xy(span, 0.0)
+            inner = outer + np.array([span, 0.0])
         of["blocks"].append([left, inner[1] - half, inner[0] + reach, inner[1] + half])
         parts = {name: np.array(of[name], float).reshape(_SHAPES[name]) for name in _SHAPES}
         return Pose(**parts | {"slack": np.array(of["slack"], bool)})
@@ -205,10 +205,6 @@ class LinkageDrawing:
                     tension = band.tension(band.length(theta, cell.lever))
                     found = max(found, float(np.max(np.abs(tension))))
         return found
-
-
-def _xy(x: float, y: float) -> Floats:
-    return np.array([x, y])
 
 
 THINNEST, THICKEST = 0.7, 3.0
