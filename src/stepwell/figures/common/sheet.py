@@ -105,10 +105,6 @@ class Size(NamedTuple):
 class _MeasuredError(Exception):
     """Ends the drawing of a panel that is only measured, once its size is known."""
 
-    def __init__(self, size: Size):
-        super().__init__()
-        self.size = size
-
 
 _ALONE = CurrentPanel()
 _panel: ContextVar[CurrentPanel] = ContextVar("panel", default=_ALONE)
@@ -130,7 +126,7 @@ def measured(draw: Draw, panel: CurrentPanel) -> Size:
         with drawing(panel):
             draw()
     except _MeasuredError as found:
-        return found.size
+        return found.args[0]
     raise InputError("a panel must be a figure of this room, such as force_stroke with its cycle.")
 
 

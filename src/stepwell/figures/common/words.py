@@ -62,6 +62,7 @@ _MORE = (
     "Arial Unicode MS",
 )
 _MISSING = "\N{WHITE SQUARE}"
+_said: set[str] = set()
 
 
 def literal(text: str) -> str:
@@ -84,7 +85,13 @@ def families() -> tuple[str, ...]:
 def _drawable(letter: str) -> str:
     if letter.isascii() or any(ord(letter) in letters_of(name) for name in families()):
         return letter
-    _say_so(letter)
+    # A log record, and no warning: it must not become an error, and one line is enough.
+    if not _said:
+        logging.getLogger("stepwell").warning(
+            f"Figures show {_MISSING} for letters such as {letter}, which no font found here has: "
+            f"install one that has them, such as Noto Sans CJK."
+        )
+    _said.add(letter)
     return _MISSING
 
 
@@ -97,19 +104,6 @@ def letters_of(family: str, weight: str = "normal", slant: str = "normal") -> fr
 def font_file(family: str, weight: str, slant: Any) -> str:
     """Where a font is kept."""
     return findfont(FontProperties(family=[family], weight=weight, style=slant))
-
-
-_said: set[str] = set()
-
-
-def _say_so(letter: str) -> None:
-    # A log record, and no warning: it must not become an error, and one line is enough.
-    if not _said:
-        logging.getLogger("stepwell").warning(
-            f"Figures show {_MISSING} for letters such as {letter}, which no font found here has: "
-            f"install one that has them, such as Noto Sans CJK."
-        )
-    _said.add(letter)
 
 
 # Of a whole chain, of one cell, and of the force that both share.
