@@ -162,12 +162,10 @@ class _Scene:
         self.moving = (*self.drawing.artists, *texts, *dots)
         for artist in self.moving:
             artist.set_animated(True)
-        canvas = self.figure.canvas
-        assert isinstance(canvas, FigureCanvasAgg)
-        self.canvas = canvas
-        canvas.draw()
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.canvas.draw()
         # Everything that stands still, drawn once.
-        self.still = canvas.copy_from_bbox(self.figure.bbox)
+        self.still = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def swatches(self) -> Image.Image:
         """The colours of thin lines, which keep them so in the palette."""
