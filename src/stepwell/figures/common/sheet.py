@@ -132,8 +132,7 @@ def measured(draw: Draw, panel: CurrentPanel) -> Size:
 
 def page_width(usual: float) -> float:
     """The width that a figure has: that of the panel it is drawn as, or its usual one [mm]."""
-    width = _panel.get().width
-    return usual if width is None else width
+    return _panel.get().width or usual
 
 
 def current() -> CurrentPanel:
