@@ -247,8 +247,8 @@ def _key(elements: Iterable[Element]) -> list[Artist]:
 Curve = Callable[[Cell, Floats], Floats]
 
 _ANGLES = 181
-# Narrower than this, names do not stand in two columns; between names and marks [mm].
-_TWO, _BETWEEN = 70.0, 0.3
+# What a name takes, and between names and marks [mm].
+_NAME, _BETWEEN = 35.0, 0.3
 _END_0, _END_1, _PEAK = "<", ">", "D"
 _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
@@ -299,8 +299,7 @@ def _curves(
 
     ends = law is Cell.force
     # Names beside each other where there is room, the marks in a row of their own.
-    columns = 2 if sheet.page_width(style.COLUMN) >= _TWO else 1
-    rows = math.ceil(len(levers) / columns)
+    columns, rows = legends.laid(len(levers), sheet.page_width(style.COLUMN), _NAME, 2)
     top = 8.0 + 3.75 * rows
     own = ax is None
     figure, ax = sheet.canvas(ax, (style.COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
