@@ -366,44 +366,12 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
         key[k] = first << 31 | second
 
 
-# Priced as the keys of two cells, so that it goes over to machine code when what finds them does.
-@entry(12 * _EACH, "key")
-def _tallied(
-    key: Ints,
-    gap: Floats,
-    first: int,
-    keys: Ints,
-    counts: Ints,
-    best: Floats,
-    where: Ints,
-    taken: Ints,
-) -> bool:
-    size = len(keys)
-    for k in range(len(key)):
-        if key[k] < 0:
-            continue
-        place = key[k] % size
-        while counts[place] > 0 and keys[place] != key[k]:
-            place = (place + 1) % size
-        if counts[place] == 0:
-            taken[0] += 1
-            if 2 * taken[0] > size:
-                return False
-            keys[place], best[place] = key[k], -1.0
-        counts[place] += 1
-        if gap[k] > best[place]:
-            best[place], where[place] = gap[k], first + k
-    return True
-
-
 class KeyCounts:
     """How often each key came, and where with the largest gap; of any number of designs."""
 
     def __init__(self, most: int):
-        self._size = 2 * most + 1
-        self._keys, self._where = np.zeros((2, self._size), np.int64)
-        self._counts, self._best = np.zeros(self._size, np.int64), np.zeros(self._size)
-        self._taken = np.zeros(1, np.int64)
+        self._most, self._gap = most, np.zeros(0)
+        self._key, self._count, self._where = np.zeros((3, 0), np.int64)
 
     def add(self, key: Ints, gap: Floats, first: int) -> None:
         """Count keys (m,) of the designs from number `first` on; negative ones are left out.
@@ -411,20 +379,25 @@ class KeyCounts:
         Raises:
             ValueError: there are too many different ones.
         """
-        key, gap = np.ascontiguousarray(key), np.ascontiguousarray(gap)
-        table = self._keys, self._counts, self._best, self._where, self._taken
-        if not _tallied(key, gap, first, *table):
+        there = np.flatnonzero(key >= 0)
+        key, gap = np.append(self._key, key[there]), np.append(self._gap, gap[there])
+        count = np.append(self._count, np.ones_like(there))
+        where = np.append(self._where, first + there)
+        # Stable: of equal gaps the one that came first is kept.
+        order = np.lexsort((-gap, key))
+        self._key, begin = np.unique(key[order], return_index=True)
+        if len(begin) > self._most:
             raise InputError(
-                f"there are more than {self._size // 2} different graphs: take fewer cells."
+                f"there are more than {self._most} different graphs: take fewer cells."
             )
+        self._gap, self._where = gap[order][begin], where[order][begin]
+        self._count = np.add.reduceat(count[order], begin)
 
     @property
     def rows(self) -> list[tuple[int, int, float, int]]:
         """By rising key: the key, how often it came, the largest gap and the design that has it."""
-        there = np.flatnonzero(self._counts)
-        there = there[np.argsort(self._keys[there])]
-        columns = (self._keys, self._counts, self._best, self._where)
-        return list(zip(*(column[there].tolist() for column in columns), strict=True))
+        columns = (self._key, self._count, self._gap, self._where)
+        return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 @entry(1e-4, "ends")
