@@ -36,6 +36,7 @@ from stepwell.base.quantities import (
     Schema,
     amount,
     counted,
+    grouped,
     headed,
     in_measure,
     number,

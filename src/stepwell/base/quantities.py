@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from operator import attrgetter
 from types import UnionType
-from typing import Any
+from typing import Any, TypeVar
 
 from stepwell.base.units import UNITS, in_names, told_in
 from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
+K, V = TypeVar("K"), TypeVar("V")
 _RATIO = "over_"
 _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 
@@ -268,6 +269,14 @@ def plain(value: Any, factor: float = 1.0) -> Any:
 def rows_of(columns: Mapping[str, Iterable[Any]]) -> list[dict[str, Any]]:
     """The rows of a table of which the columns are known, each by its name."""
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
+    """The values of each key, keys and values in the order in which they come."""
+    found: dict[K, list[V]] = {}
+    for key, value in pairs:
+        found.setdefault(key, []).append(value)
+    return found
 
 
 def shown(schema: Columns) -> list[Quantity | Column]:

@@ -1,14 +1,13 @@
 """What recordings of cells and pairs give to a fit: for each cell that moves its net force."""
 
 import math
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, ReadOnly, brief
+from stepwell.base import ByValue, Floats, ReadOnly, brief, grouped
 from stepwell.lab.pair_test import PairTest, pair_tests
 from stepwell.lab.series import Geometry, Series, geometry_of
 from stepwell.mechanism import Cell, Table
@@ -137,9 +136,9 @@ def weigh(tests: Iterable[PairTest]) -> Weighing | None:
     apart: dict[tuple[str, ...], PairTest] = {}
     for test in tests:
         apart.setdefault(tuple(run.source for run in test.series.baseline), test)
-    levels: dict[int, list[tuple[float, float]]] = defaultdict(list)
-    for test in (one for runs, one in apart.items() if runs):
-        levels[-1 if test.series.unloading else 1] += test.baseline_levels()
+    based = (one for runs, one in apart.items() if runs)
+    ways = ((-1 if one.series.unloading else 1, one.baseline_levels()) for one in based)
+    levels = grouped((way, level) for way, each in ways for level in each)
     if not levels:
         return None
     # Weight and friction of inner and outer cell add up going up, and are subtracted going down.

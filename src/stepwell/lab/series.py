@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, counted, to_unit
+from stepwell.base import Bools, ByValue, Floats, counted, grouped, to_unit
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import natural
@@ -157,10 +157,8 @@ def carried(cell: Cell, travel: Floats) -> Floats:
 
 def over_geometries(errors: Iterable[tuple[Geometry, float]]) -> float:
     """Mean over the geometries of the mean of each one's errors; NaN for none."""
-    each: dict[Geometry, list[float]] = defaultdict(list)
-    for geometry, error in errors:
-        each[geometry].append(error)
-    return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan
+    each = grouped(errors).values()
+    return float(np.mean([np.mean(v) for v in each])) if each else math.nan
 
 
 def paper_cell(bands: int = 1) -> Cell:
@@ -456,9 +454,8 @@ def _ratio(series: Series, run: Recording) -> float:
 
 def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
     """How many bands make runs at most 1.4 times the model's, the runs, their median ratio."""
-    groups: dict[int, list[tuple[float, Recording]]] = defaultdict(list)
-    for ratio, run in sorted(runs, key=lambda one: natural(one[1].source)):
-        groups[max(1, math.ceil(ratio / _STRONG))].append((ratio, run))
+    ordered = sorted(runs, key=lambda one: natural(one[1].source))
+    groups = grouped((max(1, math.ceil(one[0] / _STRONG)), one) for one in ordered)
     return [
         (count, [run for _, run in group], float(np.median([ratio for ratio, _ in group])))
         for count, group in sorted(groups.items())
@@ -493,9 +490,10 @@ def _parts(recording: Recording) -> list[Recording]:
 
 def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """What is odd about repeats, a line for each thing with the names it is true of."""
-    told: dict[str, list[str]] = defaultdict(list)
-    beside = [*gaps.items(), *unlike(repeats)]
-    for run in repeats:
-        for line in (*oddities(run), *(line for source, line in beside if source == run.source)):
-            told[line].append(run.name)
+    beside = grouped([*gaps.items(), *unlike(repeats)])
+    told = grouped(
+        (line, run.name)
+        for run in repeats
+        for line in (*oddities(run), *beside.get(run.source, ()))
+    )
     return [f"{', '.join(names)}: {line}" for line, names in told.items()]

@@ -1,7 +1,6 @@
 """Bands, tested and calibrated, as tables of a design file, and their laws for a fit."""
 
 import math
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import __version__, counted, to_unit
+from stepwell.base import __version__, counted, grouped, to_unit
 from stepwell.lab.bands.band import band_test
 from stepwell.lab.bands.band_fit import BandFit
 from stepwell.lab.bands.choice import NOTHING
@@ -182,12 +181,9 @@ def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
     By the name of a folder of tests, which their names tell, or of the run where bands are not of
     one kind: tension over the stiffness at the largest extension. What gives no band is left out.
     """
-    groups: dict[str, list[Recording]] = defaultdict(list)
-    for one in recordings:
-        if setup_of(one.name) is None and TENSION_TEST.search(one.name):
-            groups[one.group].append(one)
+    tests = (r for r in recordings if setup_of(r.name) is None and TENSION_TEST.search(r.name))
     found: dict[str, Table] = {}
-    for group, runs in groups.items():
+    for group, runs in grouped((one.group, one) for one in tests).items():
         name = group.replace("\\", "/").rpartition("/")[2].partition(".")[0]
         try:
             table = _table(runs)

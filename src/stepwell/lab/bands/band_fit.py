@@ -1,11 +1,10 @@
 """What tension tests show of bands: stiffness, its dependence on the window, losses, force laws."""
 
 import math
-from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from stepwell.base import ByValue, Drawn, InputError
+from stepwell.base import ByValue, Drawn, InputError, grouped
 from stepwell.lab.bands.band import BandTest, stiffness, stiffness_grid
 from stepwell.lab.bands.choice import Candidate, Choice, Interval, this_band
 from stepwell.lab.bands.halves import Estimate, of_samples
@@ -59,10 +58,7 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
     known = {candidate.law.name: candidate for candidate in choice.candidates}
     if law is not None and law not in known:
         raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
-    losses: dict[int, list[float]] = defaultdict(list)
-    for loop in test.used:
-        if not math.isnan(loop.loss):
-            losses[loop.sample].append(loop.loss)
+    losses = grouped((loop.sample, loop.loss) for loop in test.used if not math.isnan(loop.loss))
     edges, grid = stiffness_grid(test)
     return BandFit(
         test,

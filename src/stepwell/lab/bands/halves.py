@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, brief, to_unit
+from stepwell.base import Bools, ByValue, Floats, brief, grouped, to_unit
 from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import (
@@ -289,9 +289,7 @@ def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
 
     The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
     """
-    by_sample: dict[int, list[LoadingRun]] = defaultdict(list)
-    for run in runs:
-        by_sample[run.sample].append(run)
+    by_sample = grouped((run.sample, run) for run in runs)
     bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
     bands.sort(key=_typical)
     groups = _parted(bands, lambda one, next_: _ratio(_typical(one), _typical(next_)) > _APART)

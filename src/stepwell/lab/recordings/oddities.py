@@ -1,12 +1,11 @@
 """What is odd in a recording, by itself and beside its neighbours."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise
 
 import numpy as np
 
-from stepwell.base import to_unit
+from stepwell.base import grouped, to_unit
 from stepwell.lab.recordings.recording import Recording, run_number, spikes, stem_of
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
@@ -53,10 +52,8 @@ def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
     Run numbers are the digits at the end of a name; those that are missing are told of the
     recording that follows the gap. By source, without sources of which nothing is odd.
     """
-    told: dict[str, list[str]] = defaultdict(list)
     beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
-    for source, line in (*missing(recordings).items(), *chain.from_iterable(beside)):
-        told[source].append(line)
+    told = grouped((*missing(recordings).items(), *chain.from_iterable(beside)))
     return {source: tuple(lines) for source, lines in told.items()}
 
 
@@ -98,10 +95,7 @@ def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
 
 
 def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:
-    families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
-    for recording in recordings:
-        families[recording.group, stem_of(recording.name)].append(recording)
-    return list(families.values())
+    return list(grouped(((r.group, stem_of(r.name)), r) for r in recordings).values())
 
 
 def _numbered(family: list[Recording]) -> list[tuple[int, Recording]]:
