@@ -83,7 +83,18 @@ class Series(ByValue):
         What alone is far off the median of three or more shows something else: a slipped band, a
         jam.
         """
-        return _damaged(self.recordings, self.chain.full_stroke)
+        if len(self.recordings) < _REPEATS:
+            return {}
+        each = mean_curve(self.recordings, self.chain.full_stroke).runs
+        middle = np.median(each, axis=0)
+        far = np.array([rms(force - middle) for force in each])
+        usual = float(np.median(far))
+        most = max(_ODD * usual, _ODD_SHARE * float(np.ptp(middle)))
+        return {
+            run.source: f"{off:.2g} N off the median of the repeats, theirs {usual:.2g} N"
+            for run, off in zip(self.recordings, far, strict=True)
+            if off > most
+        }
 
     @cached_property
     def baseline_curve(self) -> Curve | None:
@@ -286,16 +297,7 @@ class _Group(NamedTuple):
         told: Sequence[str] = (),
     ) -> Series:
         names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
-        lines = [
-            f"runs: {', '.join(run.name for run in mine)}",
-            f"baseline: {names}",
-            *_odd_lines(mine, self.gaps),
-            *(
-                f"{PurePath(source).stem}: not in the mean, its force is {why}"
-                for source, why in _damaged(mine, chain.full_stroke).items()
-            ),
-        ]
-        return Series(
+        found = Series(
             f"{name}, {'unloading' if self.unloading else 'loading'}",
             self.stem if self.setup is None else self.setup.code,
             chain,
@@ -303,8 +305,18 @@ class _Group(NamedTuple):
             self.unloading,
             tuple(mine),
             tuple(base),
-            (*lines, *told),
+            (),
         )
+        lines = [
+            f"runs: {', '.join(run.name for run in mine)}",
+            f"baseline: {names}",
+            *_odd_lines(mine, self.gaps),
+            *(
+                f"{PurePath(source).stem}: not in the mean, its force is {why}"
+                for source, why in found.damaged.items()
+            ),
+        ]
+        return replace(found, told=(*lines, *told))
 
 
 def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list[str]]:
@@ -426,21 +438,6 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
         if covered < _REPEAT * longest
     ]
     return [run for run, covered in kept if covered >= _REPEAT * longest], told
-
-
-def _damaged(runs: Sequence[Recording], full: float) -> dict[str, str]:
-    if len(runs) < _REPEATS:
-        return {}
-    each = mean_curve(runs, full).runs
-    middle = np.median(each, axis=0)
-    far = np.array([rms(force - middle) for force in each])
-    usual = float(np.median(far))
-    most = max(_ODD * usual, _ODD_SHARE * float(np.ptp(middle)))
-    return {
-        run.source: f"{off:.2g} N off the median of the repeats, theirs {usual:.2g} N"
-        for run, off in zip(runs, far, strict=True)
-        if off > most
-    }
 
 
 def _ratio(series: Series, run: Recording) -> float:
