@@ -9,7 +9,7 @@ import stepwell as sw
 from accounts.schemas import violations
 from stepwell.accounts import account
 from stepwell.accounts.head import shapes
-from stepwell.accounts.kinds import KINDS, taken_from
+from stepwell.accounts.kinds import KINDS, schema_at
 from stepwell.accounts.rendering.json_schema import schema_kinds, schema_of
 from stepwell.base import Quantity
 from stepwell.design import Run
@@ -34,7 +34,7 @@ def test_every_schema_has_an_id_a_version_and_a_title(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_quantity_has_one_key_and_a_unit_or_what_it_holds(kind):
-    schema = taken_from(KINDS[kind])
+    schema = schema_at(kind)
     every: list[Any] = [*map(schema, shapes())] if callable(schema) else [schema]
     for one in every:
         for quantities in _nested(one):

@@ -199,3 +199,6 @@ def cell_account(value: Cell | Element, about: About) -> Account:
     stable = f"stretches of {words.travel} that are stable under a constant {words.force}"
     title = f"Element {value.name}".strip()
     return Account(value, title, origin=f"{phases}: {stable}.", facts=facts)
+
+
+element_account = cell_account

@@ -102,9 +102,9 @@ def implicit_graph_account(value: ImplicitGraph, about: About) -> Account:
     return Account(value, _title(value), answer=value.summary, facts=facts)
 
 
-def reading_account(value: MemoryReading, about: About) -> Account:
+def memory_reading_account(value: MemoryReading, about: About) -> Account:
     """What is reported of a graph, given what is read off it."""
-    return graph_account(value.graph, about)
+    return transition_graph_account(value.graph, about)
 
 
 def _title(graph: TransitionGraph | ImplicitGraph) -> str:
@@ -112,7 +112,7 @@ def _title(graph: TransitionGraph | ImplicitGraph) -> str:
     return f"Transition graph of {chain.title}" if chain and chain.title else "Transition graph"
 
 
-def graph_account(value: TransitionGraph, about: About) -> Account:
+def transition_graph_account(value: TransitionGraph, about: About) -> Account:
     """What is reported of a graph."""
     counts = f"{len(value)} nodes, {value.transition_count} transitions."
     title, schema = _title(value), graph_schema(shape_of(value))

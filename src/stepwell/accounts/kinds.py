@@ -1,92 +1,58 @@
 """Which function has the account of a class, and which the schema of a kind of record."""
 
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
 from typing import Any
 
-from stepwell.accounts.head import About
+from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
-from stepwell.base import InputError, of_kind
+from stepwell.base import InputError, Schema, of_kind
 
-# The function of each class, in the file that has its account.
-_ACCOUNTS = {
-    "atlas": {"Atlas": "atlas"},
-    "chain": {"Cell": "cell", "Chain": "chain", "Element": "cell"},
-    "changes": {"Margin": "margin"},
-    "check": {"Check": "check"},
-    "design": {
-        "Design": "design",
-        "Impossible": "impossible",
-        "Reprogramming": "reprogramming",
-        "Robustness": "robustness",
-    },
-    "events": {"Event": "event", "Landing": "landing"},
-    "graph": {
-        "ImplicitGraph": "implicit_graph",
-        "MemoryReading": "reading",
-        "Sequence": "sequence",
-        "TransitionGraph": "graph",
-        "Walked": "walked",
-    },
-    "lab.as_built": {"AsBuilt": "as_built"},
-    "lab.band": {"BandFit": "band", "BandTest": "band_test"},
-    "lab.calibrate": {"Calibration": "calibration"},
-    "lab.compare": {"CellTest": "series", "Comparison": "comparison", "PairTest": "series"},
-    "lab.read": {"Batch": "batch", "Recording": "recording"},
-    "map": {"MapView": "map"},
-    "package": {"Installation": "installation", "Presets": "presets", "Verdicts": "verdicts"},
-    "program": {"Program": "program", "Unreachable": "unreachable"},
-    "robot": {"Arena": "arena", "Prediction": "prediction", "Robot": "robot"},
-    "run": {"Cycle": "cycle", "Path": "path", "Run": "run"},
-    "study": {"Status": "study"},
-    "walks": {"Convergence": "convergence", "Maze": "maze", "Sweep": "sweep", "Walk": "walk"},
-    "yields": {"Survival": "survival", "Yield": "yield"},
+# Of each file in this folder: the classes of which it makes accounts, each by the function with the
+# name of the class, and its kinds of records, with the version of their names.
+_FILES = {
+    "atlas": ("Atlas", "atlas/1"),
+    "chain": ("Cell Chain Element", ""),
+    "changes": ("Margin", ""),
+    "check": ("Check", "check/2"),
+    "design": ("Design Impossible Reprogramming Robustness", "design/2 reprogram/2"),
+    "events": ("Event Landing", ""),
+    "graph": (
+        "ImplicitGraph MemoryReading Sequence TransitionGraph Walked",
+        "graph/2 implicit_graph/2",
+    ),
+    "lab.as_built": ("AsBuilt", "lab.as_built/2"),
+    "lab.band": ("BandFit BandTest", "lab.band/1"),
+    "lab.calibrate": ("Calibration", "lab.calibrate/2"),
+    "lab.compare": ("CellTest Comparison PairTest", "lab.compare/2"),
+    "lab.read": ("Batch Recording", "lab.read/1"),
+    "map": ("MapView", "map/3"),
+    "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
+    "program": ("Program Unreachable", "program/2"),
+    "robot": ("Arena Prediction Robot", "robot/1"),
+    "run": ("Cycle Path Run", "run/2"),
+    "study": ("Status", "study/1"),
+    "walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),
+    "yields": ("Survival Yield", "survival/2 yield/2"),
 }
-# The account of a class: the file in this folder, and the function in it.
-ACCOUNTS: dict[str, str] = dict(
-    sorted(
-        (name, f"{file}:{of}_account")
-        for file, functions in _ACCOUNTS.items()
-        for name, of in functions.items()
-    )
-)
-# The schema of a kind of record, with the version of its names; some are functions of a `Shape`.
-KINDS: dict[str, str] = {
-    "atlas/1": "atlas:ATLAS",
-    "check/2": "check:check_schema",
-    "convergence/1": "walks:CONVERGENCE",
-    "design/2": "design:design_schema",
-    "doctor/1": "package:DOCTOR",
-    "folder/1": "package:FOLDER",
-    "graph/2": "graph:graph_schema",
-    "implicit_graph/2": "graph:implicit_graph_schema",
-    "lab.as_built/2": "lab.as_built:as_built_schema",
-    "lab.band/1": "lab.band:BAND",
-    "lab.calibrate/2": "lab.calibrate:CALIBRATE",
-    "lab.compare/2": "lab.compare:COMPARE",
-    "lab.read/1": "lab.read:READ",
-    "map/3": "map:MAP",
-    "maze/1": "walks:MAZE",
-    "paper/1": "package:PAPER",
-    "presets/1": "package:PRESETS",
-    "program/2": "program:program_schema",
-    "reprogram/2": "design:reprogram_schema",
-    "robot/1": "robot:ROBOT",
-    "run/2": "run:run_schema",
-    "study/1": "study:STUDY",
-    "survival/2": "yields:survival_schema",
-    "sweep/1": "walks:SWEEP",
-    "walk/1": "walks:WALK",
-    "yield/2": "yields:yield_schema",
+_INNER_CAPITAL = re.compile(r"\B(?=[A-Z])")
+ACCOUNTS = {
+    name: f"{file}:{_INNER_CAPITAL.sub('_', name).lower()}_account"
+    for file, (names, _) in _FILES.items()
+    for name in names.split()
 }
+KINDS = {kind: file for file, (_, kinds) in _FILES.items() for kind in kinds.split()}
 
 
-def taken_from(place: str) -> Any:
-    """What stands at a place of one of these tables; its file is imported first."""
-    file, _, name = place.partition(":")
-    return getattr(import_module(f"stepwell.accounts.{file}"), name)
+def schema_at(kind: str) -> Schema | Callable[[Shape], Schema]:
+    """The schema of a kind of record such as "graph/2": GRAPH of its file, or graph_schema."""
+    file = import_module(f"stepwell.accounts.{KINDS[kind]}")
+    name = kind.partition("/")[0].rpartition(".")[2]
+    return getattr(file, f"{name}_schema", None) or getattr(file, name.upper())
 
 
 def account(value: Any, about: About | None = None, **options: Any) -> Account:
@@ -102,9 +68,11 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     """
     place = of_kind(ACCOUNTS, value)
     if place is None:
-        raise InputError(f"{type(value).__name__}: must be one of {', '.join(ACCOUNTS)}.")
+        raise InputError(f"{type(value).__name__}: must be one of {', '.join(sorted(ACCOUNTS))}.")
     about = about or About(_design(value))
-    return replace(taken_from(place)(value, about, **options), about=about)
+    file, _, function = place.partition(":")
+    make = getattr(import_module(f"stepwell.accounts.{file}"), function)
+    return replace(make(value, about, **options), about=about)
 
 
 def _design(value: Any) -> Any:

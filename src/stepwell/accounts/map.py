@@ -95,7 +95,7 @@ MAP: Schema = (
 )
 
 
-def map_account(view: MapView, about: About) -> Account:
+def map_view_account(view: MapView, about: About) -> Account:
     """What is reported of a map."""
     data = view.dataset
     rows = [

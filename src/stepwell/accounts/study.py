@@ -90,7 +90,7 @@ STUDY: Schema = (
 )
 
 
-def study_account(found: Status, about: About) -> Account:
+def status_account(found: Status, about: About) -> Account:
     """What is reported of a study."""
     study, deciding = found.study, _deciding(found)
     missing = [gaps_text(found.gaps, study.count)] if found.gaps else []

@@ -66,7 +66,7 @@ BAND: Schema = (
 )
 
 
-def band_account(found: BandFit, about: About) -> Account:
+def band_fit_account(found: BandFit, about: About) -> Account:
     """What is reported of bands."""
     choice, alone, many = found.choice, found.alone, found.stiffness
     table, loss, length = (

@@ -105,9 +105,12 @@ def _means(found: Comparison) -> Sequence[Row]:
     return base.rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
 
 
-def series_account(found: CellTest | PairTest, about: About) -> Account:
+def cell_test_account(found: CellTest | PairTest, about: About) -> Account:
     """What a notebook shows of a single series."""
     return Account(found, found.series.name, answer=f"{found.verdict}.")
+
+
+pair_test_account = cell_test_account
 
 
 # What is reported of a comparison.

@@ -6,7 +6,7 @@ from types import UnionType
 from typing import Any
 
 from stepwell.accounts.head import BARE, HEAD, shapes
-from stepwell.accounts.kinds import KINDS, taken_from
+from stepwell.accounts.kinds import KINDS, schema_at
 from stepwell.base import InputError, Quantity, Schema, nearest_word
 
 JsonSchema = dict[str, Any]
@@ -38,7 +38,7 @@ def schema_of(kind: str) -> JsonSchema:
         near = nearest_word(kind, schema_kinds())
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
-    found, first = taken_from(KINDS[name]), _FIRST.get(kind, HEAD)
+    found, first = schema_at(name), _FIRST.get(kind, HEAD)
     schemas = [found] if isinstance(found, tuple) else map(found, shapes())
     body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
     properties = {"schema": {"const": f"stepwell.{name}"}, **body["properties"]}
