@@ -9,7 +9,7 @@ import pytest
 import stepwell as sw
 from accounts.forms import forms
 from stepwell.accounts import account
-from stepwell.accounts.events import elsewhere_section, landing_words
+from stepwell.accounts.events import event_sections, landing_words
 from stepwell.accounts.parts import RecordTable
 from stepwell.design import Run
 from stepwell.statics import Landing
@@ -41,7 +41,7 @@ def race():
 
 def elsewhere(chain: sw.Chain, events: Any, landings: Any) -> list[list[str]]:
     """The cells of the table of other landings."""
-    (table,) = elsewhere_section(chain, events, landings).values()
+    *_, table = event_sections(chain, events, landings).values()
     assert isinstance(table, RecordTable) and callable(table.rows)
     return [[column.cell(row) for column in table.columns] for row in table.rows()]
 

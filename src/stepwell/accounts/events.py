@@ -75,34 +75,25 @@ def _elsewhere(shape: Shape) -> base.Schema:
     return base.in_measure(schema, shape.measure)
 
 
-def event_section(
+def event_sections(
     chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
 ) -> Sections:
-    """Switches and snaps as a table, and the other places where snaps may land."""
-    measure = chain.measure
+    """Switches and snaps as a table, and where snaps land for other mobilities of the cells."""
+    measure, words = chain.measure, landing_words(landings)
     arriving = "in another phase" if chain.elements else "at a stop"
-    words = landing_words(landings)
+    event, place = event_schema(Shape.of(chain)), _elsewhere(Shape.of(chain))
+    known = {quantity.attribute: quantity for quantity in event}
     table = RecordTable(
         _columns(chain),
-        recorded(event_schema(Shape.of(chain)), events),
+        recorded(event, events),
         f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
         f"{measure.stroke.capitalize()}s are exact, not read off a grid.",
         wide=[Column("cause", lambda event: Cause[event["cause"].upper()].value)],
         more="switches and snaps",
         level=CARD,
     )
-    return {"Switches and snaps": (table, Text(f"Landings: {words}." if words else "", PAGE))}
 
-
-def elsewhere_section(
-    chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
-) -> Sections:
-    """Every other place where a snap lands for other mobilities of the cells."""
-    shape = Shape.of(chain)
-    event, place = event_schema(shape), _elsewhere(shape)
-    known = {quantity.attribute: quantity for quantity in event}
-
-    def rows() -> list[dict[str, Any]]:
+    def elsewhere() -> list[dict[str, Any]]:
         return [
             base.record(event, events[at]) | base.record(place, one)
             for at, landing in landed(landings, events) or ()
@@ -120,7 +111,12 @@ def elsewhere_section(
         "The same snaps with other mobilities of the cells: the other landings, the mobilities "
         "nearest to those given that were found to lead there, and the fraction of the samples."
     )
-    return {"Landings that other mobilities of the cells change": RecordTable(columns, rows, about)}
+    return {
+        "Switches and snaps": (table, Text(f"Landings: {words}." if words else "", PAGE)),
+        "Landings that other mobilities of the cells change": RecordTable(
+            columns, elsewhere, about
+        ),
+    }
 
 
 def _columns(chain: mechanism.Chain) -> base.Columns:

@@ -86,8 +86,7 @@ def program_account(program: Program, about: About) -> Account:
         "Path": Picture("program", "The program, and the motion of the cells"),
         "Motion": Replay(chain.title),
         **_turns(program),
-        **events.event_section(chain, path.events, landings),
-        **events.elsewhere_section(chain, path.events, landings),
+        **events.event_sections(chain, path.events, landings),
         "Method": Text(f"{program.reason}.", CARD),
         **words.assumed(chain),
     }

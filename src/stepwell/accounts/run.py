@@ -66,7 +66,7 @@ def cycle_account(cycle: Cycle, about: About) -> Account:
     chain = cycle.chain
     title, answer = f"Cycle of {chain.title}" if chain.title else "Cycle", _answer(cycle)
     facts = cycle_facts(cycle)
-    sections = events.event_section(chain, cycle.events, None)
+    sections = events.event_sections(chain, cycle.events, None)
     warnings = [words.degenerate(cycle.degenerate, chain)]
     return Account(cycle, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
 
@@ -99,8 +99,7 @@ def run_account(run: Run, about: About) -> Account:
         "element-curves": f"{measure.force.capitalize()} of each element and its phases",
     }
     sections = {
-        **events.event_section(chain, cycle.events, run.landings),
-        **events.elsewhere_section(chain, cycle.events, run.landings),
+        **events.event_sections(chain, cycle.events, run.landings),
         **cell_section(chain),
         **changes.margin_section(margin, *nearby),
         "Yield within the usual tolerances": (*samples, rest),
@@ -166,6 +165,6 @@ def path_account(path: Path, about: About) -> Account:
         Fact("Dissipated", with_sign(lost, found[lost.key])),
         Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
     ]
-    sections = events.event_section(chain, path.events, None)
+    sections = events.event_sections(chain, path.events, None)
     warnings = [words.degenerate(path.degenerate, chain)]
     return Account(path, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
