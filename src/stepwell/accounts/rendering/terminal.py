@@ -238,10 +238,9 @@ def heading(text: str) -> list[Line]:
 
 
 def facts(found: Mapping[str, str]) -> list[Line]:
-    """Labels and what stands behind them, in two columns; those without a text are left out."""
-    kept = {label: text for label, text in found.items() if text}
-    width = 2 + max(map(len, kept), default=0)
-    rows = (f"{label:<{width}}{escaped(text)}" for label, text in kept.items())
+    """Labels and what stands behind them, in two columns."""
+    width = 2 + max(map(len, found), default=0)
+    rows = (f"{label:<{width}}{escaped(text)}" for label, text in found.items())
     return [Line(line) for row in rows for line in folded(row)]
 
 
