@@ -384,11 +384,7 @@ def _more(misfits: base.Floats, most: float) -> float:
 
     if kept(most) >= 0.5:
         return most
-    low, high = 0.0, most
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if kept(middle) >= 0.5 else (low, middle)
-    return max(low, 1e-6)
+    return max(base.bisected(lambda more: kept(more) >= 0.5, 0.0, most, 40)[0], 1e-6)
 
 
 def _chosen(weights: base.Floats, random: np.random.Generator) -> base.Ints:

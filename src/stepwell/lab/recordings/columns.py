@@ -1,6 +1,7 @@
 """Which column of a table of numbers is what, with the factor that makes it SI."""
 
 import re
+from itertools import product
 from typing import NamedTuple
 
 from stepwell.base import GRAVITY, UNITS, InputError, Measure, spellings
@@ -117,23 +118,15 @@ def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tupl
     found = every if len(every) < 2 else named or every
     if len(found) == 1:
         return found[0]
-    raise _not_one(roles, names, units, found)
-
-
-def _not_one(
-    roles: dict[str, Measure], names: list[str], units: list[str], found: list[tuple[int, str]]
-) -> InputError:
-    """Why there is no one column in a unit of these roles: several were found, or none."""
     words = " or ".join("travel" if role == "stroke" else role for role in roles)
     if found:
         both = ", ".join(repr(names[k][:40]) for k, _ in found)
-        return InputError(f"columns {both} may each be the {words}: leave one of them.")
-    for k, name in enumerate(names):
-        for role in roles:
-            if _is_called(name, role):
-                _factor(role, name, units[k])
+        raise InputError(f"columns {both} may each be the {words}: leave one of them.")
+    for (name, unit), role in product(zip(names, units, strict=True), roles):
+        if _is_called(name, role):
+            _factor(role, name, unit)
     shown = ", ".join(name[:40] for name in names if name) or "none"
-    return InputError(
+    raise InputError(
         f"no column for the {words} (columns: {shown}): name the columns and their "
         f"units, as in {_PAIR}; they must be {_PAIRS}."
     )
