@@ -44,37 +44,27 @@ class Panel(NamedTuple):
 class _Subject:
     """A design, with what panels ask of it, each computed once."""
 
-    design: Chain | Robot
+    design: Any  # a chain or a robot, as its panels take it
     given: sw.Program | None
     recordings: Sequence[sw.lab.Recording]
     mass: float | None
     damping: float | None
 
-    @property
-    def chain(self) -> Chain:
-        assert isinstance(self.design, Chain)
-        return self.design
-
-    @property
-    def robot(self) -> Robot:
-        assert isinstance(self.design, Robot)
-        return self.design
-
     @cached_property
     def cycle(self) -> sw.Cycle:
-        return self.chain.cycle()
+        return self.design.cycle()
 
     @cached_property
     def graph(self) -> sw.TransitionGraph:
-        return self.chain.graph()
+        return self.design.graph()
 
     @cached_property
     def prediction(self) -> sw.robot.Prediction:
-        return self.robot.predict()
+        return self.design.predict()
 
     @cached_property
     def walk(self) -> sw.simulation.Walk:
-        return self.robot.walk(_CYCLES)
+        return self.design.walk(_CYCLES)
 
     @property
     def program(self) -> sw.Program:
@@ -84,14 +74,14 @@ class _Subject:
 
     @property
     def levers(self) -> list[Cell]:
-        found = [cell for cell in self.chain.cells if isinstance(cell, Cell)]
+        found = [cell for cell in self.design.cells if isinstance(cell, Cell)]
         if not found:
             raise InputError("the chain has no cell with a lever: see the panel elements.")
         return found
 
     @property
     def elements(self) -> Mapping[str, Element]:
-        named = zip(self.chain.names, self.chain.cells, strict=True)
+        named = zip(self.design.names, self.design.cells, strict=True)
         found = {name: cell for name, cell in named if isinstance(cell, Element)}
         if not found:
             raise InputError("the chain has no element: see the panel cell-force.")
@@ -105,7 +95,7 @@ class _Subject:
     def map(self) -> Callable[[], Figure]:
         from stepwell.design import boundaries, transition_map
 
-        chain, outer = self.chain, len(self.chain) - 1
+        chain, outer = self.design, len(self.design) - 1
         cell = chain.cells[outer]
         if not isinstance(cell, Cell):
             raise InputError("the outer cell is an element and has no anchor to be moved.")
@@ -120,7 +110,7 @@ class _Subject:
         from stepwell.design import Tolerances, yields
 
         spread = Tolerances(anchor=sw.base.USUAL_ANCHOR, stiffness=sw.base.USUAL_STIFFNESS)
-        return partial(sw.figures.yield_bars, yields(self.chain, spread, sensitivity=True))
+        return partial(sw.figures.yield_bars, yields(self.design, spread, sensitivity=True))
 
     @cached_property
     def snap(self) -> Mapping[str, sw.statics.InertialLanding]:
@@ -128,7 +118,7 @@ class _Subject:
             raise InputError("how cells move in a snap needs a mass and a damping of each cell.")
         if not np.any(self.cycle.path.snap_after):
             raise InputError("this chain does not snap in its cycle.")
-        each = [self.mass] * len(self.chain), [self.damping] * len(self.chain)
+        each = [self.mass] * len(self.design), [self.damping] * len(self.design)
         return {"first snap": self.cycle.path.inertial_landing(0, *each, history=True)}
 
 
@@ -138,7 +128,7 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
         "mechanism": Panel(
             "the mechanism in every state of its cycle, up to 12 cells",
             "mechanism",
-            "chain cycle.sequence",
+            "design cycle.sequence",
         ),
         "force": Panel("force of the actuator over its stroke, recordings behind it", "", "force"),
         "travel": Panel("travel of each cell over the stroke", "travel_stroke", "cycle"),
@@ -152,17 +142,17 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
         "cell-energy": Panel(
             "energy of each cell over its lever's angle", "unit_cell_energy", "levers"
         ),
-        "plane": Panel("force there against force back, of each cell", "force_plane", "chain"),
+        "plane": Panel("force there against force back, of each cell", "force_plane", "design"),
         "program": Panel("the stroke program in the design", "stroke_program", "program"),
         "yield": Panel("the share that works, built with the usual tolerances", "", "yields"),
         "snap": Panel(
             "travels over time in the first snap; needs --mass and --damping",
             "snap_motion",
-            "chain snap",
+            "design snap",
         ),
-        "drawing": _robots("the robot from above and side", "robot_drawing", "robot"),
-        "above": _robots("the robot from above", "robot_above", "robot"),
-        "side": _robots("the robot from its right", "robot_side", "robot"),
+        "drawing": _robots("the robot from above and side", "robot_drawing", "design"),
+        "above": _robots("the robot from above", "robot_above", "design"),
+        "side": _robots("the robot from its right", "robot_side", "design"),
         "prediction": _robots(
             "the gait that statics predicts, and its margins", "prediction", "prediction"
         ),
