@@ -156,7 +156,7 @@ def atlas_account(
     }
     title = found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}"
     facts, of = () if query else _facts(found), {"packages": ["zarr"], "given": given}
-    return Account(found, title, "atlas/1", ATLAS, answer, facts, sections, seed=found.seed, **of)
+    return Account(found, title, "atlas/1", answer, facts, sections, seed=found.seed, **of)
 
 
 def _facts(found: Atlas) -> list[Fact]:

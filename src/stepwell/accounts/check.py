@@ -80,8 +80,8 @@ def check_account(found: Check, about: About) -> Account:
         Fact("Actuator", f"{force}{grams} at most; {lost} lost on the way"),
         Fact("Measure next", _measurement_words(found)),
     )
-    title, schema = chain.title or "A design", check_schema(Shape.of(chain))
-    answer, origin = f"{found.verdict}: {found.reason}", f"{cells_of(chain)}."
+    title, answer = chain.title or "A design", f"{found.verdict}: {found.reason}"
+    origin, seed = f"{cells_of(chain)}.", sampled.seed
     odd = Warned("Out of the ordinary", "", found.oddities)
     warned = (odd, degenerate(found.path.degenerate, chain))
     sections = {
@@ -90,9 +90,7 @@ def check_account(found: Check, about: About) -> Account:
         **calibration(about),
         **assumed(chain, sampled.assumptions),
     }
-    return Account(
-        found, title, "check/2", schema, answer, facts, sections, warned, origin, seed=sampled.seed
-    )
+    return Account(found, title, "check/2", answer, facts, sections, warned, origin, seed=seed)
 
 
 def _measurement_words(found: Check) -> str:

@@ -86,7 +86,7 @@ def impossible_account(value: Impossible, about: About) -> Account:
     """What is reported where there is no such design."""
     proved = "This is proved." if value.proved else "A search found none; that is no proof."
     schema = design_schema(Shape(value.measure))
-    return Account(value, "No such design", "design/2", schema, origin=proved, answer=str(value))
+    return Account(value, "No such design", "design/2", str(value), origin=proved, schema=schema)
 
 
 def robustness_account(value: Robustness, about: About) -> Account:
@@ -126,11 +126,9 @@ def design_account(found: Design, about: About) -> Account:
     }
     spelled = len(chain) <= LONGEST_IN_A_LINE
     answer = found.sequence if spelled else f"{len(chain)} cells in the target order"
-    title, schema = chain.title or "A design", design_schema(Shape.of(chain))
-    origin, warned = f"Found by search. {cells_of(chain)}.", [yields.advised(sampled)]
-    return Account(
-        found, title, "design/2", schema, answer, facts, sections, warned, origin, seed=sampled.seed
-    )
+    title, origin = chain.title or "A design", f"Found by search. {cells_of(chain)}."
+    warned, seed = [yields.advised(sampled)], sampled.seed
+    return Account(found, title, "design/2", answer, facts, sections, warned, origin, seed=seed)
 
 
 def reprogram_schema(shape: Shape) -> Schema:
@@ -189,13 +187,13 @@ def reprogramming_account(found: Reprogramming, about: About) -> Account:
         Fact("Method", str(found.method)),
     )
     searched = f"searched, not exact: {found.resolution}" if found.resolution else ""
-    title, schema = chain.title or "Reprogramming", reprogram_schema(Shape.of(chain))
-    answer, origin = _reprogramming_answer(found), f"{cells_of(chain)}."
+    title, answer = chain.title or "Reprogramming", _reprogramming_answer(found)
     sections = {
         "Force against the displacement": [_force_table(found)] if changes else [],
         **assumed(chain, searched),
     }
-    return Account(found, title, "reprogram/2", schema, answer, facts, sections, origin=origin)
+    origin = f"{cells_of(chain)}."
+    return Account(found, title, "reprogram/2", answer, facts, sections, origin=origin)
 
 
 def _reprogramming_answer(found: Reprogramming) -> str:

@@ -120,7 +120,7 @@ def transition_graph_account(value: TransitionGraph, about: About) -> Account:
     facts = [Fact(*one) for one in value.reading.facts.items()]
     sections = {"Nodes": Text(counts)}
     warnings = [degenerate(value.ties, value.chain)]
-    return Account(value, title, "graph/2", schema, answer, facts, sections, warnings)
+    return Account(value, title, "graph/2", answer, facts, sections, warnings, schema=schema)
 
 
 def implicit_graph_schema(shape: Shape) -> Schema:
@@ -169,11 +169,10 @@ def walked_account(walked: Walked, about: About) -> Account:
         begin = "all cells at 0" if walked.start == graph.zero else "the start"
     heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, those near by first"
     title, schema = graph.chain.title or "Transition graph", implicit_graph_schema(shape_of(graph))
-    answer = graph.summary
     facts = [Fact(*one) for one in graph.facts.items()]
     sections = {heading: RecordTable(_walked_columns(walked), "walk", more="nodes")}
-    warnings = [degenerate(graph.ties, graph.chain)]
-    return Account(walked, title, "implicit_graph/2", schema, answer, facts, sections, warnings)
+    answer, ties = graph.summary, [degenerate(graph.ties, graph.chain)]
+    return Account(walked, title, "implicit_graph/2", answer, facts, sections, ties, schema=schema)
 
 
 def _walked_columns(walked: Walked) -> Columns:

@@ -1,7 +1,6 @@
 """Which function has the account of a class, and which the schema of a kind of record."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
@@ -10,7 +9,7 @@ from typing import Any
 from stepwell.accounts.head import About, Shape
 from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
-from stepwell.base import InputError, Schema, of_kind
+from stepwell.base import InputError, of_kind
 
 # Of each file in this folder: the classes of which it makes accounts, each by the function with the
 # name of the class, and its kinds of records, with the version of their names.
@@ -48,8 +47,8 @@ ACCOUNTS = {
 KINDS = {kind: file for file, (_, kinds) in _FILES.items() for kind in kinds.split()}
 
 
-def schema_at(kind: str) -> Schema | Callable[[Shape], Schema]:
-    """The schema of a kind of record such as "graph/2": GRAPH of its file, or graph_schema."""
+def schema_at(kind: str) -> Any:
+    """The schema of a kind of record: MAP of its file for "map/3", or map_schema of a `Shape`."""
     file = import_module(f"stepwell.accounts.{KINDS[kind]}")
     name = kind.partition("/")[0].rpartition(".")[2]
     return getattr(file, f"{name}_schema", None) or getattr(file, name.upper())
@@ -69,10 +68,14 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     place = of_kind(ACCOUNTS, value)
     if place is None:
         raise InputError(f"{type(value).__name__}: must be one of {', '.join(sorted(ACCOUNTS))}.")
-    about = about or About(_design(value))
+    design = _design(value)
+    about = about or About(design)
     file, _, function = place.partition(":")
     make = getattr(import_module(f"stepwell.accounts.{file}"), function)
-    return replace(make(value, about, **options), about=about)
+    found: Account = make(value, about, **options)
+    schema = found.schema or (schema_at(found.kind) if found.kind else ())
+    schema = schema(Shape.of(design)) if callable(schema) else schema
+    return replace(found, about=about, schema=schema)
 
 
 def _design(value: Any) -> Any:

@@ -136,7 +136,7 @@ def map_view_account(view: MapView, about: About) -> Account:
         "Boundaries": RecordTable(curves, "boundaries", between, most=None),
         "Method": Text(method),
     }
-    return Account(view, title, "map/3", MAP, answer, facts, sections)
+    return Account(view, title, "map/3", answer, facts, sections)
 
 
 def _axis_words(axis: _Axis) -> str:

@@ -95,9 +95,7 @@ def installation_account(found: base.Installation, about: About) -> Account:
     answer, hints = "All packages that Stepwell needs are installed", [hint] if missing else ()
     if not found.ok:
         answer = "Packages are missing" if missing else "Packages are broken"
-    return Account(
-        found, title, "doctor/1", DOCTOR, answer, facts, sections, hints=hints, computed=False
-    )
+    return Account(found, title, "doctor/1", answer, facts, sections, hints=hints, computed=False)
 
 
 def _table(of: Schema, rows: Iterable[Any]) -> RecordTable:
@@ -114,9 +112,7 @@ def presets_account(found: Presets, about: About) -> Account:
     table = replace(_table(_PRESET, found.items()), more="designs", level=CARD)
     title, answer = "Designs that come with Stepwell", base.counted(len(found), "design")
     sections = {"Names and titles": table}
-    return Account(
-        found, title, "presets/1", PRESETS, answer=answer, sections=sections, computed=False
-    )
+    return Account(found, title, "presets/1", answer, sections=sections, computed=False)
 
 
 def verdicts_account(found: Verdicts, about: About) -> Account:
@@ -130,4 +126,4 @@ def verdicts_account(found: Verdicts, about: About) -> Account:
         "Claims": RecordTable(compared, claims, "", wide, None, "claims"),
         "Reasons and limits": given,
     }
-    return Account(found, title, "paper/1", PAPER, answer, sections=sections)
+    return Account(found, title, "paper/1", answer, sections=sections)

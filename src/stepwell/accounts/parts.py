@@ -110,7 +110,6 @@ class Account:
         value: the result.
         title: what the result is of.
         kind: of the record, with its version, such as "check/1"; "" where there is no record.
-        schema: of its record.
         answer: what the reader came for, in one sentence.
         facts: the numbers that matter.
         sections: the rest by its headings; one of which no part is shown is not shown either.
@@ -122,12 +121,12 @@ class Account:
         packages: that took part, besides NumPy, SciPy and Numba.
         computed: whether it was computed of a design; else its record has no provenance.
         given: quantities by name that the value does not have itself.
+        schema: of its record; `account` sets that of its kind by default.
     """
 
     value: Any
     title: str
     kind: str = ""
-    schema: Schema = ()
     answer: str = ""
     facts: Sequence[Fact] = ()
     sections: Sections = field(default_factory=dict)
@@ -139,6 +138,7 @@ class Account:
     packages: Sequence[str] = ()
     computed: bool = True
     given: Mapping[str, Any] = field(default_factory=dict)
+    schema: Schema = ()
 
     @cached_property
     def record(self) -> dict[str, Any]:

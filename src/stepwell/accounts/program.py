@@ -60,8 +60,8 @@ def unreachable_account(value: Unreachable, about: About) -> Account:
     proved = "This is proved." if value.proved else "A search found no way; that is no proof."
     if value.chain is None:
         return Account(value, "Unreachable", answer=str(value), origin=proved)
-    title, schema = value.chain.title or "Unreachable", program_schema(Shape.of(value.chain))
-    return Account(value, title, "program/2", schema, origin=proved, answer=str(value))
+    title = value.chain.title or "Unreachable"
+    return Account(value, title, "program/2", str(value), origin=proved)
 
 
 def program_account(program: Program, about: About) -> Account:
@@ -80,8 +80,10 @@ def program_account(program: Program, about: About) -> Account:
         Fact("Dissipated", amount(path.dissipated, "J", 3)),
         Fact("Landings", events.landing_words(landings)),
     )
-    title, schema = chain.title or "A stroke program", program_schema(Shape.of(chain))
-    answer = f"{program.start} to {program.target}: {ends}"
+    title, answer = (
+        chain.title or "A stroke program",
+        f"{program.start} to {program.target}: {ends}",
+    )
     sections = {
         "Path": Picture("program", "The program, and the motion of the cells"),
         "Motion": Replay(chain.title),
@@ -92,7 +94,7 @@ def program_account(program: Program, about: About) -> Account:
     }
     warnings = [words.degenerate(path.degenerate, chain)]
     origin = f"A program from {program.start} to {program.target} for {words.cells_of(chain)}."
-    return Account(program, title, "program/2", schema, answer, facts, sections, warnings, origin)
+    return Account(program, title, "program/2", answer, facts, sections, warnings, origin)
 
 
 def _turns(program: Program) -> Sections:

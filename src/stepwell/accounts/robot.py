@@ -152,7 +152,7 @@ def prediction_account(found: Prediction, about: About) -> Account:
         parts.Warned("Soft drive", "The stiffness of the drive changes the gait.", soft),
     )
     origin = "Predicted by statics, without simulation."
-    return Account(found, title, "robot/1", ROBOT, answer, facts, sections, warnings, origin)
+    return Account(found, title, "robot/1", answer, facts, sections, warnings, origin)
 
 
 def _of_legs(key: str) -> Callable[[Row], list[Row]]:

@@ -108,11 +108,9 @@ def run_account(run: Run, about: About) -> Account:
         **words.assumed(chain),
     }
     title, answer = chain.title or about.source or "Untitled chain", _answer(cycle)
-    schema, warned = run_schema(Shape.of(chain)), [words.degenerate(cycle.degenerate, chain)]
+    warned = [words.degenerate(cycle.degenerate, chain)]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
-    return Account(
-        run, title, "run/2", schema, answer, facts, sections, warned, origin, hints=hints
-    )
+    return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
 
 
 def _answer(cycle: Cycle) -> str:

@@ -140,7 +140,7 @@ def status_account(found: Status, about: About) -> Account:
     )
     hints = [] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
     of = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
-    return Account(found, title, "study/1", STUDY, answer, facts, sections, warned, **of)
+    return Account(found, title, "study/1", answer, facts, sections, warned, **of)
 
 
 def _deciding(found: Status) -> list[dict[str, Any]]:

@@ -162,9 +162,7 @@ def walk_account(walk: Walk, about: About) -> Account:
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
     origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
     warned = _stopped_early(walk)
-    return Account(
-        walk, title, "walk/1", WALK, answer, facts, sections, warned, origin, **_SIMULATED
-    )
+    return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **_SIMULATED)
 
 
 def _given(walk: Walk) -> parts.Sections:
@@ -269,7 +267,7 @@ def maze_account(maze: Maze, about: About) -> Account:
     origin, warned = _simulated_in(maze.arena), _stopped_early(walk)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
     of = {**_SIMULATED, "given": seeds}
-    return Account(maze, title, "maze/1", MAZE, answer, facts, sections, warned, origin, **of)
+    return Account(maze, title, "maze/1", answer, facts, sections, warned, origin, **of)
 
 
 def _trials(sweep: Sweep) -> Sequence[Row]:
@@ -305,7 +303,7 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
     warned = [parts.Warned("Stopped early", text, stopped)]
     of: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
-    return Account(sweep, count, "sweep/1", SWEEP, answer, (), sections, warned, origin, **of)
+    return Account(sweep, count, "sweep/1", answer, (), sections, warned, origin, **of)
 
 
 def convergence_account(found: Convergence, about: About) -> Account:
@@ -329,6 +327,4 @@ def convergence_account(found: Convergence, about: About) -> Account:
         "Definitions": parts.Text(defined),
     }
     title = f"{found.robot.title or 'A robot'}, by time step"
-    return Account(
-        found, title, "convergence/1", CONVERGENCE, answer, sections=sections, packages=["mujoco"]
-    )
+    return Account(found, title, "convergence/1", answer, (), sections, packages=["mujoco"])

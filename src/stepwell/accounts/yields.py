@@ -125,7 +125,7 @@ def yield_account(found: Yield, about: About) -> Account:
     chain = found.chain
     target = "target sequence" if found.states is None else "target states and no others"
     answer = f"{percent(found.share)} of the samples reproduce the {target}"
-    title, schema = chain.title or "A yield", yield_schema(Shape.of(chain))
+    title, seed = chain.title or "A yield", found.seed
     facts = (Fact("Target", found.target), *counted_facts(found), critical_fact(found))
     sections = {
         "Outcomes of the samples": (*PICTURES, other_outcomes(found)),
@@ -134,9 +134,7 @@ def yield_account(found: Yield, about: About) -> Account:
         **assumed(chain, found.assumptions),
     }
     origin, warnings = f"{cells_of(chain)}.", [advised(found)]
-    return Account(
-        found, title, "yield/2", schema, answer, facts, sections, warnings, origin, seed=found.seed
-    )
+    return Account(found, title, "yield/2", answer, facts, sections, warnings, origin, seed=seed)
 
 
 def critical_fact(found: Yield) -> Fact:
@@ -198,8 +196,7 @@ def survival_schema(shape: Shape) -> Schema:
 def survival_account(found: Survival, about: About) -> Account:
     """What is reported of a survival."""
     chain = found.chain
-    title, schema = chain.title or "A program with tolerances", survival_schema(Shape.of(chain))
-    origin = f"{cells_of(chain)}."
+    title, origin = chain.title or "A program with tolerances", f"{cells_of(chain)}."
     answer = f"The program ends in {found.target} in {percent(found.share)} of the samples"
     facts = (
         Fact("Target", f"{found.start} to {found.target} by the program"),
@@ -207,6 +204,4 @@ def survival_account(found: Survival, about: About) -> Account:
         *counted_facts(found),
     )
     sections = {**calibration(about), **assumed(chain, found.assumptions)}
-    return Account(
-        found, title, "survival/2", schema, answer, facts, sections, origin=origin, seed=found.seed
-    )
+    return Account(found, title, "survival/2", answer, facts, sections, (), origin, seed=found.seed)

@@ -101,11 +101,9 @@ def as_built_account(found: AsBuilt, about: About) -> Account:
         "As built, as far as observations identify it": table,
         "Assumptions": (anchors, Notes(_ASSUMED, PAGE)),
     }
-    title, schema = drawing.title or "A first build", as_built_schema(Shape.of(drawing))
-    answer, origin, seed = f"{found.advice}.", f"{cells_of(drawing)}.", found.seed
-    return Account(
-        found, title, "lab.as_built/2", schema, answer, facts, sections, (), origin, seed=seed
-    )
+    title, answer = drawing.title or "A first build", f"{found.advice}."
+    origin, seed = f"{cells_of(drawing)}.", found.seed
+    return Account(found, title, "lab.as_built/2", answer, facts, sections, (), origin, seed=seed)
 
 
 def _samples(found: AsBuilt) -> str:

@@ -105,7 +105,7 @@ def band_fit_account(found: BandFit, about: About) -> Account:
     title, answer = "Stiffness of bands", f"Stiffness {number(many.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", found.test.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(found, title, "lab.band/1", BAND, answer, facts, sections, warned, given=given)
+    return Account(found, title, "lab.band/1", answer, facts, sections, warned, given=given)
 
 
 def band_test_account(found: BandTest, about: About) -> Account:

@@ -161,7 +161,7 @@ def calibration_account(found: Calibration, about: About) -> Account:
         "Assumptions": Text(assumed),
     }
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(found, title, "lab.calibrate/2", CALIBRATE, answer, facts, sections, given=given)
+    return Account(found, title, "lab.calibrate/2", answer, facts, sections, given=given)
 
 
 def _snapping(rows: Sequence[Row]) -> list[Row]:

@@ -157,7 +157,7 @@ def comparison_account(found: Comparison, about: About) -> Account:
         "Assumptions": Text(NOT_JUDGED),
     }
     given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
-    return Account(found, title, "lab.compare/2", COMPARE, answer, facts, sections, given=given)
+    return Account(found, title, "lab.compare/2", answer, facts, sections, given=given)
 
 
 def _answer(found: Comparison) -> str:

@@ -62,7 +62,7 @@ def batch_account(found: Batch, about: About) -> Account:
         "Not tried": Notes(_ignored(found)),
     }
     origin = f"{base.counted(read + refused, 'file')} tried."
-    return Account(found, "Recordings", "lab.read/1", READ, answer, facts, sections, origin=origin)
+    return Account(found, "Recordings", "lab.read/1", answer, facts, sections, origin=origin)
 
 
 def recording_account(found: Recording, about: About) -> Account:
