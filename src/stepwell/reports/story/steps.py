@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace as with_
+from dataclasses import dataclass, field, replace as with_
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,6 @@ from stepwell.sequences import Cycle, Program
 from stepwell.studio import embedded, replay
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from xarray import Dataset
 
     from stepwell.design import Boundary
@@ -27,33 +26,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class StoryPiece:
-    """A piece of the page.
+    """A piece of the page: an element, what it shows, and the states it goes through, if any."""
 
-    Attributes:
-        html: an element.
-        caption: what it shows.
-        sequence: of the states it goes through, as "00>10>11>01>00"; "" where it has none.
-        moves: whether it plays.
-    """
-
-    html: str
+    html: str = field(repr=False)
     caption: str
-    sequence: str
-    moves: bool
-
-    def __repr__(self):
-        return f"Shown({self.caption!r}, {self.sequence!r}, moves={self.moves})"
+    sequence: str = ""
+    moves: bool = True  # whether it plays
 
 
 def moving(
     result: Chain | Program | Walk | Maze,
     caption: str,
-    sequence: str,
+    sequence: str = "",
     progress: Callable[[float, float], None] | None = None,
 ) -> StoryPiece:
     """A chain, a program or a robot that plays."""
     page = replay(result, title=caption, progress=progress)
-    return StoryPiece(embedded(page, caption, plays=True), caption, sequence, moves=True)
+    return StoryPiece(embedded(page, caption, plays=True), caption, sequence)
 
 
 def map_of(
@@ -63,17 +52,13 @@ def map_of(
     from stepwell import figures
 
     caption = "The order for every place of the outer cell's anchor"
-    drawn = figures.transition_map(dataset, borders, marks)
-    return StoryPiece(_picture(drawn, caption), caption, "", moves=False)
-
-
-def _picture(figure: Figure, caption: str) -> str:
-    source, width, height = image_of(figure)
+    source, width, height = image_of(figures.transition_map(dataset, borders, marks))
     name = escape(caption)
-    return (
+    picture = (
         f'<div tabindex="0" role="group" aria-label="{name}"><img alt="{name}" '
         f'width="{width}" height="{height}" src="{source}"></div>'
     )
+    return StoryPiece(picture, caption, moves=False)
 
 
 OPENING = (
@@ -99,16 +84,16 @@ class StoryStep(ByValue):
     Attributes:
         told: sentences, the same on the terminal and on the page.
         shown: what is seen of it, moving where it can.
+        commands: what to type, in the folder of the story, to do it again.
         files: design files, text by name.
         changed: lines of a design file that say it, with - and + where they replace others.
-        commands: what to type, in the folder of the story, to do it again.
     """
 
     told: tuple[str, ...]
     shown: tuple[StoryPiece, ...]
-    files: dict[str, str]
-    changed: tuple[str, ...]
     commands: tuple[str, ...]
+    files: dict[str, str] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -138,9 +123,8 @@ def _pull(progress: Progress | None) -> StoryStep:
     return StoryStep(
         (f"{_order(cycle)} It snaps {number(snaps)} times on the way.",),
         (moving(leg, "The first leg", str(cycle.sequence), progress),),
-        {"leg.toml": dumps(leg)},
-        (),
         ("stepwell run leg.toml", "stepwell studio leg.toml"),
+        {"leg.toml": dumps(leg)},
     )
 
 
@@ -157,9 +141,9 @@ def _move_an_anchor(progress: Progress | None) -> StoryStep:
             moving(before, "As it was", str(before.cycle().sequence), progress),
             moving(after, "With that anchor moved", str(cycle.sequence), progress),
         ),
+        ("stepwell run leg-reversed.toml",),
         {"leg-reversed.toml": dumps(after)},
         _moved("", before, after),
-        ("stepwell run leg-reversed.toml",),
     )
 
 
@@ -176,8 +160,6 @@ def _map(progress: Progress | None) -> StoryStep:
             f"{near} and the second's by {far} before a border is crossed.",
         ),
         (map_of(dataset, borders, marks),),
-        {},
-        (),
         ("stepwell map leg.toml --out map",),
     )
 
@@ -195,12 +177,12 @@ def _wish(progress: Progress | None) -> StoryStep:
             f"{number(_STIFFNESS * 100)} %, {built.successes:,} do it too.",
         ),
         (moving(made, "Made to order", _WISH, progress),),
-        {"wish.toml": text},
-        tuple(f"{line} # {name}" for line, name in zip(anchors, made.names, strict=True)),
         (
             f"stepwell design '{_WISH}' --anchor {number(to_unit(_ANCHOR, 'mm'))} "
             f"--stiffness-tolerance {number(_STIFFNESS * 100)} --out wish",
         ),
+        {"wish.toml": text},
+        tuple(f"{line} # {name}" for line, name in zip(anchors, made.names, strict=True)),
     )
 
 
@@ -219,12 +201,12 @@ def _finger(progress: Progress | None) -> StoryStep:
             "finger has a turn of its own.",
         ),
         (moving(program, "Five fingers", str(program.sequence), progress),),
-        {"fingers.toml": text},
-        ("[program]", *WrittenProgram.of(program).text(hand).strip().splitlines()[1:]),
         (
             "stepwell program fingers.toml",
             "stepwell program fingers.toml --from 00000 --target 00010",
         ),
+        {"fingers.toml": text},
+        ("[program]", *WrittenProgram.of(program).text(hand).strip().splitlines()[1:]),
     )
 
 
@@ -243,12 +225,12 @@ def _walk(progress: Progress | None) -> StoryStep:
             moving(straight, "Both legs alike", straight.gaits["left"][-1]),
             moving(turned, "Its left leg reversed", turned.gaits["left"][-1]),
         ),
+        ("stepwell walk robot.toml --out walk", "stepwell walk robot-turning.toml --out turn"),
         {
             "robot.toml": preset_text("robot-forward"),
             "robot-turning.toml": preset_text("robot-left"),
         },
         _moved(" # of the left leg", before, after),
-        ("stepwell walk robot.toml --out walk", "stepwell walk robot-turning.toml --out turn"),
     )
 
 
@@ -265,13 +247,12 @@ def _feel(progress: Progress | None) -> StoryStep:
             f"then moves as the second leg did, and the robot turns {abs(yaw):.0f}° to the "
             f"{'left' if yaw > 0 else 'right'} and walks on.",
         ),
-        (moving(found, "Antennas meet a post", ""),),
-        {"robot-antennas.toml": preset_text("robot-antennas")},
-        (),
+        (moving(found, "Antennas meet a post"),),
         (
             f"stepwell maze robot-antennas.toml {_ARENA} --limit {_LIMIT:.0f} --out maze",
             "stepwell maze robot-antennas.toml three-walls --out walls",
         ),
+        {"robot-antennas.toml": preset_text("robot-antennas")},
     )
 
 
