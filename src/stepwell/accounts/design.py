@@ -75,11 +75,8 @@ def built_schema(shape: Shape) -> Schema:
     name, p, q, *band = BAND
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
     # What can be chosen stands before what is given.
-    return (name, *map(_of_band, (q, p, *band)), *base.read_off(_LEVER, "cell"), *forces)
-
-
-def _of_band(quantity: Quantity) -> Quantity:
-    return replace(quantity, read=lambda one: quantity.of(one.cell.bands[0]))
+    first = [replace(one, read=lambda it, q=one: q.of(it.cell.bands[0])) for one in (q, p, *band)]
+    return (name, *first, *base.read_off(_LEVER, "cell"), *forces)
 
 
 def impossible_account(value: Impossible, about: About) -> Account:

@@ -23,7 +23,9 @@ def program_schema(shape: Shape) -> Schema:
     found = (
         *keys(arrives=str, strokes=int),
         Quantity("turning_points", drive, holds=[float]),
-        *keys(sequence=(str, _spelled), events=([events.event_schema(shape)], "path.events")),
+        *keys(
+            sequence=(str, words.spelled_out), events=([events.event_schema(shape)], "path.events")
+        ),
         Quantity(
             "landings",
             read=lambda one: events.landed(one.path.checked_landings, one.path.events),
@@ -44,10 +46,6 @@ def program_schema(shape: Shape) -> Schema:
 
 def _proved(value: Program | Unreachable) -> bool:
     return value.shortest if isinstance(value, Program) else value.proved
-
-
-def _spelled(program: Program) -> str | None:
-    return str(program.sequence) if len(program.chain) <= words.LONGEST_SPELLED_OUT else None
 
 
 def does_it(value: Program | Unreachable) -> bool:

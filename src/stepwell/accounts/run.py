@@ -19,7 +19,7 @@ _CHECK = "--mobility-ratio 10 checks the landings for other mobilities."
 def run_schema(shape: Shape) -> Schema:
     """What is reported of a run."""
     cycle = (
-        Quantity("sequence", read=_spelled, missing=True),
+        Quantity("sequence", read=words.spelled_out, missing=True),
         Quantity("pathway", holds=Pathway, missing=True),
         *keys(loading_order=[int], unloading_order=[int], events=[events.event_schema(shape)]),
     )
@@ -37,10 +37,6 @@ def run_schema(shape: Shape) -> Schema:
         Quantity("margin", holds=changes.margin_schema(shape)),
         *keys(ties=([str], lambda run: words.tie_notes(run.cycle.degenerate, run.chain))),
     )
-
-
-def _spelled(cycle: Cycle) -> str | None:
-    return str(cycle.sequence) if len(cycle.chain) <= words.LONGEST_SPELLED_OUT else None
 
 
 def cycle_schema(shape: Shape) -> Schema:

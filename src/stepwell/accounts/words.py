@@ -13,13 +13,14 @@ from stepwell.base import Measure, Quantity, amount, counted, number, told_in
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
+    from stepwell.sequences import Cycle, Program
     from stepwell.simulation import Walk
     from stepwell.statics import Tie
 
 # Of longer chains states are not written out in a line, and no change is followed to its end.
 LONGEST_IN_A_LINE = 12
 # The states of a chain are as many as its cells, each as long: past this only orders are given.
-LONGEST_SPELLED_OUT = 64
+_LONGEST_SPELLED_OUT = 64
 _MOST_DRIVES = 6
 _RIGID = (
     "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks touch."
@@ -127,6 +128,11 @@ def actuator_words(chain: Chain) -> str:
 def cells_of(chain: Chain) -> str:
     """How many cells a chain has."""
     return f"{counted(len(chain), 'cell')}, innermost first"
+
+
+def spelled_out(found: Cycle | Program) -> str | None:
+    """The sequence of a cycle or a program; None of a long chain."""
+    return str(found.sequence) if len(found.chain) <= _LONGEST_SPELLED_OUT else None
 
 
 def listed(items: Sequence[str], most: int = LONGEST_IN_A_LINE) -> str:

@@ -42,17 +42,15 @@ def _in_unit(name: str, head: str, read: str) -> Quantity:
     return Quantity(name, head=head, left=False, read=told, holds=float)
 
 
-def _unit(one: Known) -> str:
-    return Quantity("", base.told_in(one.parameter.unit)[0]).sign
-
-
 _KNOWN: Schema = (
     Quantity("parameter", head="parameter", read="parameter.name"),
     _in_unit("drawn", "nominal", "drawn"),
     _in_unit("value", "as built", "value"),
     _in_unit("doubt", "±", "doubt"),
     _in_unit("doubt_before", "± before", "before"),
-    Quantity("unit", head="unit", read=_unit),
+    Quantity(
+        "unit", "", "unit", lambda one: Quantity("", base.told_in(one.parameter.unit)[0]).sign
+    ),
     Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
 )
 

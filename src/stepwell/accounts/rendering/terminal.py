@@ -60,11 +60,6 @@ def folded(text: str) -> list[str]:
     return _wrap(text, most, " " * indent, _WORDS)
 
 
-def prose(text: str) -> list[str]:
-    """Long sentences in lines."""
-    return _wrap(text, width(), "", _WORDS)
-
-
 def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[ColumnBlock]:
     """A table as lines, in several blocks where it is too wide for one.
 
@@ -229,7 +224,7 @@ def escaped(text: str) -> str:
 
 def paragraph(text: str) -> list[Line]:
     """Sentences, which begin with a capital; nothing of none."""
-    return [Line(line) for line in prose(escaped(headed(text)))] if text else []
+    return [*map(Line, _wrap(escaped(headed(text)), width(), "", _WORDS))] if text else []
 
 
 def heading(text: str) -> list[Line]:
