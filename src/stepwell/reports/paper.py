@@ -88,15 +88,6 @@ MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 )
 
 
-def figures_of(everything: bool) -> dict[str, Callable[[], Figure]]:
-    """The figures that can be drawn here, by name; those of many runs only when asked for."""
-    found = dict(FIGURES)
-    if base.have("robot"):
-        found |= ROBOT_FIGURES
-        found |= MANY_RUNS if everything else {}
-    return found
-
-
 def _pairs() -> dict[str, sequences.Cycle]:
     found: dict[str, sequences.Cycle] = {}
     for cycle in map(pair_cycle, PAIRS):
@@ -113,7 +104,8 @@ def _mm(q: tuple[float, float]) -> str:
 def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = False) -> Contents:
     """Of verdicts: the paper's figures, with `everything` those of many simulated runs too."""
     files: dict[str, Content] = {}
-    for name, draw in figures_of(everything).items():
+    simulated = ROBOT_FIGURES | (MANY_RUNS if everything else {})
+    for name, draw in (FIGURES | (simulated if base.have("robot") else {})).items():
         # Drawn when its first file is written: some take minutes. The page has none of them.
         drawn = cache(draw)
 

@@ -296,9 +296,6 @@ def _order(cycle: Cycle) -> str:
 
 def _moved(remark: str, before: Chain, after: Chain) -> tuple[str, ...]:
     """The line of a design file in which two chains differ, as it was and as it is."""
-    was, now = (_place(_outer(chain)) for chain in (before, after))
-    return (f'name = "{after.names[-1]}"{remark}', f"-q_mm = {was}", f"+q_mm = {now}")
-
-
-def _place(band: Band) -> str:
-    return "[" + ", ".join(number(to_unit(at, "mm")) for at in band.q) + "]"
+    places = ([number(to_unit(at, "mm")) for at in _outer(chain).q] for chain in (before, after))
+    was, now = map(", ".join, places)
+    return (f'name = "{after.names[-1]}"{remark}', f"-q_mm = [{was}]", f"+q_mm = [{now}]")
