@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from stepwell.base.shown import Shown
+from stepwell.base.shown import Shown, brief
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +17,8 @@ class ByValue(Shown):
 
     Arrays are compared number by number, and what is not a number equals what is not a number:
     a result equals its copy, its unpickled self, and what the same call gives again. Equal values
-    have equal hashes. To be used with `@dataclass(frozen=True, eq=False)`.
+    have equal hashes. To be used with `@dataclass(frozen=True, eq=False)`; with `repr=False` too it
+    prints what `brief` makes of it.
     """
 
     __slots__ = ()
@@ -29,6 +30,9 @@ class ByValue(Shown):
 
     def __hash__(self) -> int:
         return hash((type(self).__qualname__, _digest(_held(self, hashed=True))))
+
+    def __repr__(self):
+        return brief(self)
 
 
 class ReadOnly(Mapping[str, Any]):

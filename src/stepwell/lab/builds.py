@@ -123,7 +123,7 @@ class Pull(NamedTuple):
     force: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Observed(base.ByValue):
     """What a build did when it was pulled out and let back once.
 
@@ -177,9 +177,6 @@ class Observed(base.ByValue):
             off = _forces(cycle, self.pulls) - [pull.force for pull in self.pulls]
             gaps.append(off / self.scale)
         return sum((0.5 * float(gap @ gap) for gap in gaps), 0.0)
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, brief
+from stepwell.base import Bools, ByValue, Drawn, Floats
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.rig import PAPER_RIG, Rig
 from stepwell.lab.series import Series
@@ -28,7 +28,7 @@ class Rise(NamedTuple):
     height: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CellReading(ByValue):
     """A measured force on the block, against the lever angle.
 
@@ -64,9 +64,6 @@ class CellReading(ByValue):
         """Whether the energy has its highest point between the stops."""
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
-
-    def __repr__(self):
-        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

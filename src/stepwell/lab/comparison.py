@@ -131,7 +131,7 @@ TIED = 0.95  # correlation above which two numbers are not told apart
 _LOW, _HIGH, _SIZE = (0.1, 0.0), (1e4, 0.1), (10.0, 0.005)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Refit(base.ByValue):
     """The two numbers of a design's bands that bring its force nearest to its recordings.
 
@@ -158,9 +158,6 @@ class Refit(base.ByValue):
     def record(self) -> dict[str, Any]:
         """As JSON can hold it."""
         return base.record(_REFIT, self)
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 _REFIT: base.Schema = (

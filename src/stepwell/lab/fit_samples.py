@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, ReadOnly, brief, grouped
+from stepwell.base import ByValue, Floats, ReadOnly, grouped
 from stepwell.lab.pair_test import PairTest, pair_tests
 from stepwell.lab.series import Geometry, Series, geometry_of
 from stepwell.mechanism import Cell, Table
@@ -18,7 +18,7 @@ _GIVING = 0.25, 0.75
 _FEWEST = 10  # samples in which a jump can be seen
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sample(ByValue):
     """One cell moving in one series, made ready for the fit, in the order of motion.
 
@@ -62,9 +62,6 @@ class Sample(ByValue):
         """Name of its stiffness: pieces that were tested together are one kind of rubber."""
         return rubber_name(self.bands, self.in_pair)
 
-    def __repr__(self):
-        return brief(self)
-
 
 @dataclass(frozen=True, eq=False)
 class Weighing(ByValue):
@@ -84,7 +81,7 @@ class Weighing(ByValue):
     both: bool
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Prepared(ByValue):
     """What is fitted, and what it is tried on.
 
@@ -102,9 +99,6 @@ class Prepared(ByValue):
 
     def __post_init__(self):
         object.__setattr__(self, "tables", ReadOnly(self.tables))
-
-    def __repr__(self):
-        return brief(self)
 
 
 def rubber_name(bands: int, in_pair: bool) -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, brief, to_unit
+from stepwell.base import ByValue, Floats, InputError, to_unit
 from stepwell.lab.bands.band import BandTest, stiffness
 from stepwell.lab.bands.halves import REACH, Estimate, of_samples, student, taut
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
@@ -112,7 +112,7 @@ _DOZEN = 12
 NOTHING = "nothing"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Candidate(ByValue):
     """A force law on trial, through the mean curve of all samples.
 
@@ -145,9 +145,6 @@ class Candidate(ByValue):
         """Standard error of the score over the folds [N]."""
         n = len(self.predicted)
         return float(np.std(self.predicted, ddof=1)) / math.sqrt(n) if n > 1 else 0.0
-
-    def __repr__(self):
-        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

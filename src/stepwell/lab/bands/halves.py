@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, brief, grouped, to_unit
+from stepwell.base import Bools, ByValue, Floats, grouped, to_unit
 from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import (
@@ -77,7 +77,7 @@ def student(freedom: float) -> float:
 _ROWS = 4
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Hysteresis(ByValue):
     """One cycle of one sample, both counted from 1.
 
@@ -108,9 +108,6 @@ class Hysteresis(ByValue):
         if len(self.back_stroke) < 2 or self.work <= 0:
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
-
-    def __repr__(self):
-        return brief(self)
 
 
 def loops_of(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, brief, content_of, to_unit, told_in
+from stepwell.base import ByValue, Floats, InputError, Measure, content_of, to_unit, told_in
 from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
 from stepwell.lab.recordings.text import parse_pair
 
@@ -86,7 +86,7 @@ def _strips(u: Floats, force: Floats, grid: Floats) -> Floats:
     return np.where(count > 0, total / np.maximum(count, 1), between)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MeasuredCurve(ByValue):
     """Force against travel as a file has them, in SI.
 
@@ -134,9 +134,6 @@ class MeasuredCurve(ByValue):
         rising, place = np.unique(x, return_inverse=True)
         count = np.bincount(place)
         return rising, np.bincount(place, y) / count
-
-    def __repr__(self):
-        return brief(self)
 
 
 def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:
