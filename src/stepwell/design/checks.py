@@ -101,7 +101,7 @@ _RANKED, _RANKED_ONE_BY_ONE = 4_000, 60
 _GAIN = 0.005  # a smaller one is not worth a measurement
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Measurement(base.ByValue):
     """A part that is worth being measured, and made or chosen as drawn.
 
@@ -121,9 +121,6 @@ class Measurement(base.ByValue):
     then: float
     before: float
     after: float
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 def measurement(found: Yield | Survival) -> Measurement | None:

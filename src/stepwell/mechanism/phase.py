@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, brief, check
+from stepwell.base import ByValue, Floats, InputError, check
 from stepwell.mechanism.cubics import COLUMNS, end_of, monotone
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def mobilities_of(cells: "Iterable[Cell | Element]") -> Floats:
     return own / np.max(own)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Phase(ByValue):
     """A connected stretch of a cell's travel that is stable under a prescribed force.
 
@@ -54,9 +54,6 @@ class Phase(ByValue):
     high: float
     force_low: float
     force_high: float
-
-    def __repr__(self):
-        return brief(self)
 
 
 # Where a phase lies: its sheet, and the travels between which [m].

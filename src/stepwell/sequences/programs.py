@@ -46,7 +46,7 @@ def turn_schema(unit: str) -> base.Schema:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Turn(base.ByValue):
     """A turning point, and how far off it may be.
 
@@ -67,9 +67,6 @@ class Turn(base.ByValue):
     def slack(self) -> float:
         """How far the turning point may be off either way."""
         return min(self.drive - self.low, self.high - self.drive)
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 @dataclass(frozen=True, eq=False)

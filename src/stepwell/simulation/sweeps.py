@@ -26,7 +26,7 @@ PER_CORE = 8
 CHUNK = 500  # steps at a time
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trial(base.ByValue):
     """What one robot of a sweep did.
 
@@ -56,9 +56,6 @@ class Trial(base.ByValue):
             work=walk.work / walk.cycles if walk.cycles else nothing,
             stopped=walk.stopped,
         )
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, brief, number, to_unit, told_in
+from stepwell.base import ByValue, Floats, Measure, number, to_unit, told_in
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged, state
 
@@ -95,7 +95,7 @@ class Event(ByValue):
         return f"{self.kind.name} at {number(self.stroke * factor)} {unit} {way}: {moves}{what}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Tie(ByValue):
     """A place where the model cannot say what happens: two outcomes closer than the tolerance.
 
@@ -112,9 +112,6 @@ class Tie(ByValue):
     def __str__(self):
         return self.advice
 
-    def __repr__(self):
-        return brief(self)
-
 
 class SegmentKind(Enum):
     """What a chain does on a segment of its path."""
@@ -124,7 +121,7 @@ class SegmentKind(Enum):
     SNAP = "the chain jumps at a fixed drive"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segment(ByValue):
     """One part of a path, the same cells moving all along it.
 
@@ -153,9 +150,6 @@ class Segment(ByValue):
     distance_travel: float = math.inf
     error: float = 0.0
     decided: Decided | None = None
-
-    def __repr__(self):
-        return brief(self)
 
 
 # A drift moves cells of constant force.

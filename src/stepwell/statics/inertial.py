@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, check
+from stepwell.base import ByValue, Floats, InputError, Measure, amount, check
 from stepwell.mechanism import Chain
 from stepwell.statics import outcome, ride
 from stepwell.statics.events import Event
@@ -35,7 +35,7 @@ _UNITS = {
 }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class History(ByValue):
     """An inertial snap step by step; n steps, N cells.
 
@@ -48,9 +48,6 @@ class History(ByValue):
     time: Floats
     travel: Floats
     speed: Floats
-
-    def __repr__(self):
-        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, percent_at_most
+from stepwell.base import ByValue, Floats, InputError, Ints, check, percent_at_most
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
@@ -40,7 +40,7 @@ class Proof(Enum):
     ENCLOSURE = "all ways from the start were enclosed, and they lead to one place"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Elsewhere(ByValue):
     """Another place where a snap lands, with mobilities that lead there; N cells.
 
@@ -58,9 +58,6 @@ class Elsewhere(ByValue):
     sheet: tuple[int, ...]
     state: str
     share: float
-
-    def __repr__(self):
-        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import REACH, ByValue, Drawn, Floats, brief, to_unit
+from stepwell.base import REACH, ByValue, Drawn, Floats, to_unit
 from stepwell.concave import SortedChain
 from stepwell.design.margins import numbers
 from stepwell.design.margins.nearest import Aim, nearest, nearest_proved, sequence
@@ -22,7 +22,7 @@ from stepwell.statics import StaticsError
 LONGEST_FOLLOWED = 12
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Change(ByValue):
     """The smallest change of one thing about one cell after which the chain does otherwise.
 
@@ -77,9 +77,6 @@ class Change(ByValue):
             )
         of = " of the largest force" if self.parameter == "friction" else ""
         return f"{self.parameter}: {self.move * 100:+.4g} %{of}"
-
-    def __repr__(self):
-        return brief(self)
 
 
 def number_change(

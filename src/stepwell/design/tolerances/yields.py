@@ -27,7 +27,7 @@ _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Critical(base.ByValue):
     """The two cells whose order goes wrong first.
 
@@ -54,9 +54,6 @@ class Critical(base.ByValue):
             f"{before} before {after} while {self.way} ({self.by}): "
             f"in the other order in {base.percent(self.share)}"
         )
-
-    def __repr__(self):
-        return base.brief(self)
 
 
 @dataclass(frozen=True, eq=False)
