@@ -187,32 +187,26 @@ def _prediction(found: sw.robot.Prediction, account: Account) -> Contents:
     return Contents("robot show", "robot.json", {"robot.toml": design_text(account)}, draws)
 
 
-def _walk(
-    walk: sw.simulation.Walk, account: Account, *, video: bool = False, warn: Warn = warnings.warn
+def _simulated(
+    found: sw.simulation.Walk | sw.simulation.Maze,
+    account: Account,
+    *,
+    video: bool = False,
+    warn: Warn = warnings.warn,
 ) -> Contents:
-    drawn = ("trajectory", "gait", "contacts") if len(walk.time) else ()
+    """Of a walk, on a bare floor or through an arena."""
+    maze = isinstance(found, sw.simulation.Maze)
+    walk, name = found.walk if maze else found, "maze" if maze else "walk"
+    drawn = ("maze", "maze_timeline") if maze else ("trajectory", "gait", "contacts")
+    arena = {"arena.toml": dumps(found.arena)} if maze else {}
+    draws = {one.removeprefix("maze_"): partial(getattr(figures, one), found) for one in drawn}
     return Contents(
-        "walk",
-        "walk.json",
-        {"robot.toml": design_text(account), "walk.nc": walk.to_netcdf},
-        {name: partial(getattr(figures, name), walk) for name in drawn},
-        motion=partial(replay, walk),
-        film=partial(_film, walk, warn) if video else None,
-    )
-
-
-def _maze(
-    maze: sw.simulation.Maze, account: Account, *, video: bool = False, warn: Warn = warnings.warn
-) -> Contents:
-    draws = {"maze": figures.maze, "timeline": figures.maze_timeline} if len(maze.walk.time) else {}
-    text, arena = design_text(account), dumps(maze.arena)
-    return Contents(
-        "maze",
-        "maze.json",
-        {"robot.toml": text, "arena.toml": arena, "walk.nc": maze.walk.to_netcdf},
-        {name: partial(draw, maze) for name, draw in draws.items()},
-        motion=partial(replay, maze),
-        film=partial(_film, maze, warn) if video else None,
+        name,
+        f"{name}.json",
+        {"robot.toml": design_text(account), **arena, "walk.nc": walk.to_netcdf},
+        draws if len(walk.time) else {},
+        motion=partial(replay, found),
+        film=partial(_film, found, warn) if video else None,
     )
 
 
@@ -284,7 +278,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Comparison": _comparison,
     "Design": _design,
     "MapView": _map,
-    "Maze": _maze,
+    "Maze": _simulated,
     "Prediction": _prediction,
     "Program": _program,
     "Reprogramming": _reprogramming,
@@ -293,6 +287,6 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Survival": _survival,
     "Sweep": _sweep,
     "Verdicts": _verdicts,
-    "Walk": _walk,
+    "Walk": _simulated,
     "Yield": _yield,
 }
