@@ -32,13 +32,6 @@ _NAMED = re.compile(r" *\S.*? {2,}(?=\S)")
 Cells = Sequence[str]
 
 
-class ColumnBlock(NamedTuple):
-    """Some columns of a table."""
-
-    head: list[str]
-    rows: list[str]
-
-
 def width() -> int:
     """Letters of a line: those of the terminal, or of COLUMNS; 80 where nobody looks."""
     found = shutil.get_terminal_size((_USUAL, 24)).columns
@@ -60,8 +53,10 @@ def folded(text: str) -> list[str]:
     return _wrap(text, most, " " * indent, _WORDS)
 
 
-def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[ColumnBlock]:
-    """A table as lines, in several blocks where it is too wide for one.
+def blocks(
+    head: Cells, rows: Sequence[Cells], left: Iterable[int]
+) -> list[tuple[list[str], list[str]]]:
+    """Heads and rows of a table as lines, in several blocks where it is too wide for one.
 
     Columns that find no room stand in a block below, again with those that tell the rows apart;
     those in `left` start at the left, the others end at the right.
@@ -101,7 +96,7 @@ def _keys(columns: Sequence[Cells], widths: Sequence[int], room: int) -> list[in
     return [0]
 
 
-def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> ColumnBlock:
+def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> tuple[list[str], list[str]]:
     widths = _widths(columns)
     heads, *rows = zip(*columns, strict=True)
     head = _row([_wrap(*one, "", _WORDS) for one in zip(heads, widths, strict=True)], widths, left)
@@ -109,7 +104,7 @@ def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> ColumnBlock:
     for row in rows:
         cells = [_folded_cell(*one) for one in zip(row, widths, left, strict=True)]
         lines += _row(cells, widths, left)
-    return ColumnBlock(head, lines)
+    return head, lines
 
 
 def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) -> list[str]:
@@ -253,10 +248,9 @@ def table(
     # Escaped here: a column is as wide as what is shown.
     found = blocks([*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
     lines = [_EMPTY, *heading(title)]
-    for k, block in enumerate(found):
+    for k, (heads, body) in enumerate(found):
         lines += [_EMPTY] if k else []
-        lines += [Line(line, bold=True) for line in block.head]
-        lines += map(Line, block.rows)
+        lines += [*(Line(line, bold=True) for line in heads), *map(Line, body)]
     return lines
 
 
