@@ -14,7 +14,7 @@ from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.rig import PAPER_RIG, Rig, predicted_force
 from stepwell.lab.series import over_geometries, sort_series
-from stepwell.mechanism import Cell, Chain, Linear
+from stepwell.mechanism import Chain, Linear
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -224,12 +224,10 @@ def _points(test: CellTest | PairTest) -> tuple[bool, base.Floats, base.Floats]:
 
 
 def _with_bands(chain: Chain, stiffness: float, rest_length: float) -> Chain:
-
-    def changed(cell: Cell) -> Cell:
-        sizes = {"stiffness": stiffness, "rest_length": rest_length}
-        return replace(cell, band=tuple(replace(band, **sizes) for band in cell.bands))
-
-    return replace(chain, cells=tuple(map(changed, chain.levers)))
+    sizes = {"stiffness": stiffness, "rest_length": rest_length}
+    bands = [tuple(replace(band, **sizes) for band in cell.bands) for cell in chain.levers]
+    cells = [replace(cell, band=band) for cell, band in zip(chain.levers, bands, strict=True)]
+    return replace(chain, cells=cells)
 
 
 def correlations(jacobian: base.Floats) -> base.Floats:
