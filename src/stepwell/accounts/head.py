@@ -8,16 +8,7 @@ from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import (
-    Measure,
-    Quantity,
-    Schema,
-    __version__,
-    quantities,
-    record,
-    told_in,
-    versions,
-)
+from stepwell.base import Measure, Quantity, Schema, __version__, keys, record, told_in, versions
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
@@ -31,16 +22,6 @@ BARE: Schema = (Quantity("stepwell"),)
 def recorded(schema: Schema, values: Iterable[Any]) -> Callable[[], list[Row]]:
     """What makes the rows of a table: the records of some values."""
     return lambda: [record(schema, value) for value in values]
-
-
-def keys(**given: Any) -> tuple[Quantity, ...]:
-    """Quantities in no table, as `base.quantities` makes them; of a pair the second is `read`."""
-    pairs = {
-        name: one if isinstance(one, tuple) and not isinstance(one[0], Quantity) else (one, "")
-        for name, one in given.items()
-    }
-    plain = quantities(**{name: holds for name, (holds, _) in pairs.items()})
-    return tuple(replace(one, read=pairs[one.name][1]) for one in plain)
 
 
 HEAD: Schema = (*BARE, *keys(versions={str: str}, design_sha256=str | None, seed=int | None))

@@ -167,21 +167,23 @@ Schema = Sequence[Quantity]
 Columns = Sequence[Quantity | Column]
 
 
-def quantities(**holds: Any) -> tuple[Quantity, ...]:
+def keys(**holds: Any) -> tuple[Quantity, ...]:
     """Quantities that are read off the attributes of their names and that are in no table.
 
     Each has its unit, such as "mm", or what JSON has of it, such as `int`, `[str]` or a schema, see
-    `Quantity`; `int | None` where JSON has null if there is none.
+    `Quantity`; `int | None` where JSON has null if there is none. Of a pair the second is `read`.
     """
     return tuple(_quantity(*one) for one in holds.items())
 
 
 def _quantity(name: str, holds: Any) -> Quantity:
+    paired = isinstance(holds, tuple) and not isinstance(holds[0], Quantity)
+    holds, read = holds if paired else (holds, "")
     if isinstance(holds, str):
-        return Quantity(name, holds)
+        return Quantity(name, holds, read=read)
     if isinstance(holds, UnionType):
-        return Quantity(name, holds=holds.__args__[0], missing=True)
-    return Quantity(name, holds=holds)
+        return Quantity(name, read=read, holds=holds.__args__[0], missing=True)
+    return Quantity(name, read=read, holds=holds)
 
 
 def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
