@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,9 +53,8 @@ def map_() -> Figure:
     return figures.transition_map(found, boundaries(chain, 1, x=x, y=y), marked)
 
 
-FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
-    {"fig1": unit_cells, "fig2": pathways, "fig2c": map_}
-)
+Drawings = dict[str, Callable[[], "Figure"]]
+FIGURES: Drawings = {"fig1": unit_cells, "fig2": pathways, "fig2c": map_}
 
 
 def gaits() -> Figure:
@@ -82,10 +80,8 @@ def tornado() -> Figure:
 
 
 # Figures for which the simulator is needed.
-ROBOT_FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType({"fig3": gaits})
-MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
-    {"fig4": three_walls, "robot-tornado": tornado}
-)
+ROBOT_FIGURES: Drawings = {"fig3": gaits}
+MANY_RUNS: Drawings = {"fig4": three_walls, "robot-tornado": tornado}
 
 
 def _pairs() -> dict[str, sequences.Cycle]:
