@@ -13,7 +13,7 @@ from stepwell.base import InputError, of_kind
 
 # Of each file in this folder: the classes of which it makes accounts, each by the function with the
 # name of the class, and its kinds of records, with the version of their names.
-_FILES = {
+FILES = {
     "atlas": ("Atlas", "atlas/1"),
     "chain": ("Cell Chain Element", ""),
     "changes": ("Margin", ""),
@@ -41,10 +41,10 @@ _FILES = {
 _INNER_CAPITAL = re.compile(r"\B(?=[A-Z])")
 ACCOUNTS = {
     name: f"{file}:{_INNER_CAPITAL.sub('_', name).lower()}_account"
-    for file, (names, _) in _FILES.items()
+    for file, (names, _) in FILES.items()
     for name in names.split()
 }
-KINDS = {kind: file for file, (_, kinds) in _FILES.items() for kind in kinds.split()}
+KINDS = {kind: file for file, (_, kinds) in FILES.items() for kind in kinds.split()}
 
 
 def schema_at(kind: str) -> Any:
