@@ -69,11 +69,8 @@ BAND: Schema = (
 def band_fit_account(found: BandFit, about: About) -> Account:
     """What is reported of bands."""
     choice, alone, many = found.choice, found.alone, found.stiffness
-    table, loss, length = (
-        band_table(found, about.source or ""),
-        found.loss,
-        alone and alone.rest_length,
-    )
+    table, loss = band_table(found, about.source or ""), found.loss
+    length = alone and alone.rest_length
     rest = f"{number(length.value * _MM)} mm; 95 % {_between(length, 'mm', _MM)}" if length else ""
     lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
     facts = (
