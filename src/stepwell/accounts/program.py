@@ -1,18 +1,9 @@
 """A stroke program: its turning points, how far each may be off, and what the cells do."""
 
-from stepwell.accounts import events, words
+from stepwell.accounts import events, parts, words
 from stepwell.accounts.chain import actuator_schema
 from stepwell.accounts.head import About, Row, Shape, keys, of_class
-from stepwell.accounts.parts import (
-    CARD,
-    Account,
-    Fact,
-    Picture,
-    RecordTable,
-    Replay,
-    Sections,
-    Text,
-)
+from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Text
 from stepwell.base import Quantity, Schema, amount, counted, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
@@ -84,7 +75,7 @@ def program_account(program: Program, about: About) -> Account:
     )
     sections = {
         "Path": Picture("program", "The program, and the motion of the cells"),
-        "Motion": Replay(chain.title),
+        "Motion": parts.Replay(chain.title),
         **_turns(program),
         **events.event_sections(chain, path.events, landings),
         "Method": Text(f"{program.reason}.", CARD),
@@ -95,7 +86,7 @@ def program_account(program: Program, about: About) -> Account:
     return Account(program, title, "program/2", answer, facts, sections, warnings, origin)
 
 
-def _turns(program: Program) -> Sections:
+def _turns(program: Program) -> parts.Sections:
     # Where a turn can go back to is known of programs that were searched for.
     known = any(turn.branch for turn in program.turns)
     columns = turn_schema(Shape.of(program.chain).drive)
