@@ -72,7 +72,6 @@ class Rows:
     """What does not depend on the numbers that are fitted, all samples in a row (n,)."""
 
     way: Floats
-    drive: Floats
     before: Floats
     lever: Floats
     sin_limit: Floats
@@ -101,7 +100,6 @@ def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
     names = {sample.rubber for sample in samples}
     return Rows(
         column(lambda s: s.way) - given * direction * drive * in_pair,
-        drive,
         column(lambda s: s.before),
         column(lambda s: s.cell.lever),
         column(lambda s: s.cell.sin_limit),
