@@ -14,7 +14,8 @@ from stepwell.base.units import UNITS, in_names, told_in
 from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
-K, V = TypeVar("K"), TypeVar("V")
+K = TypeVar("K")
+V = TypeVar("V")
 _RATIO = "over_"
 _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 
