@@ -154,7 +154,7 @@ def test_centimetres_would_agree_if_the_forces_were_theirs(monkeypatch):
     band = cell.bands[0]
     in_cm = cell.with_anchors((10 * band.p[0], 0.0), (10 * band.q[0], 0.0))
     theirs = in_cm.force_0 / (band.stiffness * cell.lever)
-    monkeypatch.setattr(misprints, "_FORCE_OF_FIG_1D", theirs)
+    monkeypatch.setitem(misprints._FORCES, "(10, 0)", (theirs, 0.0))
     assert judge("anchor-unit").verdict is Judgement.AGREES
 
 
