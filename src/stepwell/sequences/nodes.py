@@ -94,67 +94,7 @@ Digits = NDArray[np.uint8]
 
 
 class Nodes(Sequence[Node]):
-    """Nodes by number, their labels, and the drives between which they exist."""
-
-    low: Floats
-    high: Floats
-
-    @cached_property
-    def branch(self) -> Ints:
-        """(R,) number of the branch on which each node lies: its own, if not said otherwise."""
-        return np.arange(len(self))
-
-    def label(self, number: int) -> str:
-        """What a node is called."""
-        return self.labels(np.array([number]))[0]
-
-    def find(self, label: str) -> int | None:
-        """Number of the node of that label; None where there is none."""
-        raise NotImplementedError
-
-    def labels(self, numbers: Ints) -> list[str]:
-        """What these nodes are called."""
-        raise NotImplementedError
-
-    def phases(self, numbers: Ints) -> Digits:
-        """(V, N) the phase of every cell of these vertices."""
-        raise NotImplementedError
-
-    @cached_property
-    def vertices(self) -> Ints:
-        """Numbers of the nodes with every cell in a phase, by the sum of their phases.
-
-        Of equal sums the state with the smaller phase of the outermost cell comes first.
-        """
-        raise NotImplementedError
-
-    @overload
-    def __getitem__(self, number: int) -> Node: ...
-    @overload
-    def __getitem__(self, number: slice) -> Sequence[Node]: ...
-    def __getitem__(self, number: int | slice) -> Node | Sequence[Node]:
-        if isinstance(number, slice):
-            return [self._node(k) for k in range(*number.indices(len(self)))]
-        return self._node(number)
-
-    def _node(self, number: int) -> Node:
-        raise NotImplementedError
-
-    def __len__(self) -> int:
-        return len(self.low)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Nodes):
-            return NotImplemented
-        if not (np.array_equal(self.low, other.low) and np.array_equal(self.high, other.high)):
-            return False
-        return all(map(same, self, other))
-
-    __hash__ = None  # type: ignore[assignment]
-
-
-class HeldNodes(Nodes):
-    """Nodes that are values already, each with a label of its own."""
+    """Nodes by number, each with a label of its own, and the drives between which they exist."""
 
     def __init__(self, nodes: Sequence[Node]):
         self._nodes = tuple(nodes)
@@ -166,6 +106,10 @@ class HeldNodes(Nodes):
     def branch(self) -> Ints:
         """(R,) number of the branch on which each node lies."""
         return np.array([node.branch for node in self._nodes], int)
+
+    def label(self, number: int) -> str:
+        """What a node is called."""
+        return self.labels(np.array([number]))[0]
 
     def labels(self, numbers: Ints) -> list[str]:
         """What these nodes are called."""
@@ -184,13 +128,37 @@ class HeldNodes(Nodes):
 
     @cached_property
     def vertices(self) -> Ints:
-        """Numbers of the nodes with every cell in a phase, by the sum of their phases."""
+        """Numbers of the nodes with every cell in a phase, by the sum of their phases.
+
+        Of equal sums the state with the smaller phase of the outermost cell comes first.
+        """
         numbered = enumerate(self._nodes)
         found = sorted((x.level, x.label[::-1], k) for k, x in numbered if x.is_vertex)
         return np.array([number for *_, number in found], int)
 
+    @overload
+    def __getitem__(self, number: int) -> Node: ...
+    @overload
+    def __getitem__(self, number: slice) -> Sequence[Node]: ...
+    def __getitem__(self, number: int | slice) -> Node | Sequence[Node]:
+        if isinstance(number, slice):
+            return [self._node(k) for k in range(*number.indices(len(self)))]
+        return self._node(number)
+
     def _node(self, number: int) -> Node:
         return self._nodes[number]
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Nodes):
+            return NotImplemented
+        if not (np.array_equal(self.low, other.low) and np.array_equal(self.high, other.high)):
+            return False
+        return all(map(same, self, other))
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 # By state and drive: actuator force and travels there.
@@ -198,10 +166,18 @@ At = Callable[[tuple[int, ...], float], tuple[float, tuple[float, ...]]]
 
 
 class StateNodes(Nodes):
-    """Vertices alone, one of each state; `codes` are the states that stand, rising."""
+    """Vertices alone, one of each state, made when asked for; `codes` are those that stand, rising.
+
+    Each is a branch of its own.
+    """
 
     def __init__(self, states: "States", codes: Ints, low: Floats, high: Floats, at: At):
         self.states, self.codes, self.low, self.high, self._at = states, codes, low, high, at
+
+    @cached_property
+    def branch(self) -> Ints:
+        """(R,) number of the branch on which each node lies."""
+        return np.arange(len(self))
 
     def labels(self, numbers: Ints) -> list[str]:
         """What these nodes are called."""
@@ -237,11 +213,11 @@ class StateNodes(Nodes):
 
     def _node(self, number: int) -> Node:
         number = range(len(self))[number]
-        label, branch = self.label(number), int(self.branch[number])
+        label = self.label(number)
         low, high = float(self.low[number]), float(self.high[number])
         phases = tuple(map(int, label))
         (force_low, begin), (force_high, end) = self._at(phases, low), self._at(phases, high)
-        return Node(label, label, low, high, force_low, force_high, begin, end, branch)
+        return Node(label, label, low, high, force_low, force_high, begin, end, number)
 
 
 class States:

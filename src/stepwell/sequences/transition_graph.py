@@ -14,7 +14,7 @@ from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Measure, am
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
-from stepwell.sequences.nodes import HeldNodes, Node, Nodes, Transition, TransitionKind
+from stepwell.sequences.nodes import Node, Nodes, Transition, TransitionKind
 from stepwell.sequences.passages import SmoothRun, state_of
 from stepwell.statics import Tie
 
@@ -82,7 +82,7 @@ class TransitionGraph(ByValue, Drawn):
 
         A transition from or to no node, or a second one of a direction, raises ValueError.
         """
-        held, every = HeldNodes(nodes), list(ways)
+        held, every = Nodes(nodes), list(ways)
         target, number = np.full((2, len(held)), -1), np.full((2, len(held)), -1)
         for k, (a, b, transition) in enumerate(every):
             begin, end = held.find(a), held.find(b)
