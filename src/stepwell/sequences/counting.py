@@ -108,7 +108,7 @@ def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[F
     widths = np.diff(gaps, axis=1)[:, 0]
     everywhere = np.broadcast_to(np.arange(len(branches)), (len(gaps), len(branches)))
     risen = branches.risen(everywhere, middles[:, None])
-    fallen = branches.mirrored.risen(everywhere, -middles[:, None])
+    fallen = branches.toward(-1).risen(everywhere, -middles[:, None])
     found: dict[tuple[int, ...], tuple[float, int, int]] = {}
     for low in range(len(gaps) - 1):
         stands = (branches.low <= middles[low]) & (middles[low] <= branches.high)

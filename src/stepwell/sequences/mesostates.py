@@ -29,14 +29,11 @@ class Mesostates:
     def __len__(self) -> int:
         return len(self.low)
 
-    @property
-    def mirrored(self) -> "Mesostates":
-        """The same with the drive counted downwards, so that what rises falls."""
-        return Mesostates(-self.high, -self.low, self.fall, self.rise, self.slip)
-
     def toward(self, direction: int) -> "Mesostates":
-        """Itself for +1, mirrored for -1."""
-        return self if direction > 0 else self.mirrored
+        """Itself for +1; for -1 with the drive counted downwards, so that what rises falls."""
+        if direction > 0:
+            return self
+        return Mesostates(-self.high, -self.low, self.fall, self.rise, self.slip)
 
     def risen(self, at: Ints, drive: Floats | float) -> Ints:
         """On which branches the chain stands when the drive has risen to `drive`."""
