@@ -1,12 +1,31 @@
 """Bars that tell how far long work is: in notebooks, on terminals, and nowhere else."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from time import monotonic
-from typing import Any
+from typing import Any, TypeVar
 
-Progress = Callable[[float, float], None]
+T = TypeVar("T")
+# Called with (done, total) while work goes on; None where nothing is to be reported.
+Progress = Callable[[int, int], None] | None
+
+
+def notify(progress: Progress, done: int, total: int) -> None:
+    """Report how much of some work is done, if that is wanted."""
+    if progress is not None:
+        progress(done, total)
+
+
+def tracked(items: Collection[T], progress: Progress) -> Iterator[T]:
+    """The items one by one; how many are done is reported before each, and at the end."""
+    for done, item in enumerate(items):
+        notify(progress, done, len(items))
+        yield item
+    notify(progress, len(items), len(items))
+
+
+Shows = Callable[[float, float], None]
 
 # Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
 # pieces has an estimate too [s].
@@ -14,7 +33,7 @@ _EVERY, _REMEMBERED = 0.1, 600.0
 
 
 @contextmanager
-def on_terminal(label: str | Callable[[], str]) -> Iterator[Progress | None]:
+def on_terminal(label: str | Callable[[], str]) -> Iterator[Shows | None]:
     """What to call with (done, total); None where standard error is no terminal.
 
     The bar shows how much is done and how long the rest will take. It goes to standard error, so
@@ -48,7 +67,7 @@ class _Bar:
 
     def __init__(self) -> None:
         self._open = ExitStack()
-        self._show: Progress | None = None
+        self._show: Shows | None = None
         self._done: float | None = None
 
     def __call__(self, done: float, total: float) -> None:
@@ -65,7 +84,7 @@ class _Bar:
 
 
 @contextmanager
-def in_notebook() -> Iterator[Progress]:
+def in_notebook() -> Iterator[Shows]:
     """What to call with (done, total) for a bar below a notebook's cell; it vanishes when done.
 
     The bar is plain HTML: what a saved notebook keeps of it is nothing, or, of work that was

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 
 from stepwell import base
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
-from stepwell.design.parameters import Progress
 from stepwell.design.plane import Method
 from stepwell.design.synthesis.region import usual_box
 from stepwell.design.tolerances.draws import USUAL, Tolerances
@@ -279,7 +279,7 @@ def check(
     *,
     samples: int | None = None,
     seed: int = 0,
-    progress: Progress = None,
+    progress: base.Progress = None,
 ) -> Check:
     """Say whether the real one will do what is wanted, what breaks it, and what to measure next.
 
@@ -298,26 +298,23 @@ def check(
 
     Source: ours; the rule is the decision "A verdict is an interval's".
     """
+    counted: dict[str, Any] = {"samples": samples, "seed": seed, "progress": progress}
     if isinstance(target, Program):
         if target.chain != chain:
             raise base.InputError("target: must be a program of this chain, and is one of another.")
-        return _of_program(target, tolerances, samples, seed, progress)
+        return _of_program(target, tolerances, counted)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
     sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
-    counted = {"samples": samples, "seed": seed, "progress": progress}
     found = yields(chain, tolerances, target=sequence, **counted)
     killer = killer_of_cycle(chain, tolerances) if does == sequence else None
     return _told(path, sequence, does, does == sequence, found, killer)
 
 
-def _of_program(
-    program: Program, tolerances: Tolerances, samples: int | None, seed: int, progress: Progress
-) -> Check:
+def _of_program(program: Program, tolerances: Tolerances, counted: dict[str, Any]) -> Check:
     chain, points = program.chain, program.turning_points
     start, target = program.start, program.target
-    counted = {"start": start, "samples": samples, "seed": seed, "progress": progress}
-    found = survival(chain, points, target, tolerances, **counted)
+    found = survival(chain, points, target, tolerances, start=start, **counted)
     does_it = ends_right(chain, points, start, target)
     killer = killer_of_program(program, tolerances) if does_it else None
     does = f"{start} to {target if does_it else program.arrives}"

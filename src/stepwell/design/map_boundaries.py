@@ -7,12 +7,11 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import Bools, Floats, InputError, Ints
+from stepwell.base import Bools, Floats, InputError, Ints, Progress
 from stepwell.concave import Simple, end_forces
 from stepwell.design import plane
 from stepwell.design.maps import Axis, anchor, both, require_places
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcomes, Stability
-from stepwell.design.parameters import Progress
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence
 

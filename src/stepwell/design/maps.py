@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import Drawn, Floats, InputError, Shown, __version__, need, require
+from stepwell.base import Drawn, Floats, InputError, Progress, Shown, __version__, need, require
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
-from stepwell.design.parameters import WAY, Parameter, Progress, parameter, parameters
+from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
 
@@ -129,8 +129,6 @@ def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) 
     for cell in outcomes.turned if len(waiting) else ():
         states = Stability(outcomes, cell, nodes[waiting])
         found.monostable[waiting] |= states(nodes[waiting]) == 1
-    if progress is not None:
-        progress(len(waiting), len(waiting))
     return _labelled(outcomes, found, ((first, xs), (second, ys)), asked=len(waiting))
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import Bools, Floats, Ints
+from stepwell.base import Bools, Floats, Ints, Progress, notify
 from stepwell.concave import (
     Simple,
     certify,
@@ -19,7 +19,7 @@ from stepwell.concave import (
     simple,
     travel_at,
 )
-from stepwell.design.parameters import Parameter, Progress
+from stepwell.design.parameters import Parameter
 from stepwell.kernels import entry, in_blocks, leaf, record
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
@@ -347,8 +347,6 @@ class Outcomes:
             beside, cycles = self._followed(values[ties] + _ASIDE * self._spans)
             unclear = (beside < 0) | (cycles.tied > 0)
             number[ties] = np.where(unclear, TIED, beside)
-        if progress is not None:
-            progress(len(waiting), len(waiting))
         return number
 
     def meaning(self, number: int) -> str:
@@ -393,6 +391,7 @@ class Outcomes:
             for parameter, column in zip(self.parameters, values.T, strict=True):
                 parameter.put(designs, self.chain, column)
         found = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
+        notify(progress, len(values), len(values))
         # What has no number of its own is told by a negative one, which counts from the end.
         numbers = [*map(self._number, found.sequences), UNSOLVED, IMPOSSIBLE]
         return np.array(numbers, np.int32)[found.number], found

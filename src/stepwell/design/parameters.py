@@ -1,7 +1,6 @@
 """The parameters of a chain by name: the value of one, its unit, the chain with another value."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,8 +10,6 @@ from numpy.typing import ArrayLike
 from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes, travel_of
 from stepwell.statics import FRICTION, FULL, LEVER, SIN_LIMIT, Designs, drive_weights
-
-Progress = Callable[[int, int], None] | None  # called with (done, total)
 
 # How the odd true case is told.
 WAY = "If it is meant so, say unusual=True of a cell of the chain."

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from stepwell.base import Ints
+from stepwell.base import Ints, Progress, notify
 from stepwell.kernels.fingerprint import kernel
 
 R = TypeVar("R")
@@ -42,10 +42,7 @@ def beside(
 
 
 def in_blocks(
-    run: Callable[[int, int], object],
-    count: int,
-    size: int,
-    progress: Callable[[int, int], None] | None = None,
+    run: Callable[[int, int], object], count: int, size: int, progress: Progress = None
 ) -> None:
     """Call run(begin, end) for stretches that cover 0..count, in any order, on all cores.
 
@@ -67,8 +64,7 @@ def in_blocks(
         try:
             for running, end in zip(runs, ends, strict=True):
                 _result(running)
-                if progress is not None:
-                    progress(min(end, count), count)
+                notify(progress, min(end, count), count)
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise

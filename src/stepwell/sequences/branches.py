@@ -1,14 +1,13 @@
 """The branches that a chain can stand on, found by driving it; a chain as one element."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from stepwell import statics
-from stepwell.base import Floats, InputError, amount, most, problem
+from stepwell.base import Floats, InputError, Progress, amount, most, notify, problem
 from stepwell.mechanism import Chain, Element, Sheet, through
 from stepwell.sequences.passages import Passage, SmoothRun, passages_of, state_of
 
@@ -208,9 +207,7 @@ class Branches:
         """
         return statics.standing(self.chain, self._problem, state)
 
-    def all_from(
-        self, numbers: list[int], progress: Callable[[int, int], None] | None = None
-    ) -> set[int]:
+    def all_from(self, numbers: list[int], progress: Progress = None) -> set[int]:
         """Every branch that can be reached from these, themselves included.
 
         `progress` is called with (followed, known) branches.
@@ -224,8 +221,7 @@ class Branches:
                     f"chain.implicit_graph().walk(most=...), or ask chain.program(target=...) for "
                     f"one way."
                 )
-            if progress is not None:
-                progress(max(0, len(seen) - len(waiting)), len(seen))
+            notify(progress, max(0, len(seen) - len(waiting)), len(seen))
             number = waiting.pop()
             for direction in (+1, -1):
                 way = self.exit(number, direction)

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell import statics
+from stepwell import base, statics
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, amount, to_unit
 from stepwell.mechanism import Cell, Chain, Element, phase_at
 
@@ -268,7 +268,6 @@ def cycle(
 # Instead of the number of a sequence: no such chain, and one that the engine cannot follow.
 IMPOSSIBLE, UNSOLVED = -1, -2
 _ASK = -3
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -295,7 +294,7 @@ def cycles_of(
     build: Callable[[int], Chain],
     count: int,
     designs: statics.Designs | None = None,
-    progress: Progress | None = None,
+    progress: base.Progress = None,
 ) -> Cycles:
     """Load every design fully and unload it, once: all in one call, and one by one what is left.
 
@@ -305,8 +304,7 @@ def cycles_of(
         designs: the same designs as numbers, where they are at hand; else all are built.
         progress: called with (0, count) before a design is built, and now and then from there on.
     """
-    if progress is not None:
-        progress(0, count)
+    base.notify(progress, 0, count)
     number, found = np.full(count, _ASK), np.full((count, statics.FOUND), np.nan)
     sequences: dict[Sequence, int] = {}
     which = np.arange(count)
@@ -320,8 +318,7 @@ def cycles_of(
         found[which] = followed.found
     left = np.flatnonzero(number == _ASK).tolist()
     for done, i in enumerate(left, count - len(left)):
-        if progress is not None:
-            progress(done, count)
+        base.notify(progress, done, count)
         number[i] = IMPOSSIBLE
         chain = _built(build, i)
         if chain is None:

@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any
 
 from stepwell import concave, mechanism, statics
-from stepwell.base import ByValue, InputError, require
+from stepwell.base import ByValue, InputError, Progress, notify, require
 from stepwell.sequences import passages, transition_graph
 from stepwell.sequences.branches import Branches, Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.fields import Travels
@@ -334,18 +334,13 @@ class ImplicitGraph(ByValue):
             yield way
 
     def walked(
-        self,
-        start: str | None = None,
-        *,
-        most: int = 24,
-        progress: Callable[[int, int], None] | None = None,
+        self, start: str | None = None, *, most: int = 24, progress: Progress = None
     ) -> Walked:
         """The first nodes of `walk`, each with where it leads; `progress` gets (done, most)."""
         start = self.zero if start is None else start
         steps: list[Step] = []
         for node in self.walk(start, most=most):
-            if progress is not None:
-                progress(len(steps), most)
+            notify(progress, len(steps), most)
             steps.append(Step(node, self.up(node.label), self.down(node.label)))
         return Walked(self, start, tuple(steps), len(steps) < most)
 
@@ -373,7 +368,7 @@ class ImplicitGraph(ByValue):
                     waiting.append(way[0])
 
     def listed(
-        self, start: str | None = None, *, progress: Callable[[int, int], None] | None = None
+        self, start: str | None = None, *, progress: Progress = None
     ) -> transition_graph.TransitionGraph:
         """The same graph listed. All else as for `Chain.graph`."""
         return transition_graph.graph(self.chain, start=start, progress=progress)

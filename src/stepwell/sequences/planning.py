@@ -3,12 +3,11 @@
 import heapq
 import math
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
 
-from stepwell.base import InputError, amount, bisected
+from stepwell.base import InputError, Progress, amount, bisected, notify
 from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, checked_state
@@ -20,8 +19,6 @@ _MOST_TURNS = 6
 _MOST_PLACES = 4000
 # Places closer than this share of all that can be travelled and driven are not both tried.
 _SAME = 1e-4
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -59,7 +56,7 @@ def _by_trying(task: _Task) -> Program:
         if key in seen:
             continue
         seen.add(key)
-        task.progress(len(seen), _MOST_PLACES)
+        notify(task.progress, len(seen), _MOST_PLACES)
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
             if section.state == task.target:
                 low, high = sorted(section.drive)
@@ -132,7 +129,7 @@ def program(
     *,
     start: str | None = None,
     robust: float | None = None,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> Program:
     """The shortest list of turning points of the actuator from one state to another.
 
@@ -149,7 +146,7 @@ def program(
 
 
 def _planned(
-    chain: Chain, start: str, target: str, robust: float | None, progress: Progress | None
+    chain: Chain, start: str, target: str, robust: float | None, progress: Progress
 ) -> Program:
     task = _task(chain, start, target, progress)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
@@ -169,14 +166,14 @@ def _planned(
         raise Unreachable(text, proved=why.proved) from None
 
 
-def _task(chain: Chain, start: str, target: str, progress: Progress | None = None) -> _Task:
+def _task(chain: Chain, start: str, target: str, progress: Progress = None) -> _Task:
     branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:
         raise InputError(f"start: {_unstable(chain, start)}")
     if branches.vertex(target) is None:
         raise Unreachable(_unstable(chain, target), proved=True)
-    return _Task(branches, start, target, *origin, progress or (lambda done, known: None))
+    return _Task(branches, start, target, *origin, progress)
 
 
 _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
@@ -331,7 +328,7 @@ def _by_branches(task: _Task) -> Program:
             continue
         seen.add(key)
         looked.add(reached.branch)
-        task.progress(len(looked), len(branches))
+        notify(task.progress, len(looked), len(branches))
         end = _end(branches, reached, target)
         if end is not None:
             return task.solved(reached.turns, end, ProgramMethod.BRANCHES, not branches.ties)

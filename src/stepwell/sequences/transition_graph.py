@@ -1,7 +1,7 @@
 """The transition graph: everything that one actuator can do to a chain."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell import base
 from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Measure, amount, most, problem
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
@@ -223,11 +224,7 @@ def measure_of(unit: str) -> Measure:
 
 
 def graph(
-    chain: Chain,
-    drive: Drive = None,
-    *,
-    start: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    chain: Chain, drive: Drive = None, *, start: str | None = None, progress: base.Progress = None
 ) -> TransitionGraph:
     """The transition graph of a chain. All else as for `Chain.graph`."""
     chain = driven(chain, drive)
@@ -245,17 +242,16 @@ def graph(
     states = [range(int(last) + 1) for last in chain.last_state]
     branches = Branches(chain)
     starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
-    progress = progress or (lambda done, total: None)
     first: list[int] = []
     for done, state in enumerate(starts):
-        progress(done, len(starts))
+        base.notify(progress, done, len(starts))
         place = branches.vertex(checked_state(chain, "start", state))
         if place is not None:
             first.append(branches.at(*place))
     if start is not None and not first:
         raise InputError(no_start(chain, start))
     found = sorted(branches.all_from(first, progress))
-    progress(len(found), len(found))
+    base.notify(progress, len(found), len(found))
     return _assembled(branches, found, start)
 
 

@@ -2,14 +2,14 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import islice, zip_longest
 from typing import Any
 
 import numpy as np
 
-from stepwell.base import InputError, StepwellError
+from stepwell.base import InputError, Progress, StepwellError, tracked
 from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders, proved_ends
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
@@ -34,7 +34,7 @@ def charted(
     tolerances: Tolerances = USUAL,
     samples: int = 1000,
     checks: int = 100,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Atlas:
     """The atlas of a store that `atlas` has begun, of all blocks that are done.
 
@@ -55,14 +55,10 @@ def charted(
     sums = {name: int(np.sum(study.values(name, done))) for name in _COUNTS}
     graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
-    machines: list[Machine] = []
-    for key, (count, best) in graphs.items():
-        if progress is not None:
-            progress(len(machines), len(graphs))
-        share = share_of(count, sums["told"])
-        machines.append(space.machine(key, share, best, tolerances, samples))
-    if progress is not None:
-        progress(len(graphs), len(graphs))
+    machines = [
+        space.machine(key, share_of(count, sums["told"]), best, tolerances, samples)
+        for key, (count, best) in tracked(graphs.items(), progress)
+    ]
     known = sums["told"] + sums["wakes"]
     agreed, checked = space.agreement(checks)
     allowed = possible(len(chain), space.drive)

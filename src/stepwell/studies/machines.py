@@ -2,14 +2,14 @@
 
 import hashlib
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from itertools import permutations
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Shown, number
+from stepwell.base import ByValue, Drawn, Progress, Shown, number
 from stepwell.concave import STROKE, Simple, Way, concave_box, graph_by_ends, same_travel
 from stepwell.design import Share, Tolerances
 from stepwell.mechanism import Chain
@@ -284,7 +284,7 @@ def atlas(
     seed: int = 0,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Status:
     """Draw designs evenly over a space and count what they do, into a store that loses nothing.
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import ByValue, InputError, Shown, StepwellError
+from stepwell.base import ByValue, InputError, Progress, Shown, StepwellError, notify
 from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
@@ -99,7 +99,7 @@ def sweep(
     chunk: int | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Status:
     """Compute something of many designs, into a store that loses nothing.
 
@@ -159,7 +159,7 @@ def resumed(
     workers: int | None = None,
     *,
     scheduler: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
     problems: Callable[[Sequence[str]], None] | None = None,
 ) -> Status:
     """Compute what is missing of a study; arguments and errors as for `sweep`.
@@ -193,8 +193,7 @@ def resumed(
                 done += 1
                 if problems is not None:
                     problems(_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
-                if progress is not None:
-                    progress(done, study.chunks)
+                notify(progress, done, study.chunks)
                 if cancelled.exists() and done < study.chunks:
                     raise CancelledError(_left(study, done, "It was cancelled."))
     except WorkerError as error:

@@ -6,12 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import REACH, ByValue, Drawn, Floats, to_unit
+from stepwell.base import REACH, ByValue, Drawn, Floats, Progress, to_unit, tracked
 from stepwell.concave import SortedChain
 from stepwell.design.margins import numbers
 from stepwell.design.margins.nearest import Aim, nearest, nearest_proved, sequence
 from stepwell.design.margins.search import Displacements, resolution
-from stepwell.design.parameters import Parameter, Progress, of_cell
+from stepwell.design.parameters import Parameter, of_cell
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
 from stepwell.mechanism import Cell, Chain, Element
@@ -164,17 +164,13 @@ def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> 
     now = sequence(chain)
     changes: list[Change] = []
     asked = [(cell, part) for cell, one in enumerate(chain.cells) for part in _parts(one)]
-    for done, (cell, part) in enumerate(asked):
-        if progress is not None:
-            progress(done, len(asked))
+    for cell, part in tracked(asked, progress):
         if part == "anchor":
             anchor = Parameter(f"{cell + 1}.q", cell, "q")
             found = nearest(Aim(chain, now, anchor, None), forces, ways)
             changes.append(Change(chain, cell, part, *found))
         else:
             changes.append(number_change(chain, forces, now, cell, part))
-    if progress is not None:
-        progress(len(asked), len(asked))
     return _told(chain, forces, changes, ways)
 
 

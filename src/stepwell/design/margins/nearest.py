@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, Floats, Ints, Vec2
+from stepwell.base import Bools, Floats, Ints, Progress, Vec2
 from stepwell.concave import Neighbour, Simple, SortedChain, end_force, steepest
 from stepwell.design.margins.search import Displacements, nearest_found
-from stepwell.design.parameters import Parameter, Progress
+from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.switches import relay_cycle
 from stepwell.kernels import entry, leaf, record

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import bisected
+from stepwell.base import Progress, bisected, notify
 from stepwell.concave import SortedChain
 from stepwell.design.margins.nearest import sequence
-from stepwell.design.parameters import Parameter, Progress
+from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.switches import Switches, are_relays, cycle_by, switching_forces
 from stepwell.mechanism import Chain
@@ -143,8 +143,7 @@ def _searched(
     for sign, shares in tries:
         good = 0.0
         for share in shares:
-            if progress is not None:
-                progress(done, sum(len(shares) for _, shares in tries))
+            notify(progress, done, sum(len(shares) for _, shares in tries))
             done += 1
             bad = sign * min(share, least)
             if does(bad):

@@ -12,7 +12,7 @@ import numpy as np
 from stepwell import base, concave
 from stepwell.design.margins import nearest, numbers, search
 from stepwell.design.orders import checked_cycle
-from stepwell.design.parameters import Progress, parameter
+from stepwell.design.parameters import parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
 from stepwell.mechanism import Cell, Chain, Element, band_direction, band_length
@@ -253,7 +253,7 @@ def reprogram(
     along: Sized[float] | None = None,
     one_way: bool = False,
     reach: float = base.REACH,
-    progress: Progress = None,
+    progress: base.Progress = None,
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
 

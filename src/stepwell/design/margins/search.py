@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, Floats, InputError, bisected, to_unit
+from stepwell.base import Bools, Floats, InputError, Progress, bisected, notify, to_unit
 from stepwell.concave import Simple, concave_disc, concave_line
 
 
@@ -91,7 +91,7 @@ def nearest_found(
     ways: Displacements,
     within: float,
     small: bool,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
     all_do: Callable[[Floats], Bools] | None = None,
 ) -> Floats | None:
     """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
@@ -111,8 +111,7 @@ def nearest_found(
     best: Floats | None = None
     for number, (radius, count) in enumerate(rings):
         ring = _ring(ways, radius, count, number % 2)
-        if progress is not None:
-            progress(min(done, total), total)
+        notify(progress, min(done, total), total)
         best = _behind(does, ring, asked(ring), None)
         done += len(ring)
         if best is not None:

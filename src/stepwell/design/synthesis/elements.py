@@ -7,9 +7,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Ints, bisected, told_in
+from stepwell.base import Floats, InputError, Ints, Progress, bisected, told_in, tracked
 from stepwell.design.orders import Wish, checked_cycle, of_states, orders_of, short
-from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.targets import searched, unlike
@@ -250,10 +249,7 @@ def _programmed(
     """
     found: list[tuple[float, list[Element]]] = []
     closest = -math.inf
-    total = len(goal.orders) * len(choices)
-    for done, (orders, shapes) in enumerate(product(goal.orders, choices)):
-        if progress is not None:
-            progress(done, total)
+    for orders, shapes in tracked([*product(goal.orders, choices)], progress):
         program = allowed.scales(shapes, orders)
         gap = -math.inf if program is None else program.largest_gap
         closest = max(closest, gap)

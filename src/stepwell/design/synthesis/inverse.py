@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base import ONE_BY_ONE, QUICKLY, InputError
+from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress
 from stepwell.design.orders import Wish, by_cells_at_1, of_sequence, of_states, short
-from stepwell.design.parameters import Progress
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Floats, Ints, Progress, notify
 from stepwell.concave import TIED, closed
-from stepwell.design.parameters import Progress
 from stepwell.design.synthesis.attempt import Attempt, look, named
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, nothing_works
@@ -243,8 +242,7 @@ class Tries:
 
     def _tell(self, step: int = 1) -> None:
         self._done = min(self._done + step, self._total)
-        if self.progress is not None:
-            self.progress(self._done, self._total)
+        notify(self.progress, self._done, self._total)
 
     def end(self) -> None:
         """Nothing is left to be tried."""

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from stepwell.base import ONE_BY_ONE, InputError, require
-from stepwell.design.parameters import Progress
+from stepwell.base import ONE_BY_ONE, InputError, Progress, require, tracked
 from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, meet
 from stepwell.design.tolerances.tally import Counted, varied
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
@@ -86,13 +85,9 @@ def count_ends(
 ) -> int:
     """How many of the first n mechanisms a program brings where it should."""
     successes = 0
-    for number in range(n):
-        if progress is not None:
-            progress(number, n)
+    for number in tracked(range(n), progress):
         with suppress(ValueError, StaticsError):
             successes += ends_right(draws.sample(number), points, start, end)
-    if progress is not None:
-        progress(n, n)
     return successes
 
 

@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, Ints
+from stepwell.base import Bools, ByValue, Floats, Ints, Progress, notify, tracked
 from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, Judged, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, short
-from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, are_relays, relay_cycle
 from stepwell.design.targets import landings_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws, Tolerances
@@ -145,9 +144,7 @@ def followed(
         for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
             yield TIED if tied and number >= 0 else texts[number]
         return
-    for done, draw in enumerate(drawn):
-        if progress is not None:
-            progress(done, len(drawn))
+    for draw in tracked(drawn, progress):
         yield _one(draws, draw, states)
 
 
@@ -222,8 +219,7 @@ class Tally:
             done += len(drawn) - len(waiting)
 
             def tell(m: int, _: int, begun: int = done) -> None:
-                if progress is not None:
-                    progress(begun + m, n)
+                notify(progress, begun + m, n)
 
             tell(0, n)
             found = followed(self.draws, waiting, self.states, tell)

@@ -10,7 +10,6 @@ import numpy as np
 
 from stepwell import base, sequences, statics
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
-from stepwell.design.parameters import Progress
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
 from stepwell.design.tolerances import draws, survival
@@ -188,7 +187,7 @@ def yields(
     target: str | Iterable[str] | None = None,
     sensitivity: bool = False,
     robust: float | None = None,
-    progress: Progress = None,
+    progress: base.Progress = None,
 ) -> Yield:
     """Make a mechanism n times at random within its tolerances and count those that work.
 
