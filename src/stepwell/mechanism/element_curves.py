@@ -194,8 +194,6 @@ def _landing(
         stable, _, rows, end = stretches[j]
         if stable and rows[0, 0] <= at <= end and float(cubics.integral(rows, np.array(at))) < here:
             return sum(one.stable for one in stretches[:j])
-            return j
-        j += step
     unit, factor = told_in(measure.travel_unit)
     raise InputError(
         f"at travel {at * factor:.6g} {unit} a stable stretch of the curve ends, and no stable one "
