@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Quantity, told_in, write_csv
+from stepwell.base import ByValue, Floats, InputError, Quantity, check, told_in, write_csv
 from stepwell.design import Draws, Tolerances, parameter
 from stepwell.files import key_unit, vary
 from stepwell.mechanism import Cell, Chain
@@ -64,8 +64,7 @@ class Axis(ByValue):
             raise InputError(
                 f"{self.name}: goes from {self.low} to {self.high}: must rise, both finite."
             )
-        if self.count < 2:
-            raise InputError(f"{self.name}: count = {self.count}: must be 2 or more.")
+        check.whole(f"{self.name}: count", self.count, 2)
         if self.log and self.low <= 0:
             raise InputError(f"{self.name}: starts at {self.low}: equal ratios take values > 0.")
 
@@ -136,15 +135,13 @@ class Space(ByValue):
             raise InputError(f"axes = {names}: must be one or more, each name once.")
         if self.how is How.GRID:
             object.__setattr__(self, "count", math.prod(axis.count for axis in self.axes))
-        if self.count < 1:
-            raise InputError(f"count = {self.count}: must be 1 or more.")
+        check.whole("count", self.count, 1)
         if self.how is How.LATIN and self.count > MOST_LATIN:
             raise InputError(
                 f"count = {self.count}: a Latin hypercube takes at most {MOST_LATIN}; take "
                 f"{How.SOBOL} for more."
             )
-        if self.seed < 0:
-            raise InputError(f"seed = {self.seed}: must be >= 0.")
+        check.whole("seed", self.seed, 0)
 
     @property
     def grows(self) -> bool:
@@ -219,10 +216,8 @@ class Workshop(ByValue):
     grows: ClassVar[bool] = True  # more mechanisms leave those that there are as they are
 
     def __post_init__(self):
-        if self.count < 1:
-            raise InputError(f"count = {self.count}: must be 1 or more.")
-        if self.seed < 0:
-            raise InputError(f"seed = {self.seed}: must be >= 0.")
+        check.whole("count", self.count, 1)
+        check.whole("seed", self.seed, 0)
 
     def names(self, subject: Subject) -> tuple[str, ...]:
         """What differs from the drawing, of every cell."""
@@ -355,8 +350,8 @@ class IndependentBlocks(ByValue):
     grows: ClassVar[bool] = True
 
     def __post_init__(self):
-        if self.size < 1 or self.count < 1:
-            raise InputError(f"size, count = {self.size}, {self.count}: must be 1 or more.")
+        check.whole("size", self.size, 1)
+        check.whole("count", self.count, 1)
         self.space  # noqa: B018  refuses what is no space
 
     @property

@@ -103,8 +103,7 @@ class Study(base.ByValue):
         base.refuse_address(self.folder)
         object.__setattr__(self, "folder", Path(self.folder))
         object.__setattr__(self, "given", base.ReadOnly(self.given))
-        if self.chunk < 1:
-            raise base.InputError(f"chunk = {self.chunk}: must be 1 or more.")
+        base.check.whole("chunk", self.chunk, 1)
 
     @property
     def count(self) -> int:
