@@ -1,9 +1,7 @@
 """Studies: something computed of many designs, into a store; the atlas of their machines."""
 
-from typing import TYPE_CHECKING
-
-from stepwell.base import late
 from stepwell.studies.blocks import DRIVES, Packed, packed
+from stepwell.studies.charting import charted
 from stepwell.studies.designs import (
     Axis,
     Block,
@@ -18,8 +16,21 @@ from stepwell.studies.designs import (
     unit_in,
 )
 from stepwell.studies.fill import Pace, StudyEstimate, estimate, pace
+from stepwell.studies.finding import QUERIES, THREE, Border, borders, find, understood
 from stepwell.studies.found import Extent, Frequency, Varied
 from stepwell.studies.influence import DecidingNumbers, Influence, decided
+from stepwell.studies.machines import (
+    Atlas,
+    Cycling,
+    Machine,
+    Sampled,
+    atlas,
+    atlas_blocks,
+    canonical,
+    name_of,
+    possible,
+    proved_space,
+)
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -43,22 +54,6 @@ from stepwell.studies.store import (
     opened,
 )
 from stepwell.studies.work import SCREEN_COLUMNS, WORKS, function_of
-
-if TYPE_CHECKING:
-    from stepwell.studies.charting import charted
-    from stepwell.studies.finding import QUERIES, THREE, Border, borders, find, understood
-    from stepwell.studies.machines import (
-        Atlas,
-        Cycling,
-        Machine,
-        Sampled,
-        atlas,
-        atlas_blocks,
-        canonical,
-        name_of,
-        possible,
-        proved_space,
-    )
 
 __all__ = [
     "DRIVES",
@@ -129,23 +124,6 @@ __all__ = [
     "unit_in",
 ]
 
-# An atlas is made, charted and searched with more than a study needs.
-_LATE = {
-    "charting": ("charted",),
-    "finding": ("Border", "QUERIES", "THREE", "borders", "find", "understood"),
-    "machines": (
-        "Atlas",
-        "Cycling",
-        "Machine",
-        "Sampled",
-        "atlas",
-        "atlas_blocks",
-        "canonical",
-        "name_of",
-        "possible",
-        "proved_space",
-    ),
-}
 
-
-__getattr__, __dir__ = late(__name__, _LATE, __all__)
+def __dir__() -> list[str]:
+    return sorted(__all__)
