@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
-from stepwell.mechanism import element_curves
-from stepwell.mechanism.cubics import COLUMNS, Force, integral, signs, value
+from stepwell.mechanism import cubics, element_curves
 from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 Stops = bool | tuple[bool, bool]
 
-_BLANK = np.zeros((1, COLUMNS))
+_BLANK = np.zeros((1, cubics.COLUMNS))
 # A digit of a state tells one of so many phases.
 _MOST_PHASES = 10
 # An end that is open goes on straight; it has to rise by this share of the mean stiffness.
@@ -98,7 +97,7 @@ class Element(ByValue, Drawn):
         put(self, "laws", own)
         put(self, "low", min(sheet.begin for sheet in own))
         put(self, "high", max(sheet.end for sheet in own))
-        turns = [signs(sheet.rows, sheet.end) for sheet in own]
+        turns = [cubics.signs(sheet.rows, sheet.end) for sheet in own]
         put(self, "largest_force", max(float(np.max(np.abs(forces))) for forces, _ in turns))
         put(self, "phases", _phases_of(self, turns))
         put(self, "stretches", tuple((one.sheet, one.low, one.high) for one in self.phases))
@@ -133,8 +132,13 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: too few points, travels that do not rise, or noise larger than a snap.
         """
-        rows, end, band = element_curves.table(travel, force, noise, measure)
-        on = (Sheet.of(rows, end),)
+        x, y = element_curves.checked(travel, force, measure, 3)
+        if noise is None:
+            rows, band = cubics.through(x, y), 0.0
+        else:
+            rows = element_curves.smoothed(x, y, noise, measure)
+            band = float(np.max(np.abs(y - cubics.value(rows, x))))
+        on = (Sheet.of(rows, float(x[-1])),)
         return cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
 
     @classmethod
@@ -159,13 +163,14 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: too few points, or travels that do not rise.
         """
-        on = (Sheet.of(*element_curves.points(travel, force, measure)),)
+        x, y = element_curves.checked(travel, force, measure, 2)
+        on = (Sheet.of(cubics.straight(x, y), float(x[-1])),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
     def from_law(
         cls,
-        force: Force,
+        force: cubics.Force,
         low: float,
         high: float,
         name: str = "",
@@ -189,7 +194,13 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: a law without finite values, or with a kink that `kinks` does not name.
         """
-        on = (Sheet.of(*element_curves.law(force, low, high, kinks, accuracy, measure)),)
+        unit = measure.travel_unit
+        low, high = check.finite("low", low, unit), check.finite("high", high, unit)
+        if high <= low:
+            raise InputError(f"high = {high!r} {unit}: must be above low = {low!r} {unit}.")
+        if not 1e-13 <= accuracy <= 1e-2:
+            raise InputError(f"accuracy = {accuracy!r}: must be from 1e-13 to 0.01.")
+        on = (Sheet.of(cubics.along(force, low, high, accuracy, kinks), high),)
         return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
@@ -286,11 +297,11 @@ class Element(ByValue, Drawn):
 
         Past an open end it goes on straight; past a stop or the end of the sheet ValueError.
         """
-        return value(*self._asked(travel, sheet))
+        return cubics.value(*self._asked(travel, sheet))
 
     def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
         """Energy [J] at travels as of `force_at`, counted from where the curve begins."""
-        return integral(*self._asked(travel, sheet))
+        return cubics.integral(*self._asked(travel, sheet))
 
     def goes_on(self, sheet: Sheet) -> tuple[bool, bool]:
         """Whether one of its sheets goes straight on past its low and past its high end."""

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from stepwell.mechanism.element import Element
 
 
-_LEAST_POINTS = 3
-
-
 class _Stretch(NamedTuple):
     """A part of a curve between two folds, whether it is stable, and whether its arc goes up."""
 
@@ -24,46 +21,6 @@ class _Stretch(NamedTuple):
     up: bool
     rows: Floats
     end: float
-
-
-def points(
-    travel: Iterable[float], force: Iterable[float], measure: Measure
-) -> tuple[Floats, float]:
-    """Rows and end of straight lines between points."""
-    x, y = checked(travel, force, measure, 2)
-    return cubics.straight(x, y), float(x[-1])
-
-
-def table(
-    travel: Iterable[float], force: Iterable[float], noise: float | None, measure: Measure
-) -> tuple[Floats, float, float]:
-    """Rows and end of a smooth curve through points, and how far they lie from it at most."""
-    x, y = checked(travel, force, measure, _LEAST_POINTS)
-    if noise is None:
-        return cubics.through(x, y), float(x[-1]), 0.0
-    deviation = check.positive("noise", noise, measure.force_unit)
-    rows = _smoothed(x, y, deviation)
-    band = float(np.max(np.abs(y - cubics.value(rows, x))))
-    _refuse_noise(rows, float(x[-1]), deviation, measure)
-    return rows, float(x[-1]), band
-
-
-def law(
-    force: cubics.Force,
-    low: float,
-    high: float,
-    kinks: Sequence[float],
-    accuracy: float,
-    measure: Measure,
-) -> tuple[Floats, float]:
-    """Rows and end of a law between two travels."""
-    unit = measure.travel_unit
-    low, high = check.finite("low", low, unit), check.finite("high", high, unit)
-    if high <= low:
-        raise InputError(f"high = {high!r} {unit}: must be above low = {low!r} {unit}.")
-    if not 1e-13 <= accuracy <= 1e-2:
-        raise InputError(f"accuracy = {accuracy!r}: must be from 1e-13 to 0.01.")
-    return cubics.along(force, low, high, accuracy, kinks), high
 
 
 def checked(
@@ -103,10 +60,11 @@ def pairs(
     return x, y
 
 
-def _smoothed(x: Floats, y: Floats, noise: float) -> Floats:
-    """The smoothest cubic spline that leaves as much scatter as the noise explains."""
+def smoothed(x: Floats, y: Floats, noise: float, measure: Measure) -> Floats:
+    """Rows of the smoothest cubic spline that leaves as much scatter as the noise explains."""
     from scipy.interpolate import PPoly, UnivariateSpline  # pyright: ignore[reportMissingTypeStubs]
 
+    noise = check.positive("noise", noise, measure.force_unit)
     if len(x) < 5:
         raise InputError(
             f"noise: the table has {len(x)} points: must have 5 or more to be smoothed; leave "
@@ -117,7 +75,9 @@ def _smoothed(x: Floats, y: Floats, noise: float) -> Floats:
     keep = np.diff(pieces.x) > 0.0
     rows = np.zeros((int(np.sum(keep)), 6))
     rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]
-    return cubics.with_integrals(rows)
+    rows = cubics.with_integrals(rows)
+    _refuse_noise(rows, float(x[-1]), noise, measure)
+    return rows
 
 
 def _refuse_noise(rows: Floats, end: float, noise: float, measure: Measure) -> None:
