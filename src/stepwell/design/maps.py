@@ -46,15 +46,6 @@ class MapView(Shown, Drawn):
         return f"MapView({title}: {counts} designs)"
 
 
-def with_door(dataset: xr.Dataset) -> xr.Dataset:
-    """The same dataset; from now on this and all others have `.stepwell`."""
-    import xarray as xr
-
-    if not hasattr(xr.Dataset, "stepwell"):
-        xr.register_dataset_accessor("stepwell")(MapView)
-    return dataset
-
-
 Axis = tuple[str | Parameter, ArrayLike]
 Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
 _Notes = dict[str, object]
@@ -225,7 +216,10 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
     about["monostable"] = found.monostable, _noted(f"{turned} is stable in one state only")
     about["degenerate"] = found.degenerate, _noted("design on a boundary: a tie decides")
     shape = (len(axes[1][1]), len(axes[0][1]))
-    made = xr.Dataset(
+    # From now on this dataset and all others have `.stepwell`.
+    if not hasattr(xr.Dataset, "stepwell"):
+        xr.register_dataset_accessor("stepwell")(MapView)
+    return xr.Dataset(
         {name: (("y", "x"), field.reshape(shape), notes) for name, (field, notes) in about.items()},
         coords={
             letter: (letter, values, {"long_name": one.name, "units": one.unit})
@@ -248,7 +242,6 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
             "source": f"stepwell {__version__}, parameter_map",
         },
     )
-    return with_door(made)
 
 
 def _noted(name: str, unit: str = "") -> _Notes:
