@@ -36,6 +36,7 @@ from stepwell.base.quantities import (
     Schema,
     amount,
     counted,
+    few,
     grouped,
     headed,
     in_measure,

@@ -353,6 +353,12 @@ def counted(count: int, what: str) -> str:
     return f"{number(count)} {what}{'s' * (count != 1)}"
 
 
+def few(words: Sequence[str], most: int, what: str = "more", between: str = ", ") -> str:
+    """The first of some words in a line, and how many more there are of what."""
+    rest = f" and {len(words) - most} {what}" if len(words) > most else ""
+    return between.join(words[:most]) + rest
+
+
 def signed(value: float) -> str:
     """A change for people, with its sign."""
     return f"{_whole(value):+.4g}"

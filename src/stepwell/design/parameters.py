@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, nearest_word
+from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, few, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes, travel_of
 from stepwell.statics import FRICTION, FULL, LEVER, SIN_LIMIT, Designs, drive_weights
 
@@ -201,11 +201,10 @@ def parameter(chain: Chain, name: str) -> Parameter:
     numbered = (f"{i}.{part}" for i, cell in enumerate(chain.cells, 1) for part in _parts(cell))
     near = nearest_word(str(name), [*(one.name for one in parameters(chain)), *numbered])
     guess = f" Did you mean {near!r}?" if near else ""
-    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(names[:_NAMED], 1))
-    more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
+    cells = few([f"{text!r} or {i}" for i, text in enumerate(names, 1)], _NAMED)
     raise InputError(
         f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
-        f"'<cell>.<what>' with <cell> one of {cells}{more}, and <what> one of "
+        f"'<cell>.<what>' with <cell> one of {cells}, and <what> one of "
         f"{', '.join(dict.fromkeys(part for cell in chain.cells for part in _parts(cell)))}."
     )
 

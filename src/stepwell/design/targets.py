@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, few
 from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders import Orders, Wish, by_cells_at_1, short
 from stepwell.mechanism import Chain
@@ -108,13 +108,8 @@ def unlike(found: Iterable[str], target: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
     found, target = set(found), set(target)
     parts = [("also reaches", found - target), ("does not reach", target - found)]
-    return ", ".join(f"{words} {_few(states)}" for words, states in parts if states)
-
-
-def _few(states: set[str]) -> str:
-    listed = by_cells_at_1(states)
-    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _SHOWN else ""
-    return " ".join(listed[:_SHOWN]) + more
+    listed = ((words, few(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts)
+    return ", ".join(f"{words} {states}" for words, states in listed if states)
 
 
 class Seen(NamedTuple):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn
+from stepwell.base import ByValue, Drawn, few
 from stepwell.sequences.counting import Counting, counting
 from stepwell.sequences.exchange import drives_text
 from stepwell.sequences.memory import (
@@ -149,7 +149,7 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     drawn = atlas(graph)
     routes = Routes(drawn.mesostates, drawn.bottom)
     pairs = loop_pairs(drawn, np.flatnonzero(routes.reached))
-    few = len(pairs) <= MOST_LOOPS
+    listable = len(pairs) <= MOST_LOOPS
     vertices = graph.nodes.vertices
     reached = routes.reached[drawn.branch_of[vertices]]
     memory = return_point_memory(drawn, routes)
@@ -163,7 +163,7 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
         graph,
         len(drawn.mesostates),
         main_loop(drawn),
-        tuple(loop_of(drawn, *pair) for pair in pairs.tolist()) if few else None,
+        tuple(loop_of(drawn, *pair) for pair in pairs.tolist()) if listable else None,
         len(pairs),
         gardens(graph, groups) if graph.is_whole else None,
         tuple(graph.nodes.labels(vertices[~reached])),
@@ -175,6 +175,4 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
 
 
 def _listed(items: Iterable[str]) -> str:
-    every = list(items)
-    more = f" and {len(every) - _SHOWN} more" if len(every) > _SHOWN else ""
-    return f"{', '.join(every[:_SHOWN])}{more}" or "none"
+    return few([*items], _SHOWN) or "none"

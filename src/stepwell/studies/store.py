@@ -556,9 +556,8 @@ def _make(study: Study) -> None:
 def gaps_text(gaps: Sequence[Gap], count: int) -> str:
     """How many designs of a study are missing, and which."""
     lacking = sum(gap.last - gap.first + 1 for gap in gaps)
-    named = ", ".join(map(str, gaps[:_MOST_NAMED]))
-    more = f" and {len(gaps) - _MOST_NAMED} more stretches" if len(gaps) > _MOST_NAMED else ""
-    return f"{lacking} of {count} designs are missing: {named}{more}"
+    named = base.few([*map(str, gaps)], _MOST_NAMED, "more stretches")
+    return f"{lacking} of {count} designs are missing: {named}"
 
 
 def _holds(file: Path) -> bool:
