@@ -11,14 +11,15 @@ from stepwell.base import late
 from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, Margin, margin, proved_margin
 from stepwell.design.margins.reprogramming import Reprogramming, Resistance, reprogram
 from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robustness
+from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import Parameter, parameter, parameters
+from stepwell.design.plane import Boundary, BoundaryKind, Method
+from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
 
 if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, judged
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
-    from stepwell.design.orders import checked_cycle
-    from stepwell.design.plane import Boundary, BoundaryKind, Method
     from stepwell.design.run import Run
     from stepwell.design.synthesis.designed import Design, Impossible
     from stepwell.design.synthesis.inverse import design
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
         usual_box,
     )
     from stepwell.design.targets import Reached
-    from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
     from stepwell.design.tolerances.survival import Survival, survival
     from stepwell.design.tolerances.tally import Share, share_of
     from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
@@ -103,8 +103,6 @@ _LATE = {
     "checks": ("Check", "Measurement", "Verdict", "check", "judged"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
-    "orders": ("checked_cycle",),
-    "plane": ("Boundary", "BoundaryKind", "Method"),
     "run": ("Run",),
     "synthesis.designed": ("Design", "Impossible"),
     "synthesis.inverse": ("design",),
@@ -118,7 +116,6 @@ _LATE = {
         "usual_box",
     ),
     "targets": ("Reached",),
-    "tolerances.draws": ("Draws", "Tolerances", "USUAL"),
     "tolerances.survival": ("Survival", "survival"),
     "tolerances.tally": ("Share", "share_of"),
     "tolerances.yields": ("Critical", "Sensitivities", "Yield", "yields"),
