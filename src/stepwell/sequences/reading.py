@@ -6,22 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, few
+from stepwell.sequences import memory
 from stepwell.sequences.counting import Counting, counting
 from stepwell.sequences.exchange import drives_text
-from stepwell.sequences.memory import (
-    Latch,
-    Loop,
-    ReturnPointMemory,
-    Scrambling,
-    gardens,
-    groups_of,
-    latches,
-    loop_of,
-    loop_pairs,
-    main_loop,
-    return_point_memory,
-    scrambling,
-)
 from stepwell.sequences.mesostates import Routes, atlas
 from stepwell.sequences.transition_graph import TransitionGraph
 
@@ -67,21 +54,21 @@ class MemoryReading(ByValue, Drawn):
 
     graph: TransitionGraph
     branches: int
-    main_loop: Loop
-    sub_loops: tuple[Loop, ...] | None
+    main_loop: memory.Loop
+    sub_loops: tuple[memory.Loop, ...] | None
     sub_loop_count: int
     garden_of_eden: tuple[str, ...] | None
     unreachable: tuple[str, ...]
-    return_point_memory: ReturnPointMemory
-    scrambling: tuple[Scrambling, ...]
+    return_point_memory: memory.ReturnPointMemory
+    scrambling: tuple[memory.Scrambling, ...]
     counting: Counting
-    latches: tuple[Latch, ...]
+    latches: tuple[memory.Latch, ...]
 
     def __repr__(self):
-        memory = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
+        turns = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
         return (
             f"MemoryReading({self.graph.cells} cells, {self.branches} branches, "
-            f"{self.sub_loop_count} sub-loops, {len(self.unreachable)} unreachable, {memory}, "
+            f"{self.sub_loop_count} sub-loops, {len(self.unreachable)} unreachable, {turns}, "
             f"{len(self.scrambling)} scrambled pairs, "
             f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
         )
@@ -103,11 +90,11 @@ class MemoryReading(ByValue, Drawn):
         sub_loops = f"{self.sub_loop_count}"
         if loops is not None:
             sub_loops = f"{sub_loops}: {_listed(map(str, loops))}" if loops else _listed([])
-        lapse, memory = self.return_point_memory.witness, "holds"
+        lapse, remembers = self.return_point_memory.witness, "holds"
         if lapse is not None:
             way = drives_text(graph.unit, lapse.turns, " → ")
             then, later = lapse.first, lapse.later
-            memory = f"fails: {way} stands at {then} when first there and at {later} later"
+            remembers = f"fails: {way} stands at {then} when first there and at {later} later"
         scrambled = (
             f"{names[s.cells[0]]} {'up' if s.direction > 0 else 'down'} before {names[s.cells[1]]} "
             f"from {s.i_first}, after it from {s.j_first}{'' if s.reachable else _BY_HAND}"
@@ -126,7 +113,7 @@ class MemoryReading(ByValue, Drawn):
             "sub-loops": sub_loops,
             "Garden of Eden": eden,
             "not from all at 0": _listed(self.unreachable),
-            "return-point memory": memory,
+            "return-point memory": remembers,
             "scrambling": _listed(scrambled),
             "accumulators": f"{_listed(counts)}{part}",
             "latches": _listed(ways),
@@ -148,29 +135,29 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     """
     drawn = atlas(graph)
     routes = Routes(drawn.mesostates, drawn.bottom)
-    pairs = loop_pairs(drawn, np.flatnonzero(routes.reached))
+    pairs = memory.loop_pairs(drawn, np.flatnonzero(routes.reached))
     listable = len(pairs) <= MOST_LOOPS
     vertices = graph.nodes.vertices
     reached = routes.reached[drawn.branch_of[vertices]]
-    memory = return_point_memory(drawn, routes)
-    groups = groups_of(graph)
+    turns = memory.return_point_memory(drawn, routes)
+    groups = memory.groups_of(graph)
     by_hand = graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
     # What remembers every turning point counts from states set by hand alone.
     counted = Counting((), True)
-    if by_hand or not memory.holds:
+    if by_hand or not turns.holds:
         counted = counting(drawn, routes, by_hand=by_hand)
     return MemoryReading(
         graph,
         len(drawn.mesostates),
-        main_loop(drawn),
-        tuple(loop_of(drawn, *pair) for pair in pairs.tolist()) if listable else None,
+        memory.main_loop(drawn),
+        tuple(memory.loop_of(drawn, *pair) for pair in pairs.tolist()) if listable else None,
         len(pairs),
-        gardens(graph, groups) if graph.is_whole else None,
+        memory.gardens(graph, groups) if graph.is_whole else None,
         tuple(graph.nodes.labels(vertices[~reached])),
-        memory,
-        scrambling(graph, vertices[reached], vertices[~reached]),
+        turns,
+        memory.scrambling(graph, vertices[reached], vertices[~reached]),
         counted,
-        latches(graph, groups),
+        memory.latches(graph, groups),
     )
 
 
