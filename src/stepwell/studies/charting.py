@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence as Sized
 from dataclasses import replace
 from itertools import islice, zip_longest
 from typing import Any
@@ -13,7 +13,7 @@ from stepwell.base import InputError, Progress, StepwellError, tracked
 from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders, proved_ends
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
-from stepwell.sequences import TransitionGraph
+from stepwell.sequences import Sequence, TransitionGraph
 from stepwell.studies import machines
 from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import IndependentBlocks, changed
@@ -109,7 +109,7 @@ def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
     }
 
 
-def _unseen(study: Study, done: Sequence[int]) -> Share | None:
+def _unseen(study: Study, done: Sized[int]) -> Share | None:
     """Of designs of the second half, those with a graph that none of the first half has.
 
     What the first half has not, all of it may have, so that this bounds what all of it has not.
@@ -122,7 +122,7 @@ def _unseen(study: Study, done: Sequence[int]) -> Share | None:
     return share_of(sum(later[key] for key in later.keys() - known), sum(later.values()))
 
 
-def _asked(study: Study, done: Sequence[int], most: int) -> list[int]:
+def _asked(study: Study, done: Sized[int], most: int) -> list[int]:
     """Designs that closed form does not tell: the first of every block, then the second."""
     found = [json.loads(str(text)) for text in study.values("asked", done)]
     turns = (design for turn in zip_longest(*found) for design in turn if design is not None)
@@ -142,7 +142,7 @@ class _Space:
         """A design as the engine takes it."""
         return self.made(self.space.points(design, design + 1)[0].tolist())
 
-    def made(self, point: Sequence[float]) -> Chain:
+    def made(self, point: Sized[float]) -> Chain:
         made = changed(self.study.subject, self.names, point)
         assert isinstance(made, Chain)
         return made
@@ -187,7 +187,8 @@ class _Space:
         )
         loading, unloading = (order.tolist() for order in motion_orders(proved_ends(cells)[0]))
         # Numbered as they load, the cells load in order.
-        cycle = _visited(range(len(loading)), [loading.index(cell) for cell in unloading])
+        again = [loading.index(cell) for cell in unloading]
+        cycle = Sequence.full_cycle(range(len(loading)), again)
         return Machine(
             name,
             share,
@@ -196,7 +197,7 @@ class _Space:
             gap,
             share_of(times, samples),
             agrees,
-            ">".join(cycle),
+            str(cycle),
             len(vertices),
             sum(vertex in reached for vertex in vertices),
             sum(snaps for *_, snaps in ways),
@@ -232,8 +233,8 @@ class _Space:
         gap, design = best[0]
         n = len(self.numbers.base)
         digits = [code // n**k % n for k in reversed(range(2 * n))]
-        states = _visited(digits[:n], digits[n:])
-        return machines.Cycling(">".join(states), share, design, self.chain(design), gap)
+        cycle = str(Sequence.full_cycle(digits[:n], digits[n:]))
+        return machines.Cycling(cycle, share, design, self.chain(design), gap)
 
     def agreement(self, most: int) -> tuple[int, int]:
         """Of designs drawn anew that are told, how many the engine sees alike; and how many."""
@@ -248,7 +249,7 @@ class _Space:
             )
         return agreed, len(checked)
 
-    def sampled(self, designs: Sequence[int]) -> machines.Sampled:
+    def sampled(self, designs: Sized[int]) -> machines.Sampled:
         """What the engine finds of these designs."""
         found, failed = Counter[str](), 0
         for design in designs:
@@ -257,13 +258,3 @@ class _Space:
             except StepwellError:
                 failed += 1
         return machines.Sampled(len(designs), failed, dict(found.most_common()))
-
-
-def _visited(loading: Sequence[int], unloading: Sequence[int]) -> list[str]:
-    """The states of a full cycle."""
-    state = ["0"] * len(loading)
-    found = ["".join(state)]
-    for cell, digit in [*((c, "1") for c in loading), *((c, "0") for c in unloading)]:
-        state[cell] = digit
-        found.append("".join(state))
-    return found
