@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stepwell.base import InputError, Quantity, told_in
+from stepwell.base import InputError, Quantity, plain, told_in
 from stepwell.sequences.nodes import Node, Transition, TransitionKind
 from stepwell.sequences.transition_graph import TransitionGraph, measure_of
 from stepwell.statics import Tie
@@ -135,7 +135,7 @@ def _rows(graph: TransitionGraph) -> Row:
 
 def record(graph: TransitionGraph) -> Row:
     """The graph as JSON can hold it; `to_json` tells what is in it."""
-    return _without_nan(_rows(graph))
+    return plain(_rows(graph))
 
 
 def to_json(graph: TransitionGraph) -> str:
@@ -214,14 +214,6 @@ def from_graphml(text: str) -> TransitionGraph:
     data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
     data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]
     return graph_of(data)
-
-
-def _without_nan(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_nan(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(item) for item in value]
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def _flat(row: Row) -> Row:
