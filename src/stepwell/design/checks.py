@@ -56,13 +56,8 @@ _ANGLES = 91  # at which a band is measured, its ends and the middle included
 _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
 
-def oddities(chain: Chain, path: Path) -> tuple[str, ...]:
-    """What is out of the ordinary, a sentence each; none where all is usual."""
-    # Two bands in one hole are odd once.
-    return tuple(dict.fromkeys(_oddities(chain, path)))
-
-
 def _oddities(chain: Chain, path: Path) -> Iterator[str]:
+    """What is out of the ordinary, a sentence each; none where all is usual."""
     unit, most = chain.measure.force_unit, PULLS[chain.measure]
     pull = abs(path.peak_force)
     if pull > most:
@@ -343,5 +338,7 @@ def _told(
         # Found here, once: reports only read it.
         _ = killer.becomes
     worth = measurement(made) if does_it and not tied else None
-    chain, odd = made.chain, oddities(made.chain, path)
+    chain = made.chain
+    # Two bands in one hole are odd once.
+    odd = tuple(dict.fromkeys(_oddities(chain, path)))
     return Check(chain, verdict, reason, target, does, does_it, path, made, killer, odd, worth)

@@ -76,24 +76,19 @@ def smoothed(x: Floats, y: Floats, noise: float, measure: Measure) -> Floats:
     rows = np.zeros((int(np.sum(keep)), 6))
     rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]
     rows = cubics.with_integrals(rows)
-    _refuse_noise(rows, float(x[-1]), noise, measure)
-    return rows
-
-
-def _refuse_noise(rows: Floats, end: float, noise: float, measure: Measure) -> None:
-    """Raise ValueError where a snap of the curve is no larger than its noise."""
-    forces, rises = cubics.signs(cubics.monotone(rows, end), end)
+    forces, rises = cubics.signs(cubics.monotone(rows, float(x[-1])), float(x[-1]))
     # Forces where it turns, ends included; a fall between two of them is a snap.
     turns = [0, *(k for k in range(1, len(rises)) if rises[k] != rises[k - 1]), len(rises)]
     drops = [forces[a] - forces[b] for a, b in pairwise(turns)]
-    falls = [drop for drop in drops if drop > 0.0]
-    if falls and min(falls) < 2.0 * noise:
+    least = min((drop for drop in drops if drop > 0.0), default=np.inf)
+    if least < 2.0 * noise:
         unit, factor = told_in(measure.force_unit)
         raise InputError(
             f"noise = {noise * factor:.4g} {unit}: a snap of the smoothed curve drops by "
-            f"{min(falls) * factor:.4g} {unit} only, less than twice that, so nothing tells it "
+            f"{least * factor:.4g} {unit} only, less than twice that, so nothing tells it "
             f"from noise. Average several recordings, or measure with less noise."
         )
+    return rows
 
 
 def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) -> tuple[Sheet, ...]:

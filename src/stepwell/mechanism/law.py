@@ -365,6 +365,4 @@ def _rows_of(columns: int, values: Sequence[Sequence[float]]) -> Floats:
 
 def _starts(sizes: Sequence[int] | Ints | Floats) -> Ints:
     """Where stretches of these sizes begin, and where the last one ends."""
-    starts = np.zeros(len(sizes) + 1, int)
-    np.cumsum(np.asarray(sizes, int), out=starts[1:])
-    return starts
+    return np.append(0, np.cumsum(np.asarray(sizes, int)))
