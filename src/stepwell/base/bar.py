@@ -11,7 +11,7 @@ T = TypeVar("T")
 Progress = Callable[[int, int], None] | None
 
 
-def notify(progress: Progress, done: int, total: int) -> None:
+def notify(progress: Callable[[T, T], None] | None, done: T, total: T) -> None:
     """Report how much of some work is done, if that is wanted."""
     if progress is not None:
         progress(done, total)
