@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, need
+from stepwell.base import ByValue, Drawn, Floats, need, notify
 from stepwell.lab import comparison, fit_model
 from stepwell.lab.bands.halves import student
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, handovers, rubber_name, weigh
@@ -331,8 +331,7 @@ def calibrate(
     found = [_Fit(data, name, stiff, weighing, reference) for name in laws]
     for done, (fit, fold) in enumerate(product(found, folds), 1):
         fit.leave_out(fold)
-        if progress is not None:
-            progress(done, len(laws) * len(folds))
+        notify(progress, done, len(laws) * len(folds))
     best = min(found, key=lambda one: float(np.mean(one.errors[1])))
     return Calibration(
         best.law,

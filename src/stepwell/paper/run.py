@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable
 
-from stepwell.base import need
+from stepwell.base import need, notify
 from stepwell.paper import cells, measured, order, pathways, steering, walking
 from stepwell.paper.claims import Claim, ClaimVerdict, Verdicts
 from stepwell.paper.others import elements, pairs, trilinear
@@ -89,6 +89,5 @@ def _judged(asked: tuple[Claim, ...], progress: Progress | None) -> Verdicts:
     found: list[ClaimVerdict] = []
     for claim in asked:
         found.append(claim.judge())
-        if progress is not None:
-            progress(len(found), len(asked))
+        notify(progress, len(found), len(asked))
     return Verdicts(found)

@@ -107,8 +107,7 @@ def _written(
                 base.write_atomic(draft / name, content)
             else:
                 content(draft / name)
-            if progress is not None:
-                progress(done, len(files))
+            base.notify(progress, done, len(files))
         if contents.film is not None:
             contents.film(draft, progress)
         return tuple(sorted(file.name for file in draft.iterdir()))

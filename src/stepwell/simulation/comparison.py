@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, brief, to_unit
+from stepwell.base import ByValue, Floats, InputError, brief, notify, to_unit
 from stepwell.robot import Prediction, Robot, known_depths, predicted_gaits, too_soft
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import LOADED, Walk, walk
@@ -195,8 +195,7 @@ def convergence(
     for i, step in enumerate(steps):
 
         def tell(done: float, of: float, i: int = i) -> None:
-            if progress is not None:
-                progress(sum(costs[:i]) + done / of * costs[i], sum(costs))
+            notify(progress, sum(costs[:i]) + done / of * costs[i], sum(costs))
 
         fine = replace(settings, time_step=step, sample=step)
         one = walk(robot, cycles, settings=fine, progress=tell)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, InputError, brief
+from stepwell.base import ByValue, Drawn, InputError, brief, notify
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.engine import SimulatedRun
@@ -197,8 +197,7 @@ def maze(
         raise InputError(f"limit = {limit} s: must be > 0.")
     run, judge = SimulatedRun(robot, arena, settings or Settings()), Judge(arena)
     for now in run.chunks(limit):
-        if progress is not None:
-            progress(max(now, 0.0), limit)
+        notify(progress, max(now, 0.0), limit)
         if look is not None:
             look(lambda: recorded(run))
         if judge.look(run) is not None:

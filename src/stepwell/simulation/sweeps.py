@@ -156,8 +156,7 @@ def sweep(
         found |= (new := dict(zip(batch, map(Trial.of, walks), strict=True)))
         if kept is not None:
             kept.add(new)
-        if progress is not None:
-            progress(len(found), len(robots))
+        base.notify(progress, len(found), len(robots))
     return Sweep(values, tuple(found[i] for i in range(len(robots))))
 
 

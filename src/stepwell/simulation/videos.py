@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import InputError, StepwellError, most, need, problem, write_atomic
+from stepwell.base import InputError, StepwellError, most, need, notify, problem, write_atomic
 from stepwell.robot import Arena
 from stepwell.simulation import render
 from stepwell.simulation.mazes import Maze
@@ -86,8 +86,7 @@ def video(
         for done, frame in enumerate(frames, 1):
             for encoder in encoders:
                 encoder.add(frame)
-            if progress is not None:
-                progress(done, len(chosen))
+            notify(progress, done, len(chosen))
     for target, encoder in zip(targets, encoders, strict=True):
         write_atomic(target, encoder.finish())
     return targets

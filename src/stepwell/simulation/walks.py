@@ -296,8 +296,7 @@ def walk(
     run = SimulatedRun(robot, arena, settings or Settings(), start=samples)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
     for now in run.chunks(end):
-        if progress is not None:
-            progress(now - begin, end - begin)
+        base.notify(progress, now - begin, end - begin)
         if look is not None:
             look(lambda: recorded(run))
     return recorded(run)

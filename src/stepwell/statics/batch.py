@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Floats, Ints, notify
 from stepwell.kernels import MOST, entry, in_blocks, leaf, record
 from stepwell.mechanism import (
     CURVE_HIGH,
@@ -202,8 +202,7 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
         follow_each(designs, begin, end, _work(designs), out)
 
     def tell(tried: int, total: int) -> None:
-        if progress is not None:
-            progress(int(np.count_nonzero(out.visited[:tried, 0] >= 0)), total)
+        notify(progress, int(np.count_nonzero(out.visited[:tried, 0] >= 0)), total)
 
     if m:
         in_blocks(some, m, follow_each.block(_AT_ONCE, designs), tell)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from stepwell.base import Floats, InputError, require
+from stepwell.base import Floats, InputError, notify, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground, refuse_long
 from stepwell.figures.common import marks, reading, style, words as told, write
@@ -78,8 +78,7 @@ def animation(
     def pictures() -> Iterator[Image.Image]:
         for k, frame in enumerate(frames):
             yield scene.shoot(frame)
-            if progress is not None:
-                progress(k + 1, count)
+            notify(progress, k + 1, count)
 
     seen = [scene.swatches(), *map(scene.shoot, look)]
     return write.write_gif(file, pictures(), seen, hundredths)

@@ -7,7 +7,7 @@ from html import escape
 from importlib.resources import files as resources
 from string import Template
 
-from stepwell.base import __version__, write_atomic
+from stepwell.base import __version__, notify, write_atomic
 from stepwell.files import staged_folder
 from stepwell.reports.story.steps import OPENING, Progress, StoryPiece, StoryStep, Telling
 
@@ -44,8 +44,7 @@ def write_story(
     with staged_folder(folder, "demo", force=force) as draft:
         for done, (name, text) in enumerate(contents.items(), 1):
             write_atomic(draft / name, text)
-            if progress is not None:
-                progress(done, len(contents))
+            notify(progress, done, len(contents))
     return tuple(sorted(contents))
 
 
