@@ -11,6 +11,13 @@ from stepwell.base import Floats, InputError
 from stepwell.studies.designs import Block, Subject, changed, unit_in
 
 DRIVES = {"stroke": concave.STROKE, "force": concave.FORCE}
+# How many designs of a block closed form tells, and how many not, and why.
+COUNTS = {
+    "told": concave.TOLD,
+    "not_proved": concave.NOT_PROVED,
+    "ties": concave.TIES,
+    "wakes": concave.WAKES,
+}
 
 # Designs that are computed together: their numbers stay in the processor's cache.
 _PIECE = 2**14
@@ -111,12 +118,6 @@ def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
         counts += np.bincount(told, minlength=4)
         if len(asked) < _ASKED:
             asked += (first + np.flatnonzero(told != concave.TOLD)[: _ASKED - len(asked)]).tolist()
-    return {
-        "told": int(counts[concave.TOLD]),
-        "not_proved": int(counts[concave.NOT_PROVED]),
-        "ties": int(counts[concave.TIES]),
-        "wakes": int(counts[concave.WAKES]),
-        "graphs": json.dumps(graphs.rows),
-        "cycles": json.dumps(cycles.rows),
-        "asked": json.dumps(asked),
-    }
+    lists = {"graphs": graphs.rows, "cycles": cycles.rows, "asked": asked}
+    told = {name: int(counts[code]) for name, code in COUNTS.items()}
+    return told | {name: json.dumps(rows) for name, rows in lists.items()}

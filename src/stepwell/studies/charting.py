@@ -15,7 +15,7 @@ from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
 from stepwell.studies import machines
-from stepwell.studies.blocks import DRIVES, Packed, packed
+from stepwell.studies.blocks import COUNTS, DRIVES, Packed, packed
 from stepwell.studies.designs import IndependentBlocks, changed
 from stepwell.studies.machines import Atlas, Machine, possible, proved_space
 from stepwell.studies.store import Study
@@ -52,7 +52,7 @@ def charted(
     assert isinstance(chain, Chain)
     drive = str(study.given.get("drive", "stroke"))
     space = _Space(study, packed(chain, [axis.name for axis in designs.axes]), DRIVES[drive])
-    sums = {name: int(np.sum(study.values(name, done))) for name in _COUNTS}
+    sums = {name: int(np.sum(study.values(name, done))) for name in COUNTS}
     graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
     machines = [
@@ -91,9 +91,6 @@ def _require_blocks(study: Study, tolerances: Tolerances) -> IndependentBlocks:
             "tolerances: lever, friction and travel must be 0: cells of an atlas have one travel."
         )
     return study.designs
-
-
-_COUNTS = ("told", "not_proved", "ties", "wakes")
 
 
 def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:

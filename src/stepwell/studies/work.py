@@ -252,7 +252,7 @@ def _maze(
 
 
 def _atlas(subject: Chain, drive: str = "stroke") -> Work:
-    from stepwell.studies.blocks import DRIVES, block_row, packed
+    from stepwell.studies.blocks import COUNTS, DRIVES, block_row, packed
 
     if drive not in DRIVES:
         raise InputError(f"atlas: drive = {drive!r}: must be one of {', '.join(DRIVES)}.")
@@ -263,8 +263,7 @@ def _atlas(subject: Chain, drive: str = "stroke") -> Work:
         names = block.space.names(subject)
         return block_row(block, packed(subject, names), DRIVES[drive])
 
-    numbers = dict.fromkeys(("told", "not_proved", "ties", "wakes"), "1")
-    return Work({**numbers, "graphs": TEXT, "cycles": TEXT, "asked": TEXT}, row)
+    return Work({**dict.fromkeys(COUNTS, "1"), "graphs": TEXT, "cycles": TEXT, "asked": TEXT}, row)
 
 
 def _call(
