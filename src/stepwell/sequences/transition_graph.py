@@ -207,9 +207,6 @@ class TransitionGraph(ByValue, Drawn):
     def __contains__(self, label: object) -> bool:
         return isinstance(label, str) and self.nodes.find(label) is not None
 
-    def __str__(self):
-        return repr(self)
-
     def __repr__(self):
         return (
             f"TransitionGraph({self.cells} cells, {len(self.nodes.vertices)} vertices, "
