@@ -129,15 +129,10 @@ class Target:
     wish: Wish  # the orders of concave cells that do it
     by_states: bool
 
-    @property
-    def cells(self) -> int:
-        """How many there are."""
-        return self.wish.cells
-
     @cached_property
     def states(self) -> frozenset[str] | None:
         """The states that shall be reached and no others; None where that is not looked at."""
-        if not self.by_states or self.cells > MOST_CELLS:
+        if not self.by_states or self.wish.cells > MOST_CELLS:
             return None
         return self.wish.states or frozenset(self.wish.orders[0].states)
 

@@ -19,11 +19,6 @@ class SmoothRun:
     place: tuple[Configuration, Configuration]
 
     @property
-    def travel(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Travels at both ends [m]."""
-        return self.place[0].travel, self.place[1].travel
-
-    @property
     def reversed(self) -> "SmoothRun":
         """The same run from b to a."""
         (a, b), (f, g), (s, t) = self.drive, self.force, self.place

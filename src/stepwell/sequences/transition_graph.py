@@ -311,7 +311,8 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
 
 def node_of(label: str, section: SmoothRun, branch: int) -> Node:
     """A section of a branch as a node."""
-    return Node(label, section.state, *section.drive, *section.force, *section.travel, branch)
+    low, high = (place.travel for place in section.place)
+    return Node(label, section.state, *section.drive, *section.force, low, high, branch)
 
 
 def way_on(

@@ -174,19 +174,10 @@ class Rule:
         rest = kind.cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
         return weak & certified(kind.cell._replace(rest=rest), d, 2.0 * self.tolerances.anchor)
 
-    def end_forces(self, q: Floats, k: int) -> Floats:
-        """F0 and F1 [N] of the k-th kind at (m, 2) places, (m, 2)."""
-        return self.kinds[k].ends(self.differences(q))[0]
-
     def differences(self, q: Floats) -> Floats:
         """d = q - p [m] with the free anchor at (m, 2) places."""
         fixed = np.array(self.fixed)
         return {"q": q - fixed, "p": fixed - q, "both": 2.0 * q}[self.free]
-
-    @property
-    def stretch(self) -> float:
-        """How far d moves where the free anchor moves by 1."""
-        return 2.0 if self.free == "both" else 1.0
 
     @property
     def bends(self) -> bool:

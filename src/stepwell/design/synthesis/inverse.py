@@ -220,12 +220,12 @@ def _wanted(
         every = f"all states of {cells} cells"
         text = every if states == "all" else f"states {' '.join(states)}"
         target = Target(short(text), of_states(states, cells, alike), by_states=True)
-    if len(some) not in (1, target.cells):
+    if len(some) not in (1, target.wish.cells):
         raise InputError(
-            f"within has {len(some)} regions for {target.cells} cells: must be one for all, or one "
-            f"each."
+            f"within has {len(some)} regions for {target.wish.cells} cells: must be one for all, "
+            f"or one each."
         )
-    return target, some if len(some) == target.cells else some * target.cells
+    return target, some if len(some) == target.wish.cells else some * target.wish.cells
 
 
 def _refuse_wish(sequence: str | None, states: Iterable[str] | str | None, n: int | None) -> None:

@@ -41,7 +41,7 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
             low, _, _ = narrowed(allowed, low, high, yes, ~yes, _HALVINGS)
             # A corner of the box is the end of two edges.
             new = np.append(True, np.any(np.diff(low, axis=0) != 0.0, axis=1))
-            found.append(rule.end_forces(low[new], k))
+            found.append(rule.kinds[k].ends(rule.differences(low[new]))[0])
     return found
 
 
@@ -63,7 +63,8 @@ def all_proved(rule: Rule, region: Region) -> bool:
         while len(middles):
             if half < side / 2 / _FINEST:
                 return False
-            around = rule.stretch * half * math.sqrt(2.0)
+            # Where both anchors are free, d moves twice as far as either.
+            around = (2.0 if rule.free == "both" else 1.0) * half * math.sqrt(2.0)
             held = certified(kind.cell, rule.differences(middles), around)
             corners = half / 2 * np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
             middles = (middles[~held][:, None] + corners).reshape(-1, 2)

@@ -50,7 +50,7 @@ def another(
         rows = np.flatnonzero(sure > -np.inf).tolist()
         pool += [(float(sure[row]), attempt, table.take(picks[row])) for row in rows]
     pool.sort(key=lambda one: -one[0])
-    most = _LOOKED_AT // target.cells
+    most = _LOOKED_AT // target.wish.cells
     for looked_at, (_, attempt, cells) in enumerate(pool[:most], 1):
         placed = replace(attempt, best=measured(attempt.rule, attempt.orders, cells))
         if _does(target, placed, actuator_stiffness):
@@ -180,7 +180,7 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     if found is None:
         return None
     for wanted in target.wish.orders:
-        same = tuple(range(target.cells))
+        same = tuple(range(target.wish.cells))
         place = tuple(found[0][wanted.loading.index(k)] for k in same) if alike else same
         orders = (wanted.loading, wanted.unloading)
         if tuple(tuple(place[k] for k in order) for order in orders) == found:
@@ -295,7 +295,9 @@ class Tries:
         """
         target, regions, before = self.target, self.regions, self._done
         alike, again = len(set(regions)) == 1, target.twins
-        most = (_THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES) // target.cells
+        most = (
+            _THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES
+        ) // target.wish.cells
         found: list[Chain] = []
         left = done = unanswered = 0
         for rule in rules:
