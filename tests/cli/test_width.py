@@ -53,7 +53,7 @@ def test_a_table_of_any_shape_fits_and_keeps_every_word(monkeypatch, width):
         ]
         head = [" ".join(draw.choices(words, k=draw.randint(1, 2))) for _ in range(columns)]
         found = fold.blocks(head, table, {k for k in range(columns) if draw.random() < 0.5})
-        lines = [line for block in found for line in (*block.head, *block.rows)]
+        lines = [line for named, rest in found for line in (*named, *rest)]
         assert max(map(len, lines)) <= width
         bare = "".join("".join(lines).split())
         assert len(bare) >= sum(len("".join(text.split())) for row in table for text in row)

@@ -278,7 +278,7 @@ def _candidates():
 @route("end forces of places for an anchor", FORCE)
 def _():
     rule, q = _candidates()
-    return rule.end_forces(q, 0)
+    return rule.kinds[0].ends(rule.differences(q))[0]
 
 
 @route("deviations of places for an anchor", FORCE)
