@@ -54,10 +54,12 @@ class Share(NamedTuple):
 
 def share_of(times: int, of: int) -> Share:
     """A share with its interval."""
-    from scipy.stats import binomtest
+    # Opening scipy.stats, which has this too, takes a second.
+    from scipy.special import betaincinv  # pyright: ignore[reportMissingTypeStubs]
 
-    found = binomtest(times, of).proportion_ci(0.95, "exact")
-    return Share(times, of, float(found.low), float(found.high))
+    low = float(betaincinv(times, of - times + 1, 0.025)) if times else 0.0
+    high = float(betaincinv(times + 1, of - times, 0.975)) if times < of else 1.0
+    return Share(times, of, low, high)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
