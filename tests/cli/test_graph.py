@@ -9,6 +9,9 @@ import stepwell as sw
 from stepwell.accounts import account, terminal
 from stepwell.sequences.exchange import from_json
 
+# The files begin as their formats do.
+DRAWN = True
+
 
 def test_it_prints_the_account_of_the_graph(stepwell):
     result = stepwell("graph", "preset:three-wave")

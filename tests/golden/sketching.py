@@ -42,11 +42,14 @@ class _Words(RendererBase):
 def sketched(*, words: bool) -> Iterator[None]:
     """Figures are saved as PNG without a drawing, and as SVG that holds only their words.
 
+    In other formats they are drawn.
+
     Args:
         words: look for them, which takes half as long as drawing.
     """
     # A figure is saved two or three times as it is.
     seen: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+    draw = Figure.savefig
 
     def words_of(figure: Figure) -> list[str]:
         if words and (figure.stale or figure not in seen):
@@ -61,7 +64,9 @@ def sketched(*, words: bool) -> Iterator[None]:
             size = int(width * dpi), int(height * dpi)
             Image.new("1", size).save(file, "png")
             return
-        assert format == "svg", format
+        if format != "svg":
+            draw(figure, file, format=format, dpi=dpi, metadata=metadata)
+            return
         found = "".join(f"<text>{escape(word)}</text>" for word in words_of(figure))
         size = f'width="{width * 72:g}pt" height="{height * 72:g}pt"'
         text = f"<svg {size}>{found}</svg>"
