@@ -8,6 +8,7 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
+from sizes import cases
 from stepwell.cli import app, options
 
 START = [sys.executable, "-c", "import stepwell.cli as c; c.main()"]
@@ -29,16 +30,17 @@ def asking(shell: str, line: str) -> dict[str, str]:
 @pytest.mark.parametrize("shell", SHELLS)
 def test_a_shell_is_offered_commands_options_and_names(shell, tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text("", "utf-8")
-    env = os.environ | asking(shell, "stepwell yi")
-    done = subprocess.run(START, env=env, cwd=tmp_path, capture_output=True, text=True)
-    assert "yield" in done.stdout
-    # The others in this process.
     monkeypatch.chdir(tmp_path)
 
     def asked(line: str) -> str:
         return CliRunner().invoke(app, env=asking(shell, line), prog_name="stepwell").stdout
 
-    assert asked("stepwell yi") == done.stdout
+    offered = asked("stepwell yi")
+    assert "yield" in offered
+    # As a shell asks, in the quick run for one of them; the script of each is asked for below.
+    if shell in cases(SHELLS, SHELLS[:1]):
+        env = os.environ | asking(shell, "stepwell yi")
+        assert subprocess.run(START, env=env, capture_output=True, text=True).stdout == offered
     assert "--mobility-ratio" in asked("stepwell run x --mob")
     presets = asked("stepwell run preset:paper-f").replace("\\", "")
     assert "preset:paper-forward" in presets and "three-wave" not in presets

@@ -97,20 +97,19 @@ def test_every_output_is_a_place_on_this_machine(stepwell, tmp_path):
 
 
 @pytest.mark.slow
-def test_help_is_the_same_where_python_forgets_docstrings(tmp_path):
+def test_help_is_the_same_where_python_forgets_docstrings(stepwell, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "90")
+    pages = ([], ["run"], ["lab"], ["lab", "read"], ["sweep", "cycle"])
     script = (
         "from typer.testing import CliRunner\nfrom stepwell.cli import app\n"
-        "for words in ([], ['run'], ['lab'], ['lab', 'read'], ['sweep', 'cycle']):\n"
+        f"for words in {pages!r}:\n"
         "    print(CliRunner().invoke(app, [*words, '--help'], prog_name='stepwell').output)\n"
     )
-    env = {**os.environ, "COLUMNS": "90"}
-    plain, optimized = (
-        subprocess.run(
-            [sys.executable, *flags, "-c", script], env=env, capture_output=True, check=True
-        ).stdout
-        for flags in ([], ["-OO"])
-    )
-    assert b"Read recordings" in plain
+    optimized = subprocess.run(
+        [sys.executable, "-OO", "-c", script], capture_output=True, check=True, encoding="utf-8"
+    ).stdout
+    plain = "".join(f"{stepwell(*words, '--help').output}\n" for words in pages)
+    assert "Read recordings" in plain
     assert plain == optimized
 
 

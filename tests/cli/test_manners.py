@@ -271,8 +271,10 @@ def test_a_terminal_gets_bold_heads_and_no_color_keeps_them_plain(tmp_path):
     assert plain.replace("\r\n", "\n") == piped
 
 
+# In the quick run tests/cli/test_progress.py has the bar, and the heads above a real terminal.
 @pytest.mark.slow
 @posix
+@pytest.mark.skipif(SIZE == "ci", reason="an animation, twice")
 def test_a_terminal_sees_progress_and_a_pipe_does_not(tmp_path, monkeypatch):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
     arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "5")

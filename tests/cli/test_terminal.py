@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from sizes import cases
 from stepwell.cli import screen
 
 # Letters that move the cursor, turn the text round, hide it, or end a line.
@@ -69,7 +70,7 @@ RUN = f"{sys.executable} -c 'import stepwell.cli as c; c.main()' presets "
 
 @pytest.mark.slow
 @posix
-@pytest.mark.parametrize("option", ["", "--json"])
+@pytest.mark.parametrize("option", cases(["", "--json"], ["--json"]))
 def test_a_closed_standard_output_is_one_line(tmp_path, option):
     result = subprocess.run(
         ["sh", "-c", RUN + option + " >&-"], cwd=tmp_path, text=True, capture_output=True

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 
@@ -58,7 +59,30 @@ def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path
     assert record["turn_deg"] == pytest.approx([15.0, 15.0], abs=2.5)
 
 
+@pytest.fixture(scope="module")
+def known_frames() -> dict[tuple[object, ...], list[object]]:
+    return {}
+
+
+@pytest.fixture
+def frames_once(monkeypatch, known_frames):
+    """The frames of a walk of one length are drawn once."""
+    videos = import_module("stepwell.simulation.videos")
+    draw = videos._drawn
+
+    @contextmanager
+    def once(walk, result, chosen, *size):
+        key = walk.robot.title, len(chosen), *size
+        if key not in known_frames:
+            with draw(walk, result, chosen, *size) as frames:
+                known_frames[key] = [*frames]
+        yield iter(known_frames[key])
+
+    monkeypatch.setattr(videos, "_drawn", once)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("frames_once")
 def test_a_part_of_a_cycle_is_a_walk_too_and_a_video_is_written_where_frames_can_be_drawn(
     stepwell, tmp_path, bare
 ):
@@ -85,6 +109,7 @@ def bare(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("frames_once")
 def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
     stepwell, tmp_path, monkeypatch, bare
 ):
