@@ -3,6 +3,7 @@
 import csv
 import re
 from collections.abc import Iterable
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 import stepwell as sw
 from accounts.forms import SCALES, folded, forms, mixed, pair, shown
-from stepwell.accounts import account
+from stepwell.accounts import Account, account
 from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.head import Shape
 from stepwell.accounts.parts import RecordTable
@@ -28,6 +29,12 @@ OF_LEVERS = re.compile(r"lever|block|band|anchor|θ|F0|F1", re.IGNORECASE)
 
 def told(chain: sw.Chain) -> dict:
     return account(Run.of(chain)).record
+
+
+@cache
+def run_of(measure: Measure, stops: bool = False) -> Account:
+    """The account of a run of the pair, which nothing changes."""
+    return account(Run.of(pair(measure, stops)))
 
 
 def numbers_of(found: object) -> Iterable[float]:
@@ -82,9 +89,9 @@ def test_an_amount_has_its_unit_as_people_write_it(unit, text):
 @pytest.mark.slow
 @pytest.mark.parametrize("stops", [False, True])
 def test_the_same_machine_tells_the_same_numbers_in_any_measure(stops):
-    usual = told(pair(Measure.TRAVEL, stops))
+    usual = run_of(Measure.TRAVEL, stops).record
     for measure in (Measure.VOLUME, Measure.ANGLE):
-        found = told(pair(measure, stops))
+        found = run_of(measure, stops).record
         assert (found["sequence"], found["pathway"]) == (usual["sequence"], usual["pathway"])
         for part in ("cells", "events"):
             # Energies are in mJ in all of them.
@@ -100,7 +107,7 @@ def test_the_same_machine_tells_the_same_numbers_in_any_measure(stops):
 @pytest.mark.slow
 def test_every_key_names_the_unit_of_its_measure():
     for measure, (stroke, _, force, _) in KEYS.items():
-        found = told(pair(measure))
+        found = run_of(measure).record
         unit = stroke.partition("_")[2]
         assert f"peak_{force}" in found
         assert f"turning_points_{unit}" in found
@@ -141,7 +148,7 @@ def test_samples_and_events_have_the_sheet_where_a_curve_folds_back(tmp_path):
     up, down = found["events"]
     assert (up["sheets_before"], up["sheets_after"]) == ([0], [1])
     assert (down["sheets_before"], down["sheets_after"]) == ([1], [0])
-    assert "sheets_before" not in told(pair(Measure.TRAVEL))["events"][0]
+    assert "sheets_before" not in run_of(Measure.TRAVEL).record["events"][0]
 
 
 @pytest.mark.slow
@@ -163,8 +170,7 @@ def test_the_page_of_a_mixed_chain_has_bands_and_the_assumptions_of_levers():
 @pytest.mark.slow
 @pytest.mark.parametrize("measure", Measure)
 def test_nothing_of_levers_is_shown_of_elements(measure):
-    found = account(Run.of(pair(measure)))
-    screen, _, page = forms(found)
+    screen, _, page = forms(run_of(measure))
     for form in (screen, page):
         assert not OF_LEVERS.findall(form)
         if measure is not Measure.TRAVEL:
@@ -175,7 +181,7 @@ def test_nothing_of_levers_is_shown_of_elements(measure):
 @pytest.mark.parametrize("measure", Measure)
 def test_every_form_has_what_the_record_holds(measure, monkeypatch):
     monkeypatch.setenv("COLUMNS", "1000")
-    account_ = account(Run.of(pair(measure)))
+    account_ = run_of(measure)
     found = account_.record
     unit = Quantity(f"peak_{measure.force}", told_in(measure.force_unit)[0])
     arrivals = [arrival for event in found["events"] for arrival in event["arrivals"]]
