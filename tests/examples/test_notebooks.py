@@ -19,17 +19,17 @@ RUN = cases(NAMES, NAMES[:1])
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 
-def executed(notebook: Any, folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The outputs of a notebook that was run in an empty folder."""
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT / "src")]))
-    # What a kernel opens is on this machine only; it says so on every start.
-    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
-    for name in ("IPYTHONDIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR"):
-        monkeypatch.setenv(name, str(folder / name.lower()))
-    NotebookClient(
-        notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(folder)}}
-    ).execute()
-    return [out for cell in notebook.cells for out in cell.get("outputs", ())]
+def executed(notebook: Any, folder: Path) -> list[list[Any]]:
+    """The outputs of each cell of code of a notebook that was run in an empty folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT / "src")]))
+        # What a kernel opens is on this machine only; it says so on every start.
+        patch.setenv("JUPYTER_PLATFORM_DIRS", "1")
+        for name in ("IPYTHONDIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR"):
+            patch.setenv(name, str(folder / name.lower()))
+        resources = {"metadata": {"path": str(folder)}}
+        NotebookClient(notebook, timeout=600, kernel_name="python3", resources=resources).execute()
+    return [cell.outputs for cell in notebook.cells if cell.cell_type == "code"]
 
 
 def shown(outputs: list[Any]) -> list[str]:
@@ -38,16 +38,35 @@ def shown(outputs: list[Any]) -> list[str]:
     return [html for html in told if html]
 
 
-def code(*cells: str) -> Any:
-    return nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+DRAW = 'import stepwell as sw\nsw.preset("paper-forward").cycle().path.plot()'
+BAR = """
+from time import sleep
+import stepwell as sw
+for k in range(4):
+    sw.bar(k, {})
+    sleep(0.15)
+"""
+# A figure, another one after the magic, two bars.
+MORE = (DRAW, f"%matplotlib inline\n{DRAW}", BAR.format(3), BAR.format(9))
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory) -> tuple[list[list[Any]], list[list[Any]]]:
+    """The outputs of the first notebook, and of more cells in its kernel, which starts once."""
+    notebook: Any = nbformat.read(NOTEBOOKS / f"{NAMES[0]}.ipynb", 4)
+    notebook.cells += map(nbformat.v4.new_code_cell, MORE)
+    found = executed(notebook, tmp_path_factory.mktemp("first"))
+    return found[: -len(MORE)], found[-len(MORE) :]
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 @pytest.mark.parametrize("name", RUN)
-def test_a_notebook_runs_and_shows_cards_and_figures(name, tmp_path, monkeypatch):
-    notebook: Any = nbformat.read(NOTEBOOKS / f"{name}.ipynb", 4)
-    outputs = executed(notebook, tmp_path, monkeypatch)
+def test_a_notebook_runs_and_shows_cards_and_figures(name, first, tmp_path):
+    cells = first[0]
+    if name != NAMES[0]:
+        cells = executed(nbformat.read(NOTEBOOKS / f"{name}.ipynb", 4), tmp_path)
+    outputs = [out for cell in cells for out in cell]
     assert not [out for out in outputs if out.output_type == "error"]
     # Nothing warns, and a saved notebook holds no bar and no control character.
     assert not [out for out in outputs if out.get("name") == "stderr"]
@@ -60,22 +79,18 @@ def test_a_notebook_runs_and_shows_cards_and_figures(name, tmp_path, monkeypatch
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
-def test_a_figure_shows_once_and_a_bar_says_how_far_it_is_and_leaves_nothing(tmp_path, monkeypatch):
-    draw = 'import stepwell as sw\nsw.preset("paper-forward").cycle().path.plot()'
-    slow = "from time import sleep\nimport stepwell as sw\nfor k in range(4):\n    sw.bar(k, {})\n"
-    slow += "    sleep(0.15)\n"
-    # In one kernel: starting one takes longest. A figure, another one after the magic, two bars.
-    cells = draw, f"%matplotlib inline\n{draw}", slow.format(3), slow.format(9)
-    *figures, done, stopped = executed(code(*cells), tmp_path, monkeypatch)
+def test_a_figure_shows_once_and_a_bar_says_how_far_it_is_and_leaves_nothing(first):
+    *figures, done, stopped = first[1]
     # One column of a page, 85 mm, at 144 pixels an inch.
-    one, other = shown(figures)
-    for html in (one, other):
+    for outputs in figures:
+        (html,) = shown(outputs)
+        assert len(outputs) == 1
         assert 'width="482"' in html and "max-width:100%" in html
-    assert len(figures) == 2
-    assert done["data"]["text/html"] == ""
+    assert [one["data"]["text/html"] for one in done] == [""]
     # Of what was not finished, how far it came.
-    assert 'value="3" max="9"' in stopped["data"]["text/html"]
-    assert re.search(r"33%, about \d+ s left", stopped["data"]["text/html"])
+    (last,) = stopped
+    assert 'value="3" max="9"' in last["data"]["text/html"]
+    assert re.search(r"33%, about \d+ s left", last["data"]["text/html"])
 
 
 @pytest.mark.parametrize("name", NAMES)
