@@ -191,11 +191,20 @@ def read_off_rooms(file: Path) -> list[tuple[str, tuple[str, ...], bool]]:
     found = []
     for node in nodes_of(file):
         if isinstance(node, ast.Attribute):
-            first, _, rest = ast.unparse(node.value).partition(".")
-            module = ".".join(filter(None, (rooms.get(first), rest)))
+            first, *rest = dotted(node.value)
+            module = ".".join(filter(None, (rooms.get(first), *rest)))
             if module in doors:
                 found.append((module, (node.attr,), False))
     return found
+
+
+def dotted(node: ast.expr) -> list[str]:
+    """The parts of a name such as `sw.base`; "" for what is none before the first point."""
+    parts = []
+    while isinstance(node, ast.Attribute):
+        parts.append(node.attr)
+        node = node.value
+    return [node.id if isinstance(node, ast.Name) else "", *reversed(parts)]
 
 
 @cache
