@@ -40,9 +40,12 @@ def test_the_core_is_small_and_says_what_it_lacks_and_extras_can_be_added(
     trying.without(env, *trying.CHECKS)
 
     install(f"{built[0]}[all]")
+    # A map and a walk draw, label and simulate; each extra by itself is rehearsed. That all of what
+    # is linked opens tests/cli finds here, with `doctor`.
+    if SIZE == "ci":
+        trying.map_and_walk(env)
+        return
     with capsys.disabled():
         print(f"With all extras, not compiled, {trying.told(env.sizes())}")
-    # A map and a walk in folders draw, label and simulate; each extra by itself is rehearsed.
     trying.everything(env)
-    if SIZE == "full":
-        trying.studio(env)
+    trying.studio(env)
