@@ -25,11 +25,12 @@ slack cells at once are decided by rounding, not by mechanics.
 
 from __future__ import annotations
 
+import gc
 import getpass
 import math
 import tempfile
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -232,13 +233,21 @@ def follow(
     )
 
 
-def _compiled_once() -> AbstractContextManager[object]:
+@contextmanager
+def _compiled_once() -> Iterator[None]:
     """Of several processes one compiles, for many seconds; the others take what it has kept."""
     if _follow.signatures:
-        return nullcontext()
+        yield
+        return
     from filelock import FileLock
 
-    return FileLock(Path(tempfile.gettempdir()) / f"oracle-{getpass.getuser()}.lock")
+    with FileLock(Path(tempfile.gettempdir()) / f"oracle-{getpass.getuser()}.lock"):
+        # Looking for what can be freed is a tenth of the work.
+        gc.disable()
+        try:
+            yield
+        finally:
+            gc.enable()
 
 
 def _pack(cells: Sequence[OracleCell]):
