@@ -120,7 +120,7 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     # The way to the goal, in the open arena, and the levers' control are in the example; the time
     # here is enough for two walls.
     quick = SIZE == "ci"
-    limit = 170.0 if quick else 500.0
+    limit = 156.0 if quick else 500.0
     with_antennas = maze(design, start, limit=limit, settings=SETTINGS)
     others = [(one, start) for one in (replace(design, antennas=()), levers_off(design))]
     controls = mazes(others[: 1 if quick else 2], limit=limit, settings=SETTINGS)
@@ -172,7 +172,7 @@ def test_every_assumed_number_has_its_bar_and_the_nominal_results_are_on_target(
     if SIZE == "ci":
         # Each is a walk like any other: a few stand for all.
         monkeypatch.setattr(sensitivity, "VARIATIONS", sensitivity.VARIATIONS[:1])
-        monkeypatch.setattr(sensitivity, "CYCLES", 3)
+        monkeypatch.setattr(sensitivity, "CYCLES", 2)
         # What is read from a walk is an advance or a turn: one of each.
         monkeypatch.setattr(sensitivity, "RESULTS", (RESULTS[0], RESULTS[-1]))
     sensitivities = sensitivity.sensitivities.__wrapped__()
