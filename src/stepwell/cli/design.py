@@ -114,13 +114,8 @@ class Parts(Group):
                 "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
             )
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
-        box = None if kinds else usual_box(max(levers), self.place)
-        for side, low, high in ((self.x, "left", "right"), (self.y, "bottom", "top")):
-            if box and side:
-                ends = {low: from_unit(side.start, "mm"), high: from_unit(side.stop, "mm")}
-                box = replace(box, **ends)
         return {
-            "within": box,
+            "within": None if kinds else self._box(usual_box(max(levers), self.place)),
             "free": self.place.value,
             "elements": kinds,
             "force_scale": (self.force_scale.start, self.force_scale.stop),
@@ -131,6 +126,14 @@ class Parts(Group):
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
         }
+
+    def _box(self, usual: Any) -> Any:
+        """The usual box with the sides that were asked for."""
+        for side, low, high in ((self.x, "left", "right"), (self.y, "bottom", "top")):
+            if side:
+                ends = {low: from_unit(side.start, "mm"), high: from_unit(side.stop, "mm")}
+                usual = replace(usual, **ends)
+        return usual
 
 
 class AimOptions(Group):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -49,10 +50,7 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
         raise InputError("found is empty: a study of 50 designs or more says what decides.")
     known = names or {}
     shares = [{each.name: each for each in one.sure} for one in found]
-    rows = sorted(
-        [each.name for each in found[0].influences],
-        key=lambda name: -max((own[name].share for own in shares if name in own), default=0.0),
-    )
+    rows = sorted((each.name for each in found[0].influences), key=partial(_largest, shares))
     told = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
@@ -76,6 +74,11 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
             _draw_share(ax, k, i, own.get(name))
     sheet.text_at(figure, left, 3.0, minus(f"{_SHARES}{apart}{_SIGNS}"))
     return figure
+
+
+def _largest(shares: Sequence[Mapping[str, Influence]], name: str) -> float:
+    """Minus the largest share of a number."""
+    return -max((own[name].share for own in shares if name in own), default=0.0)
 
 
 def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:

@@ -207,11 +207,7 @@ def scaled(
         raise Impossible(goal.text, goal.why, proved=goal.never or relays)
     rng = np.random.default_rng(seed)
     whole = math.prod(map(len, sets)) <= _MOST_CHOICES
-    choices = (
-        list(product(*sets))
-        if whole
-        else [tuple(int(rng.choice(one)) for one in sets) for _ in range(_MOST_CHOICES)]
-    )
+    choices = list(product(*sets)) if whole else _some(sets, rng)
     found, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
     complete = relays and whole and goal.complete
     for share, these in found[: 1 if relays else _ASKED]:
@@ -263,6 +259,10 @@ def _programmed(
             found.append((share, made))
             found.sort(key=lambda one: -one[0])
     return found, closest
+
+
+def _some(sets: Sets, rng: np.random.Generator) -> list[tuple[int, ...]]:
+    return [tuple(int(rng.choice(one)) for one in sets) for _ in range(_MOST_CHOICES)]
 
 
 def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]]:

@@ -284,6 +284,9 @@ class Tries:
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         return attempts
 
+    def _most(self) -> int:
+        return _THROUGH_A_CYCLE if self.target.states is None else _ALONG_ALL_BRANCHES
+
     def _tried(
         self, rules: list[Rule], holes: float, *, decided: bool
     ) -> tuple[list[Chain], bool, str]:
@@ -295,9 +298,7 @@ class Tries:
         """
         target, regions, before = self.target, self.regions, self._done
         alike, again = len(set(regions)) == 1, target.twins
-        most = (
-            _THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES
-        ) // target.wish.cells
+        most = self._most() // target.wish.cells
         found: list[Chain] = []
         left = done = unanswered = 0
         for rule in rules:

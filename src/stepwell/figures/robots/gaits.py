@@ -45,7 +45,8 @@ def prediction(prediction: Prediction) -> Figure:
     page, narrow = sheet.page_width(style.PAGE), _is_narrow()
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
     # Names and remarks stand beside bars, or over them where that is too narrow.
-    row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
+    sizes = (_HIGH_ROW, _HIGH_HEAD, 8.0, ",\n") if narrow else (_ROW, _HEAD, 44.0, ", ")
+    row, head, beside, apart = sizes
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
     tall = [row * (rows + 0.8 * narrow) for _, rows in panels if rows]
     height = top + sum(tall) + len(tall) * (head + _FOOT)
@@ -53,11 +54,9 @@ def prediction(prediction: Prediction) -> Figure:
     # Nothing is ever minus zero.
     advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
     result = minus(
-        f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
+        f"predicted: {prediction.motion.value}{apart}$d/u_\\mathrm{{max}}$ = {advance:.2f}, "
         f"turn {turn:.1f}° per cycle"
     )
-    if narrow:
-        result = result.replace(", $", ",\n$")
     look: dict[str, Any] = {"va": "top", "fontsize": 8, "weight": "bold"}
     left = 2.0 + sheet.current().indent
     sheet.text_at(figure, left, height - 1.5, "\n".join([*title, result]), **look)
@@ -71,14 +70,18 @@ def prediction(prediction: Prediction) -> Figure:
     shown = [text for ax in figure.axes for text in ax.texts]
     doubt.set_visible(any(text.get_color() == style.VERMILLION for text in shown))
     if not narrow:
-        # The names of all panels have one width, so that their axes stand in line.
-        boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
-        names = max(box.width for box in boxes if box is not None) / figure.dpi * 25.4
-        left = (2.0 + names) / page
-        for ax in figure.axes:
-            at = ax.get_position()
-            ax.set_position((left, at.y0, at.x1 - left, at.height))
+        _in_line(figure, page)
     return figure
+
+
+def _in_line(figure: Figure, page: float) -> None:
+    """Give the names of all panels one width, so that their axes stand in line."""
+    boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
+    names = max(box.width for box in boxes if box is not None) / figure.dpi * 25.4
+    left = (2.0 + names) / page
+    for ax in figure.axes:
+        at = ax.get_position()
+        ax.set_position((left, at.y0, at.x1 - left, at.height))
 
 
 def _margins(ax: Axes, found: Prediction) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
@@ -107,12 +107,16 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
             sheet.text_at(figure, _LEFT, y, literal(line), weight="bold")
         bottom -= _BELOW + lower
     for column in zip(*bars, strict=True):
-        # One vertical scale, symmetric around zero.
-        most = max(ax.get_ylim()[1] for ax in column)
-        for ax in column:
-            ax.set_ylim(-most, most)
+        _one_scale(column)
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
+
+
+def _one_scale(column: Sequence[Axes]) -> None:
+    """Give all axes one vertical scale, symmetric around zero."""
+    most = max(ax.get_ylim()[1] for ax in column)
+    for ax in column:
+        ax.set_ylim(-most, most)
 
 
 def _outline(walk: Walk, sample: int) -> list[Floats]:

@@ -131,11 +131,7 @@ def loops_of(
         else:
             by_sample[sample].append(recording)
             numbers[recording.source] = number
-    gauges = [recording.gauge for files in by_sample.values() for recording in files]
-    known = [gauge for gauge in gauges if gauge is not None]
-    gauge = sum(known) / len(known) if known and len(known) == len(gauges) else None
-    if known and gauge is None:
-        told.append("some files hold the length of the band and some do not: it is not used")
+    gauge = _gauge([recording.gauge for files in by_sample.values() for recording in files], told)
     loops: list[Hysteresis] = []
     for sample, files in sorted(by_sample.items()):
         cycles = [list(_cycles(recording)) for recording in files]
@@ -151,6 +147,16 @@ def loops_of(
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
             told += [f"{recording.source}: {line}" for line in lines]
     return tuple(loops), gauge, tuple(told)
+
+
+def _gauge(gauges: Sequence[float | None], told: list[str]) -> float | None:
+    """The mean length of the band [m], where all files hold one; a note where only some do."""
+    known = [gauge for gauge in gauges if gauge is not None]
+    if known and len(known) == len(gauges):
+        return sum(known) / len(known)
+    if known:
+        told.append("some files hold the length of the band and some do not: it is not used")
+    return None
 
 
 def _sorted(
