@@ -20,13 +20,15 @@ def path_of(chain: Chain, unloading: bool) -> Path:
     return chain.path([0.0, full])
 
 
-def predicted_force(chain: Chain, unloading: bool, stroke: Floats) -> Floats:
-    """Actuator force [N] of the model at strokes [m], going one way."""
+def predicted_force(
+    chain: Chain, unloading: bool, stroke: Floats, path: Path | None = None
+) -> Floats:
+    """Actuator force [N] of the model at strokes [m], going one way; `path` where it is known."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
     if len(chain) == 1:
         cell = chain.levers[0]
         return cell.force(cell.angle(stroke))
-    return on_path(path_of(chain, unloading), stroke)
+    return on_path(path or path_of(chain, unloading), stroke)
 
 
 def on_path(path: Path, stroke: Floats, shown: Floats | None = None) -> Floats:

@@ -444,7 +444,9 @@ def _ratio(series: Series, run: Recording) -> float:
     """How many times the force of the model a run shows, by least squares."""
     stroke = from_zero(run, series.chain.full_stroke)
     force = series.net(stroke, run.force)
-    model = predicted_force(series.chain, series.unloading, stroke)
+    # Several cells follow one path for all runs.
+    path = series.path if len(series.chain) > 1 else None
+    model = predicted_force(series.chain, series.unloading, stroke, path)
     size = float(model @ model)
     return float(model @ force) / size if size > 0 else 1.0
 
