@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -41,6 +42,12 @@ def some(boundary: Boundary, count: int) -> np.ndarray:
     return inside[np.linspace(0, len(inside) - 1, min(count, len(inside))).astype(int)]
 
 
+@cache
+def of_paper(*moving: int) -> tuple[Boundary, ...]:
+    """The boundaries of the paper's map, at which several tests look."""
+    return boundaries(PAPER, *moving, x=X, y=Y)
+
+
 def orders(found: tuple[Boundary, ...]) -> list[Boundary]:
     return [b for b in found if b.kind is not BoundaryKind.BISTABLE]
 
@@ -50,7 +57,7 @@ def kinds(found: tuple[Boundary, ...]) -> list[BoundaryKind]:
 
 
 def test_the_papers_map_has_two_order_curves_and_two_limits_of_bistability():
-    found = boundaries(PAPER, x=X, y=Y)
+    found = of_paper()
     # The two order curves cross where both cells are alike, and part four regions there.
     assert kinds(found) == [
         *2 * [BoundaryKind.LOADING_ORDER],
@@ -68,7 +75,7 @@ def test_the_papers_map_has_two_order_curves_and_two_limits_of_bistability():
 def test_on_an_exact_boundary_the_forces_are_equal_to_rounding(moving):
     stays = PAPER.cells[1 - moving]
     scale = stays.bands[0].stiffness * stays.lever
-    for boundary in orders(boundaries(PAPER, moving, x=X, y=Y)):
+    for boundary in orders(of_paper(moving)):
         for q in boundary.points:
             moved = design(PAPER, moving, q).cells[moving]
             gap = (
@@ -82,14 +89,14 @@ def test_on_an_exact_boundary_the_forces_are_equal_to_rounding(moving):
 
 @pytest.mark.slow
 def test_across_an_exact_boundary_the_sequence_changes_within_a_nanometre():
-    for boundary in orders(boundaries(PAPER, x=X, y=Y)):
+    for boundary in orders(of_paper()):
         for q in some(boundary, 6):
             assert len(sequences_around(PAPER, 1, q, 1e-9)) == 2
 
 
 @pytest.mark.slow
 def test_exact_boundaries_run_from_rim_to_crossing_and_stay_in_the_box():
-    for boundary in boundaries(PAPER, x=X, y=Y):
+    for boundary in of_paper():
         x, y = boundary.points.T
         assert x.min() >= X[0] - 1e-15
         assert x.max() <= X[1] + 1e-15
@@ -104,7 +111,7 @@ def test_exact_boundaries_run_from_rim_to_crossing_and_stay_in_the_box():
 def test_chords_of_an_exact_boundary_stay_close_to_the_curve():
     diagonal = math.hypot(0.020, 0.030)
     stays = PAPER.levers[0]
-    for boundary in orders(boundaries(PAPER, x=X, y=Y)):
+    for boundary in orders(of_paper()):
         middle = (boundary.points[1:] + boundary.points[:-1]) / 2
         for q in middle[::10]:
             moved = design(PAPER, 1, q).levers[1]
@@ -207,7 +214,7 @@ def test_a_limit_of_bistability_has_a_bistable_side(moved):
 
 @pytest.mark.slow
 def test_on_the_limits_of_bistability_an_end_force_is_zero():
-    for state, boundary in enumerate(boundaries(PAPER, x=X, y=Y)[4:]):
+    for state, boundary in enumerate(of_paper()[4:]):
         assert f"F{state} = 0" in boundary.changes
         for q in boundary.points:
             moved = design(PAPER, 1, q).levers[1]
@@ -225,7 +232,7 @@ def test_chains_without_closed_form_have_searched_boundaries_only():
 
 
 def test_a_boundary_prints_what_changes_and_how_it_was_found():
-    text = repr(boundaries(PAPER, x=X, y=Y)[0])
+    text = repr(of_paper()[0])
     says(text, "inner and outer", "loading", "exact")
 
 

@@ -87,6 +87,13 @@ def calibrated(seed=0):
     return lab.calibrate(lab.prepare(series), "linear")
 
 
+@cache
+def one_way():
+    """What recordings of loading alone tell."""
+    series = lab.sort_series(everything(ways=(False,))).series
+    return lab.calibrate(lab.prepare(series), "linear")
+
+
 def test_weight_frictions_and_rig_that_were_put_in_come_out():
     found = calibrated()
     assert found.weighing is not None
@@ -152,8 +159,7 @@ def test_intervals_hold_what_was_put_in_and_snaps_that_no_fit_has_seen():
 
 
 def test_one_direction_says_what_it_cannot_tell():
-    series = lab.sort_series(everything(ways=(False,))).series
-    found = lab.calibrate(lab.prepare(series), "linear")
+    found = one_way()
     assert "joints" not in found.values
     assert found.weighing is not None
     assert not found.weighing.both and np.isnan(found.weighing.friction)
@@ -187,15 +193,14 @@ def test_a_chain_with_the_calibration_carries_all_of_it():
 
 
 def test_friction_of_a_design_stays_where_recordings_do_not_tell_it():
-    series = lab.sort_series(everything(ways=(False,))).series
-    found = lab.calibrate(lab.prepare(series), "linear")
+    found = one_way()
     rubbing = Chain([replace(paper_cell(), friction=0.03), paper_cell()])
     assert found.applied(rubbing).levers[0].friction == 0.03
 
 
 def test_the_model_of_a_band_follows_the_longest_it_has_been_by_brute_force():
     rng = np.random.default_rng(5)
-    for _ in range(30):
+    for _ in range(examples(10, full=30)):
         cell = paper_cell()
         d = tuple(rng.uniform(-0.03, 0.04, 2).tolist())
         unloading = bool(rng.integers(2))

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -19,17 +21,29 @@ pytestmark = pytest.mark.slow
 MM = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
 MT, MB = MM.with_anchors(q=(0.020, 0.0)), MM.with_anchors(q=(0.0, 0.0))
 CHAINS = {"MMT": Chain([MM, MT]), "MMB": Chain([MM, MB])}
-NONE = "2unit_00_11/f/2unit_friction_1.txt", "2unit_11_00/f/2unit_friction_2.txt"
+# Each chain and each way, which the quick run has once.
+BOTH_WAYS = cases(product(CHAINS, (False, True)), [("MMT", False), ("MMB", True)])
 
 
-def runs(code: str, unloading: bool, friction: tuple[float, float] = (0.02, 0.02)) -> list:
+@cache
+def runs(code: str, unloading: bool) -> tuple[Recording, ...]:
     """Three repeats and their baseline, by a machine whose friction holds little."""
-    told = {"friction": friction, "unloading": unloading}
+    friction = 0.02, 0.02
     found = [
-        pair(f"2unit_x/x/2unit_{code}_{k}.txt", CHAINS[code], **told, noise=0.002, seed=k)
+        pair(f"2unit_x/x/2unit_{code}_{k}.txt", CHAINS[code], friction=friction,
+             unloading=unloading, noise=0.002, seed=k)
         for k in (1, 2, 3)
-    ]
-    return [*found, pair(f"2unit_x/f/2unit_friction_{1 + unloading}.txt", None, **told)]
+    ]  # fmt: skip
+    name = f"2unit_x/f/2unit_friction_{1 + unloading}.txt"
+    return *found, pair(name, None, friction=friction, unloading=unloading)
+
+
+@cache
+def compared(code: str, unloading: bool, repeats: tuple[int, ...] = (1, 2, 3)) -> lab.PairTest:
+    """What is said of such repeats, undamaged."""
+    *found, base = runs(code, unloading)
+    (test,) = lab.compare([*(found[k - 1] for k in repeats), base]).pairs
+    return test
 
 
 def taken(run: Recording, rows, stroke: float = 1.0) -> Recording:
@@ -61,18 +75,23 @@ DAMAGES: dict[str, tuple[Callable[[Recording], Recording], str]] = {
 }
 
 
-@pytest.mark.parametrize("unloading", [False, True])
-@pytest.mark.parametrize("damage", DAMAGES)
+# The quick run has every damage one way, and each way with every second damage.
+@pytest.mark.parametrize(
+    ("damage", "unloading"),
+    cases(
+        product(DAMAGES, (False, True)), [(damage, bool(k % 2)) for k, damage in enumerate(DAMAGES)]
+    ),
+)
 def test_one_odd_file_gets_a_line_and_stops_no_other(damage, unloading):
     damaged, word = DAMAGES[damage]
     first, *others = runs("MMT", unloading)
-    compared = lab.compare([damaged(first), *others])
-    assert [line for line in compared.told if first.source in line and word in line], compared.told
-    (test,) = compared.pairs
+    found = lab.compare([damaged(first), *others])
+    assert [line for line in found.told if first.source in line and word in line], found.told
+    (test,) = found.pairs
     assert len(test.series.recordings) == 2
     assert test.right_order and test.right_snaps
     # And the others are read as if it had not been there.
-    assert test.snaps == lab.compare(others).pairs[0].snaps
+    assert test.snaps == compared("MMT", unloading, (2, 3)).snaps
 
 
 def with_hole(run: Recording, rng: np.random.Generator) -> Recording:
@@ -107,8 +126,7 @@ SPOILT: tuple[Callable[[Recording, np.random.Generator], Recording], ...] = (
 )
 
 
-@pytest.mark.parametrize("code", CHAINS)
-@pytest.mark.parametrize("unloading", [False, True])
+@pytest.mark.parametrize(("code", "unloading"), BOTH_WAYS)
 def test_of_files_damaged_at_random_verdicts_are_right_or_cannot_be_told(code, unloading):
     rng = np.random.default_rng(4)
     *whole, base = runs(code, unloading)
@@ -130,7 +148,7 @@ def test_of_files_damaged_at_random_verdicts_are_right_or_cannot_be_told(code, u
 def test_one_spike_hides_no_snap_and_turns_no_order():
     """The same in all three, so that no other run helps: it is told, and nothing else changes."""
     *whole, base = runs("MMB", True)
-    (truth,) = lab.compare([*whole, base]).pairs
+    truth = compared("MMB", True)
     odd = []
     for run in whole:
         force = run.force.copy()
@@ -163,12 +181,11 @@ def slipping(run: Recording, rng: np.random.Generator, size: float) -> Recording
     return replace(run, force=force)
 
 
-@pytest.mark.parametrize("unloading", [False, True])
-@pytest.mark.parametrize("code", CHAINS)
+@pytest.mark.parametrize(("code", "unloading"), BOTH_WAYS)
 def test_slips_of_both_signs_are_not_taken_for_the_snap(code, unloading):
     rng = np.random.default_rng(8)
     clean = runs(code, unloading)
-    (truth,) = lab.compare(clean).pairs
+    truth = compared(code, unloading)
     ((stroke,), *_) = truth.snaps
     snap = abs(max((e.force_after - e.force_before for e in truth.series.path.events), key=abs))
     found = wrong = 0
@@ -191,12 +208,15 @@ def sampled(run: Recording, rate: float) -> Recording:
 
 
 @pytest.mark.parametrize(
-    "rate", cases([2.0, 5.0, 10.0, 200.0, 2000.0, 5000.0], [2.0, 10.0, 5000.0])
+    ("rate", "unloading"),
+    cases(
+        product((2.0, 5.0, 10.0, 200.0, 2000.0, 5000.0), (False, True)),
+        [(2.0, False), (10.0, False), (10.0, True), (5000.0, True)],
+    ),
 )
-@pytest.mark.parametrize("unloading", [False, True])
 def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloading):
     base = runs("MMT", unloading)
-    (truth,) = lab.compare(base).pairs
+    truth = compared("MMT", unloading)
     (test,) = lab.compare([sampled(run, rate) for run in base]).pairs
     step = SPEED / rate
     for known, snaps in zip(truth.snaps, test.snaps, strict=True):
@@ -210,7 +230,7 @@ def test_two_million_rows_say_what_a_thousand_say():
     *whole, base = runs("MMT", False)
     long = sampled(whole[0], 2_000_000 / whole[0].time[-1])
     assert len(long) >= 2_000_000
-    ((known,),) = lab.compare([whole[0], base]).pairs[0].snaps
+    ((known,),) = compared("MMT", False, (1,)).snaps
     (test,) = lab.compare([long, base]).pairs
     ((found,),) = test.snaps
     assert found == pytest.approx(known, abs=0.2e-3)
@@ -219,7 +239,7 @@ def test_two_million_rows_say_what_a_thousand_say():
 
 def test_a_hole_invents_no_snap_and_hides_none_without_a_word():
     first, second, third, base = runs("MMT", False)
-    (truth,) = lab.compare([first, second, third, base]).pairs
+    truth = compared("MMT", False)
     at = int(np.searchsorted(first.stroke, truth.snaps[0][0]))
     for rows in (np.r_[0 : at - 40, at + 40 : len(first)], np.r_[0 : at - 40]):
         hidden = [taken(run, rows) for run in (first, second, third)]
@@ -250,8 +270,7 @@ def test_repeats_that_differ_warn_by_themselves():
     later = replace(third, stroke=np.clip(third.stroke - 0.002, 0.0, None))
     (test,) = lab.compare([first, second, later, base]).pairs
     assert "repeats differ by" in test.warning and third.name in test.warning
-    (test,) = lab.compare([first, second, third, base]).pairs
-    assert test.warning == ""
+    assert compared("MMT", False).warning == ""
 
 
 def test_the_count_of_bands_of_a_run_does_not_depend_on_other_files():
