@@ -28,7 +28,7 @@ from stepwell.simulation import worlds
 pytestmark = pytest.mark.slow
 
 # Coarse and short: what is compared is that both do the same.
-QUICK = Settings(time_step=2e-3, contact_time=4e-3, settle=0.05)
+QUICK = Settings(time_step=2e-3, contact_time=4e-3, settle=0.02)
 BASE = explorer()
 
 
@@ -75,7 +75,7 @@ ROBOTS = [
     varied(foot__below_mm=0.8, foot__radius_mm=3.5, foot__link_mm=36),
 ]
 HURRIED = [hurried(robot) for robot in ROBOTS]
-YARDS = [yard(0.164), yard(0.168), yard(2.0)]
+YARDS = [yard(0.1635), yard(0.165), yard(2.0)]
 MOON = replace(BASE.floor, gravity=1.6)
 
 
@@ -87,8 +87,8 @@ def runs() -> list[tuple[SimulatedRun, SimulatedRun]]:
         for robot, arena in zip(ROBOTS, YARDS, strict=True)
     ]
     together = [one for one, _ in both]
-    worlds.Worlds(together).advance(0.2)
-    worlds.Worlds(together[1:]).advance(0.4)
+    worlds.Worlds(together).advance(0.13)
+    worlds.Worlds(together[1:]).advance(0.26)
     for run, alone in both:
         alone.advance(run.now)
     return both
@@ -100,7 +100,7 @@ def read(run: SimulatedRun, name: str) -> np.ndarray:
 
 
 def test_designs_in_one_batch_do_what_each_does_alone(runs):
-    assert [run.now for run, _ in runs] == pytest.approx([0.2, 0.4, 0.4])
+    assert [run.now for run, _ in runs] == pytest.approx([0.13, 0.26, 0.26])
     for run, alone in runs:
         assert not run.stopped and len(run.samples().time) == len(alone.samples().time)
         for name in ("body.position", "left.tip.position", "left.antenna", "right.antenna"):
@@ -137,8 +137,8 @@ def test_screened_ways_end_as_ways_do():
     here, far = Goal((0.0, 0.0)), Goal((3.0, 0.0))
     ends = [yard(0.17, here), yard(0.2, far), yard(2.0), yard(2.0, here)]
     entries = list(zip([*HURRIED, BASE], ends, strict=True))
-    found = screen_mazes(entries, limit=0.25, settings=QUICK)
-    assert found == tuple(way.outcome for way in mazes(entries, limit=0.25, settings=QUICK))
+    found = screen_mazes(entries, limit=0.1, settings=QUICK)
+    assert found == tuple(way.outcome for way in mazes(entries, limit=0.1, settings=QUICK))
     assert set(found) == {Outcome.REACHED, Outcome.TIMED_OUT}
 
 
