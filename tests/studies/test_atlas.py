@@ -424,7 +424,7 @@ def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
 
 def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     chain, axes = sw.Chain([CELL] * 3), axes_of(3)
-    each = examples(16, full=30)
+    each = examples(10, full=30)
     blocks = IndependentBlocks(axes, each, 5)
     study = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=0).study
     found = charted(study, samples=1, checks=0)
