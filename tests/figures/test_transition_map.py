@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import stepwell as sw
-from figures.drawn import collisions, cut_off, lines, points, says, untidy, words
+from figures.drawn import collisions, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.design import parameter_boundaries, parameter_map
 from stepwell.figures.common.style import INK, LOADING, PATHWAY, UNLOADING, pale
@@ -30,6 +30,22 @@ def shuffle():
     return parameter_map(chain, *PLACE), parameter_boundaries(chain, *PLACE, search=31)
 
 
+@pytest.fixture(scope="module")
+def drawn_pair(pair):
+    """The map of two cells with its boundaries, at which several tests look."""
+    return figures.transition_map(*pair)
+
+
+@pytest.fixture(scope="module")
+def drawn_shuffle(shuffle):
+    return figures.transition_map(*shuffle)
+
+
+@pytest.fixture(scope="module")
+def without_boundaries(shuffle):
+    return figures.transition_map(shuffle[0])
+
+
 def key(figure) -> dict[str, str]:
     """What the letters and numbers in the column beside the map mean, pathways by themselves."""
     texts = iter(text.get_text() for text in figure.axes[1].texts)
@@ -47,9 +63,8 @@ def codes(dataset) -> dict[str, int]:
 
 
 @pytest.mark.slow
-def test_letters_stand_in_the_region_of_their_sequence(shuffle):
-    dataset, boundaries = shuffle
-    figure = figures.transition_map(dataset, boundaries)
+def test_letters_stand_in_the_region_of_their_sequence(shuffle, drawn_shuffle):
+    dataset, figure = shuffle[0], drawn_shuffle
     meaning, code = key(figure), codes(dataset)
     seen = set()
     for text in figure.axes[0].texts:
@@ -64,9 +79,9 @@ def test_letters_stand_in_the_region_of_their_sequence(shuffle):
 
 
 @pytest.mark.slow
-def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle):
+def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle, without_boundaries):
     dataset, _ = shuffle
-    meaning = key(figures.transition_map(dataset))
+    meaning = key(without_boundaries)
     code = codes(dataset)
     occurring = {name for name, value in code.items() if np.any(dataset.sequence == value)}
     del meaning["two monostable"]
@@ -98,9 +113,8 @@ def test_pathways_of_two_cells_are_called_by_their_name_where_they_are(pair):
 
 
 @pytest.mark.slow
-def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair):
-    dataset, boundaries = pair
-    figure = figures.transition_map(dataset, boundaries)
+def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair, drawn_pair):
+    (_, boundaries), figure = pair, drawn_pair
     drawn = lines(figure, "boundary") + lines(figure, "stability edge")
     assert len(drawn) == len(boundaries) == 6
     assert len(lines(figure, "stability edge")) == 2
@@ -116,21 +130,20 @@ def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair):
 
 
 @pytest.mark.slow
-def test_curves_are_numbered_by_what_changes_across_them(pair):
-    figure = figures.transition_map(*pair)
-    meaning = key(figure)
+def test_curves_are_numbered_by_what_changes_across_them(drawn_pair):
+    meaning = key(drawn_pair)
     assert meaning["1"] != meaning["2"]
     assert {meaning["1"], meaning["2"]} == {
         "inner and outer change places while loading",
         "inner and outer change places while unloading",
     }
-    on_map = [t.get_text() for t in figure.axes[0].texts if t.get_gid() == "number"]
+    on_map = [t.get_text() for t in drawn_pair.axes[0].texts if t.get_gid() == "number"]
     assert sorted(on_map) == ["1", "1", "2", "2"]
 
 
 @pytest.mark.slow
-def test_axes_are_named_with_the_units_that_are_read(pair):
-    (ax, _) = figures.transition_map(*pair).axes
+def test_axes_are_named_with_the_units_that_are_read(drawn_pair):
+    (ax, _) = drawn_pair.axes
     assert ax.get_xlabel() == "$q_x$ of outer [mm]"
     assert ax.get_ylabel() == "$q_y$ of outer [mm]"
     assert (*ax.get_xlim(), *ax.get_ylim()) == pytest.approx((0, 20, -15, 15))
@@ -139,10 +152,9 @@ def test_axes_are_named_with_the_units_that_are_read(pair):
 
 
 @pytest.mark.slow
-def test_monostable_ground_is_hatched_and_explained(pair):
-    figure = figures.transition_map(*pair)
-    assert any(getattr(c, "hatches", [None])[0] for c in figure.axes[0].collections)
-    assert {"outer monostable", "bistable up to here"} <= set(key(figure).values())
+def test_monostable_ground_is_hatched_and_explained(pair, drawn_pair):
+    assert any(getattr(c, "hatches", [None])[0] for c in drawn_pair.axes[0].collections)
+    assert {"outer monostable", "bistable up to here"} <= set(key(drawn_pair).values())
     bistable = figures.transition_map(pair[0].sel(y=slice(-0.004, 0.004)))
     assert not any(getattr(c, "hatches", [None])[0] for c in bistable.axes[0].collections)
     assert "outer monostable" not in key(bistable).values()
@@ -215,9 +227,8 @@ def test_names_of_designs_and_of_regions_are_not_read_as_one(pair):
 
 
 @pytest.mark.slow
-def test_neighbouring_regions_differ_in_colour(shuffle):
-    dataset, _ = shuffle
-    mesh = figures.transition_map(dataset).axes[0].collections[0]
+def test_neighbouring_regions_differ_in_colour(without_boundaries):
+    mesh = without_boundaries.axes[0].collections[0]
     number = np.ma.asarray(mesh.get_array()).reshape(PLACES, PLACES).astype(int)
     colours = mesh.cmap(mesh.norm(number))
     for axis in (0, 1):
@@ -293,14 +304,12 @@ def test_names_lie_inside_the_frame_on_coarse_maps_too():
 
 
 @pytest.mark.slow
-def test_words_stay_apart_and_on_the_page(pair, shuffle):
+def test_words_stay_apart_and_on_the_page(pair, drawn_pair, drawn_shuffle):
     crossing = {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)}
     # Two columns for a long key, one for a short key, which stands below the map.
-    for found, wide in ((pair, 85.0), (shuffle, 180.0), ((*pair, crossing), 85.0)):
-        figure = figures.transition_map(*found)  # type: ignore[arg-type]
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
-        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    crowded = figures.transition_map(*pair, crossing)
+    for figure, wide in ((drawn_pair, 85.0), (drawn_shuffle, 180.0), (crowded, 85.0)):
+        assert untidy(figure, 7.0) == []
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(wide)
 
 
