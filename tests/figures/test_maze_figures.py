@@ -1,7 +1,7 @@
 """The way through an arena and its timeline: obstacles, path, contacts and gaits in place."""
 
 import math
-from functools import partial
+from functools import cache, partial
 from itertools import product
 
 import numpy as np
@@ -40,6 +40,12 @@ def mazes(touching):
     }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def drawn(touching):
+    """Both figures of the way at which most tests look: each is drawn once."""
+    return cache(lambda draw: draw(touching))
+
+
 KINDS = (
     "touching", "goal", "no obstacles, no goal", "no antennas", "no whole cycle", "stopped",
 )  # fmt: skip
@@ -74,8 +80,8 @@ def test_the_title_says_the_outcome(mazes):
     assert {"start", "end", "goal"} <= set(said)
 
 
-def test_obstacles_stand_in_their_place_and_are_dark_where_touched(touching):
-    ax = figures.maze(touching).axes[0]
+def test_obstacles_stand_in_their_place_and_are_dark_where_touched(touching, drawn):
+    ax = drawn(figures.maze).axes[0]
     touched = [name for name, time in touching.touched.items() if time is not None]
     assert touched == ["cylinder 1"]
     (wall,) = [p for p in ax.patches if p.get_gid() == "obstacle"]
@@ -90,11 +96,11 @@ def test_obstacles_stand_in_their_place_and_are_dark_where_touched(touching):
     assert round_.get_radius() == pytest.approx(25.0)
 
 
-def test_the_path_goes_through_every_sample_once_coloured(touching):
-    figure = figures.maze(touching)
-    drawn = [points(line) for ax in figure.axes for line in ax.get_lines()
-             if str(line.get_gid()).startswith("path")]  # fmt: skip
-    places = {tuple(xy) for line in drawn for xy in line if np.isfinite(xy).all()}
+def test_the_path_goes_through_every_sample_once_coloured(touching, drawn):
+    figure = drawn(figures.maze)
+    path = [points(line) for ax in figure.axes for line in ax.get_lines()
+            if str(line.get_gid()).startswith("path")]  # fmt: skip
+    places = {tuple(xy) for line in path for xy in line if np.isfinite(xy).all()}
     walk = touching.walk
     assert places == set(zip((walk.x * 1e3).tolist(), (walk.y * 1e3).tolist(), strict=True))
     gids = {line.get_gid() for ax in figure.axes for line in ax.get_lines()}
@@ -103,17 +109,17 @@ def test_the_path_goes_through_every_sample_once_coloured(touching):
     assert "path turning left" not in gids
 
 
-def test_presses_are_marked_where_the_body_was(touching):
+def test_presses_are_marked_where_the_body_was(touching, drawn):
     assert touching.contacts
-    (marked,) = lines(figures.maze(touching), "pressed")
+    (marked,) = lines(drawn(figures.maze), "pressed")
     first = touching.contacts[0]
     walk = touching.walk
     i = int(np.searchsorted(walk.time, first.begin))
     assert points(marked)[0] == pytest.approx((walk.x[i] * 1e3, walk.y[i] * 1e3))
-    assert lines(figures.maze_timeline(touching), "pressed") == []
+    assert lines(drawn(figures.maze_timeline), "pressed") == []
 
 
-def test_antennas_are_drawn_as_far_back_as_they_are_pressed(touching):
+def test_antennas_are_drawn_as_far_back_as_they_are_pressed(touching, drawn):
     walk = touching.walk
     press = touching.contacts[0]
     sample = int(np.searchsorted(walk.time, (press.begin + press.end) / 2))
@@ -121,7 +127,7 @@ def test_antennas_are_drawn_as_far_back_as_they_are_pressed(touching):
     antenna = walk.robot.antennas[index]
     angle = antenna.angle + antenna.side * walk.antenna[sample, index] + walk.yaw[sample]
     found = []
-    for line in lines(figures.maze(touching), f"antenna {press.antenna}"):
+    for line in lines(drawn(figures.maze), f"antenna {press.antenna}"):
         along = points(line)[1] - points(line)[0]
         found.append(math.atan2(along[1], along[0]))
     assert min(abs(math.remainder(one - angle, 2 * math.pi)) for one in found) < 1e-9
@@ -138,8 +144,8 @@ def test_the_scale_bar_has_the_length_it_says(mazes):
 
 
 @pytest.mark.slow
-def test_the_timeline_shows_swings_in_degrees_and_shades_contacts(touching):
-    figure = figures.maze_timeline(touching)
+def test_the_timeline_shows_swings_in_degrees_and_shades_contacts(touching, drawn):
+    figure = drawn(figures.maze_timeline)
     walk = touching.walk
     for i, line in enumerate(lines(figure, "swing")):
         assert points(line)[:, 1] == pytest.approx(np.degrees(walk.antenna[:, i]))
@@ -149,8 +155,8 @@ def test_the_timeline_shows_swings_in_degrees_and_shades_contacts(touching):
     assert figure.axes[-1].get_xlabel() == "Time [s]"
 
 
-def test_strips_have_the_gait_of_each_leg_in_every_cycle(touching):
-    figure = figures.maze_timeline(touching)
+def test_strips_have_the_gait_of_each_leg_in_every_cycle(touching, drawn):
+    figure = drawn(figures.maze_timeline)
     strip = figure.axes[2]
     legs = [text.get_text() for text in strip.get_yticklabels()]
     assert legs == ["left leg", "right leg"]
@@ -165,8 +171,8 @@ def test_strips_have_the_gait_of_each_leg_in_every_cycle(touching):
     )
 
 
-def test_only_touched_obstacles_have_a_strip(touching):
-    last = figures.maze_timeline(touching).axes[-1]
+def test_only_touched_obstacles_have_a_strip(touching, drawn):
+    last = drawn(figures.maze_timeline).axes[-1]
     assert [text.get_text() for text in last.get_yticklabels()] == ["cylinder 1"]
     felt = strips(last, "cylinder 1")
     assert min(begin for begin, _ in felt) == pytest.approx(touching.touched["cylinder 1"])

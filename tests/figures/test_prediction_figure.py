@@ -18,16 +18,21 @@ def predictions():
     return {"forward": walker(title="forward").predict(), "antennas": explorer().predict()}
 
 
+@pytest.fixture(scope="module")
+def drawn(predictions):
+    """The figure of each, drawn once."""
+    return {name: figures.prediction(found) for name, found in predictions.items()}
+
+
 @pytest.mark.parametrize("name", ["forward", "antennas"])
-def test_words_stay_apart_and_axes_name_their_units(name, predictions):
-    figure = figures.prediction(predictions[name])
+def test_words_stay_apart_and_axes_name_their_units(name, drawn):
+    figure = drawn[name]
     assert untidy(figure) == []
     assert all(ax.get_xlabel().endswith(("[mN]", "[N]", "[mm]")) for ax in figure.axes)
 
 
-def test_each_leg_has_its_gait_and_its_margin(predictions):
-    found = predictions["antennas"]
-    figure = figures.prediction(found)
+def test_each_leg_has_its_gait_and_its_margin(predictions, drawn):
+    found, figure = predictions["antennas"], drawn["antennas"]
     for leg in found.legs:
         assert any(text.startswith(f"{leg.name}: {leg.gait}") for text in says(figure))
         if math.isfinite(leg.margin):
@@ -35,9 +40,8 @@ def test_each_leg_has_its_gait_and_its_margin(predictions):
             assert points(mark)[0, 0] == pytest.approx(leg.margin * 1e3)
 
 
-def test_each_push_shows_the_drag_that_it_overcomes(predictions):
-    found = predictions["forward"]
-    figure = figures.prediction(found)
+def test_each_push_shows_the_drag_that_it_overcomes(predictions, drawn):
+    found, figure = predictions["forward"], drawn["forward"]
     for leg in found.legs:
         drawn = boxes(figure, f"drag {leg.name}")
         finite = [push.largest_drag for push in leg.pushes if math.isfinite(push.largest_drag)]
@@ -48,21 +52,19 @@ def test_each_push_shows_the_drag_that_it_overcomes(predictions):
     assert points(floor)[:, 0] == pytest.approx(0.39)
 
 
-def test_each_flip_stands_at_its_displacement(predictions):
-    found = predictions["antennas"]
+def test_each_flip_stands_at_its_displacement(predictions, drawn):
+    found, figure = predictions["antennas"], drawn["antennas"]
     assert found.flips
-    figure = figures.prediction(found)
     for antenna in found.robot.antennas:
         marks = [points(line)[0, 0] for line in lines(figure, f"flip {antenna.name}")]
         flips = [flip for flip in found.flips if flip.antenna == antenna.name]
         assert marks == pytest.approx([flip.displacement * 1e3 for flip in flips])
-    assert len(figures.prediction(predictions["forward"]).axes) == 3
+    assert len(drawn["forward"].axes) == 3
 
 
 @pytest.mark.parametrize("name", ["forward", "antennas"])
-def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, predictions):
-    found = predictions[name]
-    figure = figures.prediction(found)
+def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, predictions, drawn):
+    found, figure = predictions[name], drawn[name]
     for leg, (least, most) in zip(found.legs, found.depths, strict=True):
         (bar,) = boxes(figure, f"depths {leg.name}")
         assert bar.get_x() == pytest.approx(least * 1e3)
@@ -73,8 +75,8 @@ def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, pre
 
 
 @pytest.mark.parametrize("name", ["forward", "antennas"])
-def test_no_leg_has_the_colour_of_what_is_in_doubt(name, predictions):
-    figure = figures.prediction(predictions[name])
+def test_no_leg_has_the_colour_of_what_is_in_doubt(name, drawn):
+    figure = drawn[name]
     legs = {
         line.get_color()
         for ax in figure.axes

@@ -3,7 +3,7 @@
 import itertools
 import math
 import warnings
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -45,6 +45,13 @@ def walks(forward, turning):
     }
 
 
+@pytest.fixture(scope="module")
+def drawn(forward, turning):
+    """Figures of the two walks at which most tests look: each is drawn once."""
+    of = {"forward": forward, "turning": turning}
+    return cache(lambda draw, name: draw(of[name]))
+
+
 KINDS = (
     "forward", "turning", "antennas", "three cells", "four legs", "a part of a cycle",
     "7¾ cycles", "stopped", "one sample", "gone on",
@@ -67,9 +74,9 @@ def test_every_walk_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kin
 
 
 @pytest.mark.parametrize("draw", DRAWINGS)
-def test_every_axis_with_a_dimension_names_its_unit(draw, forward):
+def test_every_axis_with_a_dimension_names_its_unit(draw, drawn):
     none = {"Cycle", "Displacement $d/u_\\mathrm{max}$", "", "Stands on the floor"}
-    for ax in draw(forward).axes:
+    for ax in drawn(draw, "forward").axes:
         for name in (ax.get_xlabel(), ax.get_ylabel()):
             assert name in none or name.endswith(("[mm]", "[s]", "[N]", "[mJ]", "[°]")), name
 
@@ -109,8 +116,8 @@ def test_states_under_the_axis_are_the_gait_of_each_leg(turning):
             assert turning.state(leg, text.get_position()[0]) == text.get_text()
 
 
-def test_shading_is_where_the_foot_carries_weight(forward):
-    figure = figures.gait(forward)
+def test_shading_is_where_the_foot_carries_weight(forward, drawn):
+    figure = drawn(figures.gait, "forward")
     for i, ax in enumerate(figure.axes[1:]):
         shaded = np.zeros(len(forward.time), bool)
         for low, high in map(ends, boxes(ax, "stance")):
@@ -128,16 +135,17 @@ def test_cycles_are_numbered_on_from_an_earlier_walk(walks):
 @pytest.mark.parametrize("kind", ["forward", "turning", "gone on", "stopped"])
 def test_bars_are_displacement_and_turn_of_every_cycle(kind, walks):
     one = walks[kind]
-    _, moved, turned = figures.trajectory(one).axes
+    figure = figures.trajectory(one)
+    _, moved, turned = figure.axes
     assert [bar.get_height() for bar in boxes(moved)] == pytest.approx(one.advance)
     assert [bar.get_height() for bar in boxes(turned)] == pytest.approx(np.degrees(one.turn))
-    (dots,) = lines(figures.trajectory(one), "sideways")
+    (dots,) = lines(figure, "sideways")
     assert points(dots)[:, 1] == pytest.approx(one.sideways)
     assert len(one.advance) > 0
 
 
-def test_the_path_is_the_bodys_with_a_tick_to_its_heading_each_cycle(turning):
-    figure = figures.trajectory(turning)
+def test_the_path_is_the_bodys_with_a_tick_to_its_heading_each_cycle(turning, drawn):
+    figure = drawn(figures.trajectory, "turning")
     (path,) = lines(figure, "path")
     assert points(path) == pytest.approx(np.column_stack([turning.x, turning.y]) * 1e3)
     ticks = [np.diff(points(line), axis=0)[0] for line in lines(figure, "heading")]
@@ -166,8 +174,8 @@ def test_no_walks_are_refused():
         figures.trajectories({})
 
 
-def test_bars_of_contact_are_where_feet_and_t_foot_stand(forward):
-    bars = figures.contacts(forward).axes[0]
+def test_bars_of_contact_are_where_feet_and_t_foot_stand(forward, drawn):
+    bars = drawn(figures.contacts, "forward").axes[0]
     loads = [*forward.foot_force.T, forward.support_force.sum(axis=1)]
     names = [text.get_text() for text in bars.get_yticklabels()]
     assert names == ["left", "right", "T-foot"]
@@ -187,8 +195,8 @@ def test_forces_under_feet_and_t_foot_are_those_of_the_walk(forward):
     assert points(weight)[:, 1] == pytest.approx(forward.robot.weight)
 
 
-def test_legs_that_carry_the_same_are_both_seen(forward):
-    figure = figures.contacts(forward)
+def test_legs_that_carry_the_same_are_both_seen(drawn):
+    figure = drawn(figures.contacts, "forward")
     (left,), (right,) = (lines(figure, f"force {leg}") for leg in ("left", "right"))
     assert points(left)[:, 1] == pytest.approx(points(right)[:, 1], abs=0.05)
     # The wider one below, the other dashed above it.
@@ -199,30 +207,30 @@ def test_legs_that_carry_the_same_are_both_seen(forward):
 
 
 @pytest.mark.slow
-def test_a_walk_straight_on_says_so_where_its_bars_have_no_height(forward, turning):
-    straight, turned = figures.trajectory(forward), figures.trajectory(turning)
+def test_a_walk_straight_on_says_so_where_its_bars_have_no_height(forward, drawn):
+    straight, turned = (drawn(figures.trajectory, name) for name in ("forward", "turning"))
     assert any(text.startswith("straight on") for text in says(straight))
     assert not any(text.startswith("straight on") for text in says(turned))
     (dots,) = lines(straight, "turns")
     assert points(dots)[:, 1] == pytest.approx(np.degrees(forward.turn))
 
 
-def test_headings_point_ahead_and_keep_apart(forward):
-    drawn = [points(line) for line in lines(figures.trajectory(forward), "heading")]
-    for (start, tip), (after, _) in itertools.pairwise(drawn):
+def test_headings_point_ahead_and_keep_apart(drawn):
+    headings = lines(drawn(figures.trajectory, "forward"), "heading")
+    for (start, tip), (after, _) in itertools.pairwise(map(points, headings)):
         assert tip[0] - start[0] > 10 * abs(tip[1] - start[1])
         assert tip[0] <= after[0] + 1e-9
 
 
 @pytest.mark.slow
-def test_headings_of_a_robot_that_turns_where_it_stands_spread_like_a_fan(turning, forward):
-    def long(walk) -> float:
-        figure = figures.trajectory(walk)
+def test_headings_of_a_robot_that_turns_where_it_stands_spread_like_a_fan(drawn):
+    def long(name: str) -> float:
+        figure = drawn(figures.trajectory, name)
         ax = figure.axes[0]
         ends = ax.transData.transform(points(lines(figure, "heading")[0]))
         return float(np.hypot(*(ends[1] - ends[0]))) / figure.dpi * 25.4
 
-    assert long(turning) > 2 * long(forward)
+    assert long("turning") > 2 * long("forward")
 
 
 def test_a_long_name_is_not_crossed_by_how_the_walk_ended(walks):
@@ -232,16 +240,16 @@ def test_a_long_name_is_not_crossed_by_how_the_walk_ended(walks):
     assert f"{long}, stopped early" in says(figure)
 
 
-def test_work_of_the_cycles_adds_up_to_the_walks(forward):
-    bars = boxes(figures.contacts(forward).axes[3])
+def test_work_of_the_cycles_adds_up_to_the_walks(forward, drawn):
+    bars = boxes(drawn(figures.contacts, "forward").axes[3])
     assert len(bars) == 3
     total = sum(bar.get_height() for bar in bars)
     # The walk's own sum begins one sample after the first cycle does.
     assert total == pytest.approx(forward.work * 1e3, rel=0.01)
 
 
-def test_the_loop_is_force_against_stroke_out_and_back(forward):
-    figure = figures.contacts(forward)
+def test_the_loop_is_force_against_stroke_out_and_back(forward, drawn):
+    figure = drawn(figures.contacts, "forward")
     whole = np.concatenate([points(line) for gid in ("out", "back") for line in lines(figure, gid)])
     whole = whole[np.isfinite(whole).all(axis=1)]
     every = np.column_stack([forward.stroke * 1e3, forward.actuator_force])
@@ -266,10 +274,11 @@ def test_motions_are_named_as_the_robot_moves(walks):
     assert motions(walk(walker(0.005, 0.005), 1)) == [BACKWARD]
 
 
-def test_the_legend_names_what_is_drawn(forward):
+def test_the_legend_names_what_is_drawn(drawn):
     named = ["inner", "outer", "foot on the floor", "stroke", "command"]
-    assert [text.get_text() for text in figures.gait(forward).legends[0].get_texts()] == named
-    assert legend_of(figures.contacts(forward))[-2:] == ["out", "back"]
+    (legend, *_) = drawn(figures.gait, "forward").legends
+    assert [text.get_text() for text in legend.get_texts()] == named
+    assert legend_of(drawn(figures.contacts, "forward"))[-2:] == ["out", "back"]
 
 
 @pytest.mark.slow
