@@ -72,7 +72,6 @@ def pytest_collection_finish() -> None:
 
     Half a million objects stay; to look through them was a sixth of the time of quick tests.
     """
-    gc.collect()
     gc.freeze()
     gc.set_threshold(10_000, 10, 10)
 
