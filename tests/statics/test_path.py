@@ -218,7 +218,7 @@ def test_a_cell_that_lets_go_at_no_force_at_all_is_no_tie():
 
 
 @pytest.mark.slow
-def test_tens_of_thousands_of_cells_cycle_in_sorted_order(monkeypatch):
+def test_ten_thousand_cells_cycle_in_sorted_order(monkeypatch):
     cells = examples(10_000, full=100_000)
     monkeypatch.setenv("STEPWELL_LIMITS", f"cells={cells}")  # on purpose
     x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, cells))
