@@ -153,7 +153,7 @@ def test_without_processes_the_bytes_are_the_same(tmp_path, undisturbed):
 @pytest.mark.slow
 def test_workers_and_clients_killed_at_random_leave_the_same_bytes(tmp_path, undisturbed):
     dice, folder, kills = random.Random(5), tmp_path / "study.zarr", 0
-    wanted = examples(3, 100)
+    wanted = examples(2, 100)
     while kills < wanted:
         running = client(folder, workers=2)
         time.sleep(dice.uniform(0.3, 4.0))
