@@ -307,7 +307,7 @@ def test_names_lie_inside_the_frame_on_coarse_maps_too():
 def test_words_stay_apart_and_on_the_page(pair, drawn_pair, drawn_shuffle):
     crossing = {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)}
     # Two columns for a long key, one for a short key, which stands below the map.
-    crowded = figures.transition_map(*pair, crossing)
+    crowded = figures.transition_map(pair[0], pair[1], crossing)
     for figure, wide in ((drawn_pair, 85.0), (drawn_shuffle, 180.0), (crowded, 85.0)):
         assert untidy(figure, 7.0) == []
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(wide)
