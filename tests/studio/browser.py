@@ -33,6 +33,15 @@ HASTY = """
 const later = window.setTimeout;
 window.setTimeout = (call, ms, ...more) => later(call, ms > 100 && ms < 500 ? 40 : ms, ...more);
 """
+# What processes of their own compute unasked, of an atlas that which comes with Stepwell.
+LONG = "yield", "predict", "thumbnails", "atlas"
+# The view in space takes a core where there is no graphics processor.
+FLAT = """
+const { getContext } = HTMLCanvasElement.prototype;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind === "webgl2" ? null : getContext.call(this, kind, ...more);
+};
+"""
 # Of what a page asks, how much has no answer yet.
 COUNTED = """
 const said = WebSocket.prototype.send, asked = new Map(), heard = new WeakSet();
@@ -57,10 +66,24 @@ ANSWERED = """async (most) => {
   do await new Promise((done) => setTimeout(done, 50));
   while (unanswered() && performance.now() < end);
 }"""
-# What stands in the fields of these names.
+# What stands in the fields of these names, and in the places where something is told.
 VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
 """
+TOLD = """(names) => {
+  const told = (name) => document.querySelector(`output[aria-label=${JSON.stringify(name)}]`);
+  return names.map((name) => told(name).innerText);
+}"""
+# A drag is read once a frame.
+SETTLED = """async () => {
+  const frame = () => new Promise((done) => setTimeout(done, 16));
+  const end = performance.now() + 30_000;
+  for (let k = 0; k < 3; k += 1) await frame();
+  while (document.querySelector("main")?.getAttribute("aria-busy") !== "false") {
+    if (performance.now() > end) throw new Error("what was changed is not answered or not kept");
+    await frame();
+  }
+}"""
 
 needed("starlette", "uvicorn", "websockets")
 
@@ -88,23 +111,28 @@ def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
             server.kill()
 
 
-def without(kind: str) -> str:
-    """A script that has a page never ask for what follows its design and takes long."""
+def without(*kinds: str) -> str:
+    """A script that has a page never ask for what takes long: of LONG these, by default all."""
     return f"""
 const send = WebSocket.prototype.send;
 WebSocket.prototype.send = function (message) {{
-  if (JSON.parse(message).type !== "{kind}") send.call(this, message);
+  const {{ type, ask }} = JSON.parse(message);
+  if (!{json.dumps(kinds or LONG)}.includes(type) || ask.name) send.call(this, message);
 }};
 """
 
 
-def begun(page: Page, address: str, design: str | dict[str, Any]) -> Page:
-    """The page of a studio with a preset or tables, as its link holds it, answered and kept."""
+def link(address: str, design: str | dict[str, Any]) -> str:
+    """The address of a page of the studio with a preset or tables, which it holds itself."""
     named = isinstance(design, str)
     text = json.dumps(files.tables_in(files.preset_text(design), design) if named else design)
-    held = base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
-    page.goto(f"{address}#design={held}")
-    expect(output(page, "sequence")).to_be_visible()
+    return f"{address}#design={base64.urlsafe_b64encode(text.encode()).decode().rstrip('=')}"
+
+
+def begun(page: Page, address: str, design: str | dict[str, Any]) -> Page:
+    """A page that shows something else, now with a preset or tables, answered and kept."""
+    page.goto(link(address, design))
+    output(page, "sequence").wait_for()
     settled(page)
     return page
 
@@ -125,6 +153,11 @@ def number(page: Page, name: str) -> float:
     return float(output(page, name).inner_text().replace("−", "-"))
 
 
+def numbers(page: Page, *names: str) -> list[float]:
+    """Several at once: each word to a browser takes as long as all of them."""
+    return [float(text.replace("−", "-")) for text in page.evaluate(TOLD, names)]
+
+
 def shown_as(value: float) -> float:
     return float(f"{value:.4g}")
 
@@ -138,7 +171,7 @@ def handle(page: Page, anchor: str, cell: str):
 
 
 def anchors(page: Page, cell: str) -> list[list[float]]:
-    """p and q, read at once: each word to a browser takes as long as all of them."""
+    """p and q."""
     names = [f"{anchor} of {cell}, {axis} in mm" for anchor in "pq" for axis in "xy"]
     field(page, "p", cell, "x").wait_for()
     px, py, qx, qy = map(float, page.evaluate(VALUES, names))
@@ -172,16 +205,17 @@ def compare(page: Page) -> None:
     slider = page.get_by_role("slider", name="Stroke")
     for k in (0, 40, len(path.drive) - 20):
         slider.fill(str(k))
-        assert number(page, "stroke") == shown_as(path.stroke[k] * 1e3)
-        assert number(page, "force") == shown_as(path.force[k])
-        for i, name in enumerate(chain.names):
-            assert number(page, f"travel of {name}") == shown_as(path.travel[k, i] * 1e3)
+        told = numbers(page, "stroke", "force", *(f"travel of {name}" for name in chain.names))
+        assert told == [
+            shown_as(path.stroke[k] * 1e3),
+            shown_as(path.force[k]),
+            *(shown_as(travel * 1e3) for travel in path.travel[k]),
+        ]
 
 
 def settled(page: Page) -> None:
     """All that was changed is answered and kept."""
-    page.wait_for_timeout(50)  # a drag is read once a frame
-    expect(page.locator("main")).to_have_attribute("aria-busy", "false", timeout=30_000)
+    page.evaluate(SETTLED)
 
 
 def middle(found: Locator) -> tuple[float, float]:

@@ -24,19 +24,20 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def address(home: Path) -> Iterator[str]:
+def empty_address(home: Path) -> Iterator[str]:
+    """A studio that begins with the gallery: one for all pages of a process."""
     from studio.browser import served
 
-    with served(home, "paper-forward") as found:
+    with served(home, "") as found:
         yield found
 
 
 @pytest.fixture(scope="session")
-def empty_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    from studio.browser import served
+def address(empty_address: str) -> str:
+    """There the paper's leg."""
+    from studio.browser import link
 
-    with served(tmp_path_factory.mktemp("studio"), "") as found:
-        yield found
+    return link(empty_address, "paper-forward")
 
 
 def blameless(found: Opened) -> None:
@@ -63,29 +64,23 @@ def opened(browser: Browser) -> Iterator[Opened]:
 def only(browser: Browser) -> Iterator[Opened]:
     """One page for most tests of a process: to open another takes as long as such a test."""
     from chromium import Opened
-    from studio.browser import HASTY, without
+    from studio.browser import FLAT, HASTY, without
 
     context = browser.new_context(viewport=WIDE, color_scheme="light")
-    found = Opened(context.new_page())
-    found.page.add_init_script(HASTY)
-    # A yield keeps a process busy for a second; those who look at one open a page of their own.
-    found.page.add_init_script(without("yield"))
-    yield found
+    # Yields, predictions, motions and spaces keep a core busy for seconds; those who look at one
+    # open a page of their own.
+    for script in (HASTY, FLAT, without()):
+        context.add_init_script(script)
+    yield Opened(context.new_page())
     context.close()
 
 
 @pytest.fixture
-def shared(only: Opened, address: str) -> Iterator[Opened]:
-    """The page of most tests with the leg, as if nothing had been opened before."""
-    from playwright.sync_api import expect
-
-    from studio.browser import output
-
+def blank(only: Opened) -> Iterator[Opened]:
+    """The page of most tests before anything was opened."""
     only.wrong.clear()
     only.asked.clear()
     only.page.set_viewport_size(WIDE)
-    only.page.goto(address)
-    expect(output(only.page, "sequence")).to_be_visible()
     yield only
     # Nothing that is kept after a rest is kept for the next.
     only.page.evaluate("localStorage.clear(); Storage.prototype.setItem = () => {}")
@@ -95,18 +90,50 @@ def shared(only: Opened, address: str) -> Iterator[Opened]:
 
 
 @pytest.fixture
-def offline(browser: Browser) -> Iterator[Opened]:
-    """A page without a network, which may load one file and nothing else."""
+def shared(blank: Opened, address: str) -> Opened:
+    """The page of most tests with the leg."""
+    from studio.browser import output
+
+    blank.page.goto(address)
+    output(blank.page, "sequence").wait_for()
+    return blank
+
+
+@pytest.fixture
+def beside(shared: Opened) -> Iterator[Opened]:
+    """Another page of the same visitor, where nothing was opened yet."""
     from chromium import Opened
 
-    context = browser.new_context(offline=True, viewport={"width": 1280, "height": 800})
-    found = Opened(context.new_page())
+    found = Opened(shared.page.context.new_page())
     yield found
+    found.page.close()
+    blameless(found)
+
+
+@pytest.fixture(scope="session")
+def unconnected(browser: Browser) -> Iterator[Opened]:
+    from chromium import Opened
+
+    context = browser.new_context(offline=True, viewport=WIDE)
+    yield Opened(context.new_page())
     context.close()
+
+
+@pytest.fixture
+def offline(unconnected: Opened) -> Iterator[Opened]:
+    """A page without a network, which may load one file and nothing else."""
+    found = unconnected
+    found.wrong.clear()
+    found.asked.clear()
+    yield found
     assert not found.wrong
     # The page itself, and the empty icon that stands in it.
     assert all(url.startswith(("file://", "data:")) for url in found.asked)
     assert sum(url.startswith("file://") for url in found.asked) == 1
+    found.page.mouse.move(0, 0)
+    found.page.goto("about:blank")
+    found.page.set_viewport_size(WIDE)
+    found.page.emulate_media(color_scheme="light", reduced_motion="no-preference")
 
 
 @pytest.fixture

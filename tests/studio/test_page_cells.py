@@ -14,9 +14,9 @@ from playwright.sync_api import Locator, Page, expect  # isort: skip
 
 
 @pytest.fixture
-def start(opened: Opened, empty_address: str) -> Callable[[str], Page]:
+def start(blank: Opened, empty_address: str) -> Callable[[str], Page]:
     """Opens a preset."""
-    return lambda preset: begun(opened.page, empty_address, preset)
+    return lambda preset: begun(blank.page, empty_address, preset)
 
 
 def more(page: Page, cell: str) -> None:

@@ -3,10 +3,12 @@
 import json
 import re
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
-from sizes import examples
+from chromium import nothing_found
+from sizes import cases, examples
 from studio.browser import (
     Opened,
     anchors,
@@ -19,6 +21,7 @@ from studio.browser import (
     output,
     served,
     settled,
+    without,
 )
 
 from playwright.sync_api import Browser, Page  # isort: skip
@@ -76,11 +79,20 @@ def test_a_hundred_steps_are_undone_and_the_first_is_not(page: Page):
     expect(redo).to_be_disabled()
 
 
-def test_a_finger_moves_an_anchor_and_not_the_page(browser: Browser, address: str):
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+@pytest.mark.parametrize("scheme", cases(["light", "dark"], ["dark"]))
+def test_a_finger_moves_an_anchor_and_not_the_page_which_is_no_wider_than_a_phone(
+    browser: Browser, address: str, scheme: Literal["light", "dark"]
+):
+    context = browser.new_context(
+        viewport={"width": 390, "height": 844}, has_touch=True, color_scheme=scheme
+    )
     page = context.new_page()
+    page.add_init_script(without())
     page.goto(address)
+    output(page, "sequence").wait_for()
     settled(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    expect(page.locator("html")).to_have_attribute("data-theme", scheme)
     before = anchors(page, "outer")
     x, y = middle(handle(page, "q", "outer").locator(".dot"))
     drawing = page.locator(".drawing svg").first
@@ -106,15 +118,16 @@ def test_a_finger_moves_an_anchor_and_not_the_page(browser: Browser, address: st
     assert after[1][1] < before[1][1] - 2
     page.get_by_role("button", name="Undo").tap()
     assert anchors(page, "outer") == before
+    handle(page, "q", "outer").locator(".dot").tap()
     context.close()
 
 
-def test_two_tabs_of_one_studio_have_their_own_numbers(browser: Browser, address: str):
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    pages = [context.new_page(), context.new_page()]
-    for page in pages:
-        page.goto(address)
-        expect(output(page, "sequence")).to_be_visible()
+def test_two_tabs_of_one_studio_have_their_own_numbers(
+    shared: Opened, beside: Opened, address: str
+):
+    pages = [shared.page, beside.page]
+    beside.page.goto(address)
+    output(beside.page, "sequence").wait_for()
     for x, page in zip((15, 12), pages, strict=True):
         field(page, "q", "outer", "x").fill(str(x))
         field(page, "q", "outer", "x").press("Enter")
@@ -122,11 +135,10 @@ def test_two_tabs_of_one_studio_have_their_own_numbers(browser: Browser, address
         settled(page)
         assert anchors(page, "outer")[1] == [x, 0.0]
         compare(page)
-    context.close()
 
 
-def test_a_journey_by_keys_alone(opened: Opened, empty_address: str):
-    page = opened.page
+def test_a_journey_by_keys_alone(blank: Opened, empty_address: str):
+    page = blank.page
     page.goto(empty_address)
     expect(page.get_by_role("button", name="Three cells, a wave")).to_be_visible()
     focus(page, "Forward leg: clockwise, the inner")
@@ -163,15 +175,22 @@ def test_a_journey_by_keys_alone(opened: Opened, empty_address: str):
     compare(page)
 
 
-def test_what_a_lost_server_leaves_is_saved_and_opened_in_the_next(opened: Opened, tmp_path: Path):
+def test_what_a_lost_server_leaves_is_saved_and_goes_on_in_the_next_at_its_port(
+    opened: Opened, tmp_path: Path, axe: str
+):
     page = opened.page
+    page.add_init_script(without())
     with served(tmp_path, "paper-forward") as address:
         page.goto(address)
         expect(output(page, "sequence")).to_be_visible()
+        field(page, "q", "outer", "x").fill("17")
+        field(page, "q", "outer", "x").press("Enter")
+        settled(page)
     expect(page.get_by_text("The server is gone; your design is kept here.")).to_be_visible()
     port = re.search(r":(\d+)/", address)
     assert port is not None
     expect(page.get_by_text(f"stepwell studio --port {port[1]}")).to_be_visible()
+    nothing_found(page, axe)
     field(page, "q", "outer", "x").fill("15")
     field(page, "q", "outer", "x").press("Enter")
     assert anchors(page, "outer")[1] == [15.0, 0.0]
@@ -183,35 +202,21 @@ def test_what_a_lost_server_leaves_is_saved_and_opened_in_the_next(opened: Opene
     download.value.save_as(saved)
     assert saved.suffix == ".json"
     assert json.loads(saved.read_text())["chain"]["cell"][1]["q_mm"] == [15, 0]
+    page.goto("about:blank")
     opened.wrong.clear()  # the browser tells of every socket that did not open
-    with served(tmp_path, "") as address:
-        page.goto(address)
-        page.get_by_label("Open a design file").set_input_files(saved)
-        expect(output(page, "sequence")).to_be_visible()
-        settled(page)
-        assert anchors(page, "outer")[1] == [15.0, 0.0]
-        compare(page)
-        opened.page.goto("about:blank")
-    opened.wrong.clear()
-
-
-def test_a_studio_at_the_same_port_goes_on_where_one_was(opened: Opened, tmp_path: Path):
-    page = opened.page
-    with served(tmp_path, "paper-forward") as address:
-        page.goto(address)
-        expect(output(page, "sequence")).to_be_visible()
-        field(page, "q", "outer", "x").fill("15")
-        field(page, "q", "outer", "x").press("Enter")
-        settled(page)
-        page.goto("about:blank")
-    port = re.search(r":(\d+)/", address)
-    assert port is not None
     with served(tmp_path, "", int(port[1])) as address:
         page.goto(address)
         page.get_by_role("button", name="Go on where you were").click()
         expect(output(page, "sequence")).to_be_visible()
         settled(page)
         assert anchors(page, "outer")[1] == [15.0, 0.0]
+        field(page, "q", "outer", "x").fill("17")
+        field(page, "q", "outer", "x").press("Enter")
+        page.get_by_label("Open a design file").set_input_files(saved)
+        expect(field(page, "q", "outer", "x")).to_have_value("15")
+        settled(page)
+        assert anchors(page, "outer")[1] == [15.0, 0.0]
+        compare(page)
         page.goto("about:blank")
 
 
