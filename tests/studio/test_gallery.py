@@ -27,6 +27,7 @@ def listed() -> list[dict[str, Any]]:
     return unpacked(answered(Message("gallery", 1)))[0]["designs"]
 
 
+@cache
 def told() -> tuple[list[Answer], Answer]:
     """Every motion as the page reads it, and the last answer."""
     found: list[Answer] = []

@@ -8,7 +8,7 @@ import pytest
 from sizes import cases
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.mechanism import Chain
-from studio.browser import Opened, output
+from studio.browser import Opened, output, without
 from studio.test_access import nothing_found
 
 from playwright.sync_api import Browser, Locator, Page, ViewportSize, expect  # isort: skip
@@ -19,37 +19,43 @@ WIDE: ViewportSize = {"width": 1280, "height": 800}
 
 
 @pytest.fixture
-def listed(opened: Opened, empty_address: str) -> Page:
-    """Without waiting for anything to move."""
-    opened.page.goto(empty_address)
-    expect(cards(opened.page)).to_have_count(len(presets()))
-    return opened.page
+def listed(blank: Opened, empty_address: str) -> Page:
+    """Where nothing moves."""
+    blank.page.goto(empty_address)
+    cards(blank.page).first.wait_for()
+    expect(cards(blank.page)).to_have_count(len(presets()))
+    return blank.page
 
 
 @pytest.fixture(scope="module")
 def come(browser: Browser, empty_address: str) -> Iterator[Page]:
-    """One page for all: its motions take a quarter of a minute to come."""
+    """One page for all: its motions take a quarter of a minute to come.
+
+    It was left for a design as soon as it was there, and has gone on.
+    """
     # Pictures that move meanwhile keep a core busy, which makes those that come wait.
     context = browser.new_context(viewport=WIDE, color_scheme="light", reduced_motion="reduce")
-    yield shown(context.new_page(), empty_address)
+    # The design that it is left for has a yield.
+    context.add_init_script(without("yield"))
+    page = context.new_page()
+    page.goto(empty_address)
+    card(page, "three-wave").click()
+    expect(output(page, "sequence")).to_have_attribute("data-value", "000>100>110>111>011>001>000")
+    page.get_by_role("button", name="Gallery").click()
+    expect(cards(page)).to_have_count(len(presets()))
+    expect(sequence(page, "robot-right")).to_contain_text("left", timeout=PATIENT)
+    yield page
     context.close()
 
 
 @pytest.fixture
-def gallery(come: Page) -> Page:
-    """As it is when it has just come."""
+def gallery(come: Page) -> Iterator[Page]:
+    """As it is when it has just come; it moves while it is looked at."""
     come.set_viewport_size(WIDE)
     come.emulate_media(color_scheme="light", reduced_motion="no-preference")
     come.evaluate("scrollTo(0, 0)")
-    return come
-
-
-def shown(page: Page, address: str) -> Page:
-    """With all motions come."""
-    page.goto(address)
-    expect(cards(page)).to_have_count(len(presets()))
-    expect(sequence(page, "robot-right")).to_contain_text("left", timeout=PATIENT)
-    return page
+    yield come
+    come.emulate_media(reduced_motion="reduce")
 
 
 def cards(page: Page) -> Locator:
@@ -189,20 +195,16 @@ def test_arrow_keys_go_from_card_to_card(listed: Page):
 
 
 def test_the_gallery_that_was_left_goes_on_and_what_was_open_comes_first(
-    opened: Opened, empty_address: str
+    gallery: Page, empty_address: str
 ):
-    page = opened.page
-    page.emulate_media(reduced_motion="reduce")
-    page.goto(empty_address)
-    card(page, "three-wave").click()
-    expect(output(page, "sequence")).to_have_attribute("data-value", "000>100>110>111>011>001>000")
-    page.get_by_role("button", name="Gallery").click()
     # Robots come last: of the first of them nothing was there when the gallery was left.
-    expect(sequence(page, "robot-15")).to_contain_text("→", timeout=PATIENT)
-    page.goto("about:blank")
-    page.goto(empty_address)
-    expect(cards(page)).to_have_count(len(presets()))
-    expect(page.locator(".card").first).to_contain_text("Go on where you were")
+    expect(sequence(gallery, "robot-15")).to_contain_text("→")
+    again = gallery.context.new_page()
+    again.add_init_script(without("thumbnails"))
+    again.goto(empty_address)
+    expect(cards(again)).to_have_count(len(presets()))
+    expect(again.locator(".card").first).to_contain_text("Go on where you were")
+    again.close()
 
 
 # In light colours the gallery is examined with all that may keep people out of the studio.

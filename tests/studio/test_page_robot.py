@@ -1,7 +1,6 @@
 """A robot's page in a browser: walked, sent through an arena, edited by hand."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,19 +13,13 @@ from stepwell import files
 from stepwell.robot import Robot
 from stepwell.simulation import Maze
 from stepwell.studio.standalone import replay
-from studio.browser import Opened, middle, number, output, served, settled, shown_as, without
+from studio.browser import Opened, begun, middle, number, output, settled, shown_as, without
 from studio.test_page_photo import png
 
 from playwright.sync_api import Page, expect  # isort: skip
 
 # A process of its own has to start first, and compile.
 PATIENT = 120_000
-
-
-@pytest.fixture(scope="module")
-def robot_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with served(tmp_path_factory.mktemp("robot"), "robot-explorer") as found:
-        yield found
 
 
 # No file is read before the test lets it be.
@@ -46,13 +39,11 @@ Object.defineProperty(HTMLImageElement.prototype, "src", {
 
 
 @pytest.fixture
-def robot_page(opened: Opened, robot_address: str) -> Page:
-    """A robot with antennas, which is not predicted: one test looks at predictions."""
-    # A prediction keeps a process busy for ten seconds, whatever else is asked.
-    opened.page.add_init_script(without("predict"))
-    opened.page.goto(robot_address)
-    expect(button(opened.page, "Walk")).to_be_enabled()
-    return opened.page
+def robot_page(blank: Opened, empty_address: str) -> Page:
+    """A robot with antennas: predictions and the view in space are looked at in one test."""
+    page = begun(blank.page, empty_address, "robot-explorer")
+    expect(button(page, "Walk")).to_be_enabled()
+    return page
 
 
 def button(page: Page, name: str) -> Any:
@@ -103,34 +94,6 @@ def compare(page: Page, walk: Any) -> None:
             assert told == float(f"{walk.foot_force[sample, k]:.3g}")
 
 
-def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
-    opened: Opened, empty_address: str
-):
-    page = opened.page
-    page.emulate_media(reduced_motion="reduce")
-    page.goto(empty_address)
-    page.get_by_role("button", name=re.compile("walks forward: q")).first.click()
-    legs = page.get_by_role("group", name="Leg whose chain is shown below")
-    expect(legs.get_by_role("button")).to_have_text(["leg left", "leg right"])
-    typed(page, "Cycles to walk", "2")
-    button(page, "Walk").click()
-    expect(output(page, "advance")).to_be_visible(timeout=PATIENT)
-    robot = sw.preset("robot-forward")
-    walk = robot.walk(2)
-    from stepwell.accounts import account
-
-    record = account(walk).record
-    assert number(page, "cycles") == 2
-    assert number(page, "advance") == shown_as(record["mean_advance_over_u_max"])
-    assert number(page, "turn") == shown_as(record["mean_turn_deg"])
-    assert number(page, "distance") == shown_as(record["distance_mm"])
-    compare(page, walk)
-    prediction = robot.predict()
-    expect(output(page, "prediction")).to_have_text(
-        f"{prediction.motion.value}, d/u_max {prediction.advance:.3g}", timeout=PATIENT
-    )
-
-
 # Moves the cursor to the start in the moment in which a run has ended. A run of which nothing
 # arrived before it ended has a cursor only then.
 AT_ONCE = """() => new MutationObserver((_, watch) => {
@@ -143,13 +106,28 @@ AT_ONCE = """() => new MutationObserver((_, watch) => {
 }).observe(document.body, { subtree: true, childList: true, attributeFilter: ["disabled"] })"""
 
 
-def test_the_cursor_stays_as_soon_as_a_run_has_ended_which_is_exported_then(robot_page: Page):
-    page = robot_page
+def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
+    opened: Opened, empty_address: str
+):
+    page = opened.page
+    page.add_init_script(without("yield", "thumbnails"))
+    page.goto(empty_address)
+    page.get_by_role("button", name=re.compile("walks forward: q")).first.click()
+    legs = page.get_by_role("group", name="Leg whose chain is shown below")
+    expect(legs.get_by_role("button")).to_have_text(["leg left", "leg right"])
+    robot = sw.preset("robot-forward")
+    prediction = robot.predict()
+    expect(output(page, "prediction")).to_have_text(
+        f"{prediction.motion.value}, d/u_max {prediction.advance:.3g}", timeout=PATIENT
+    )
+    expect(page.locator("canvas[data-ready]")).to_be_visible()
+    assert [url for url in opened.asked if url.endswith("scene.js")]
+    # There is no run yet that could be exported, and no cursor.
     button(page, "Export").click()
     expect(button(page, "Run as HTML")).to_have_count(0)
     button(page, "Close").click()
     expect(button(page, "Close")).to_have_count(0)
-    typed(page, "Cycles to walk", "1")
+    typed(page, "Cycles to walk", "2")
     expect(page.get_by_role("slider", name="Time in the run")).to_have_count(0)
     page.evaluate(AT_ONCE)
     button(page, "Walk").click()
@@ -157,12 +135,26 @@ def test_the_cursor_stays_as_soon_as_a_run_has_ended_which_is_exported_then(robo
     moved = number(page, "time")
     page.wait_for_timeout(400)  # twice as long as the picture takes to catch up
     assert number(page, "time") == moved < 0.1
+    walk = robot.walk(2)
+    from stepwell.accounts import account
+
+    record = account(walk).record
+    assert number(page, "cycles") == 2
+    assert number(page, "advance") == shown_as(record["mean_advance_over_u_max"])
+    assert number(page, "turn") == shown_as(record["mean_turn_deg"])
+    assert number(page, "distance") == shown_as(record["distance_mm"])
+    compare(page, walk)
     button(page, "Export").click()
     with page.expect_download(timeout=PATIENT) as saved:
         button(page, "Run as HTML").click()
     assert saved.value.suggested_filename.endswith("-run.html")
-    text = saved.value.path().read_text("utf-8")
-    assert text == replay(sw.preset("robot-explorer").walk(1))
+    assert saved.value.path().read_text("utf-8") == replay(walk)
+    button(page, "Close").click()
+    # A phone needs no sideways scrolling.
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_text("Numbers of the arena").click()
+    page.wait_for_timeout(200)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
 def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
@@ -195,8 +187,7 @@ def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
 
 def test_files_are_read_although_their_fields_are_gone(robot_page: Page, tmp_path: Path):
     page = robot_page
-    page.add_init_script(UNREAD)
-    page.reload()
+    page.evaluate(UNREAD)
     page.get_by_role("tab", name="Measured").click()
     arena, recording = tmp_path / "arena.toml", tmp_path / "mine.txt"
     arena.write_text(files.arena_text("three-walls"))
@@ -279,10 +270,3 @@ def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
 def test_three_dimensions_are_loaded_for_robots_alone(page: Page, shared: Opened):
     assert not [url for url in shared.asked if url.endswith("scene.js")]
     assert page.get_by_role("region", name="Robot").count() == 0
-
-
-def test_nothing_needs_sideways_scrolling_on_a_phone(robot_page: Page):
-    robot_page.set_viewport_size({"width": 390, "height": 844})
-    robot_page.get_by_text("Numbers of the arena").click()
-    robot_page.wait_for_timeout(200)
-    assert robot_page.evaluate("document.documentElement.scrollWidth") <= 390
