@@ -11,6 +11,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.design import check, parameter, parameter_map
 from studio.browser import (
+    HASTY,
     Opened,
     anchors,
     chain_shown,
@@ -35,9 +36,7 @@ def opened_tab(page: Page, name: str) -> None:
 
 def the_map(page: Page) -> Locator:
     found = page.get_by_role("application", name=re.compile("^Map over"))
-    expect(
-        page.get_by_role("list", name="Sequences on the map").locator("li").first
-    ).to_be_visible()
+    page.get_by_role("list", name="Sequences on the map").locator("li").first.wait_for()
     expect(found).not_to_have_class(re.compile("stale"))
     return found
 
@@ -247,7 +246,8 @@ def test_a_wish_of_five_cells_is_typed(page: Page):
 
 @pytest.fixture
 def counted(opened: Opened, address: str) -> Page:
-    """A page that is told its yields."""
+    """A page that is soon told its yields."""
+    opened.page.add_init_script(HASTY)
     opened.page.goto(address)
     expect(output(opened.page, "yield")).to_have_text("100")
     return opened.page

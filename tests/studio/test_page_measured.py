@@ -13,8 +13,8 @@ from studio.browser import anchors, field, number, output, settled, shown_as
 from playwright.sync_api import Page, expect  # isort: skip
 
 
-@pytest.fixture
-def runs(tmp_path: Path) -> list[Path]:
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     chain = files.preset("paper-forward")
     assert isinstance(chain, Chain)
     cells = [
@@ -27,7 +27,8 @@ def runs(tmp_path: Path) -> list[Path]:
         pair("friction_1.txt", None),
         pair("back_friction_1.txt", None, unloading=True),
     ]
-    return [export(tmp_path / one.source, one.time, one.stroke, one.force) for one in both]
+    folder = tmp_path_factory.mktemp("runs")
+    return [export(folder / one.source, one.time, one.stroke, one.force) for one in both]
 
 
 def choose(page: Page, *chosen: Path) -> None:
@@ -93,10 +94,20 @@ def test_verdict_snaps_and_fit_are_the_labs_and_the_fit_is_taken(page: Page, run
     )
 
 
-def test_recordings_stay_while_another_tab_is_open_and_can_be_left_out(
+def test_recordings_are_dropped_stay_while_another_tab_is_open_and_can_be_left_out(
     page: Page, runs: list[Path]
 ):
-    choose(page, *runs[:2])
+    page.get_by_role("tab", name="Measured").click()
+    data = page.evaluate_handle(
+        """(texts) => {
+          const data = new DataTransfer();
+          for (const [name, text] of texts) data.items.add(new File([text], name));
+          return data;
+        }""",
+        [(run.name, run.read_text()) for run in runs[:2]],
+    )
+    page.get_by_role("group", name="Recordings").dispatch_event("drop", {"dataTransfer": data})
+    expect(output(page, "verdict on mine, loading")).to_be_visible(timeout=60_000)
     page.get_by_role("tab", name="Graph").click()
     page.get_by_role("tab", name="Measured").click()
     expect(page.get_by_text("mine_1.txt").first).to_be_visible()
@@ -120,17 +131,3 @@ def test_what_is_no_recording_is_told_and_stops_no_other(
     expect(said).to_contain_text("picture.txt: is binary", timeout=60_000)
     expect(said).to_contain_text("long.csv: 26 MiB, and at most 16 MiB can be taken.")
     expect(output(page, "verdict on mine, loading")).to_be_visible()
-
-
-def test_recordings_can_be_dropped(page: Page, runs: list[Path]):
-    page.get_by_role("tab", name="Measured").click()
-    data = page.evaluate_handle(
-        """(text) => {
-          const data = new DataTransfer();
-          data.items.add(new File([text], "dropped_1.txt"));
-          return data;
-        }""",
-        runs[0].read_text(),
-    )
-    page.get_by_role("group", name="Recordings").dispatch_event("drop", {"dataTransfer": data})
-    expect(output(page, "verdict on dropped, loading")).to_be_visible(timeout=60_000)

@@ -50,7 +50,9 @@ def told(text: str) -> float:
     return float(text.split()[0].replace("−", "-"))
 
 
-def test_an_open_study_shows_what_the_command_prints(page: Page, study: Study):
+def test_an_open_study_shows_what_the_command_prints_and_its_table_is_downloaded(
+    page: Page, study: Study, tmp_path: Path
+):
     opened_study(page, study)
     record = account(studies.status(study)).record
     expect(output(page, "how far it is")).to_have_text("64 designs, all done")
@@ -68,6 +70,11 @@ def test_an_open_study_shows_what_the_command_prints(page: Page, study: Study):
         assert [(name, float(share)) for name, share in said] == [
             (each["parameter"], float(f"{each['share'] * 100:.3g}")) for each in sure
         ]
+    with page.expect_download(timeout=SLOW) as coming:
+        page.get_by_role("button", name="Export CSV").click()
+    study.to_csv(tmp_path / "by-command.csv")
+    assert coming.value.suggested_filename == "plane.csv"
+    assert coming.value.path().read_bytes() == (tmp_path / "by-command.csv").read_bytes()
 
 
 def test_a_design_that_is_pointed_at_is_taken_and_undone(page: Page, study: Study):
@@ -90,15 +97,6 @@ def test_a_design_that_is_pointed_at_is_taken_and_undone(page: Page, study: Stud
     page.get_by_role("button", name="Undo").click()
     settled(page)
     assert anchors(page, "outer") == before
-
-
-def test_its_table_is_downloaded(page: Page, study: Study, tmp_path: Path):
-    opened_study(page, study)
-    with page.expect_download(timeout=SLOW) as coming:
-        page.get_by_role("button", name="Export CSV").click()
-    study.to_csv(tmp_path / "by-command.csv")
-    assert coming.value.suggested_filename == "plane.csv"
-    assert coming.value.path().read_bytes() == (tmp_path / "by-command.csv").read_bytes()
 
 
 @pytest.mark.slow
@@ -129,7 +127,9 @@ def opened_atlas(page: Page) -> None:
     expect(output(page, "machine")).to_be_visible(timeout=SLOW)
 
 
-def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: studies.Atlas):
+def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
+    page: Page, charted: studies.Atlas
+):
     opened_atlas(page)
     known = {one.name: one for one in charted.machines}
     expect(output(page, "machine")).to_have_text(charted.machines[0].name)
@@ -143,20 +143,7 @@ def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: st
         ground.press(key)
     assert len(seen) > 1
     expect(output(page, "machine")).to_have_text(charted.machines[0].name)
-    page.get_by_role("list", name="Neighbours").get_by_role("button").first.click()
-    machine = known[output(page, "machine").inner_text()]
-    assert machine != charted.machines[0]
-    page.get_by_role("button", name="Take it").click()
-    settled(page)
-    expect(output(page, "sequence")).to_have_attribute(
-        "data-value", str(machine.chain.cycle().sequence)
-    )
-
-
-def test_a_query_lights_up_what_python_finds_and_a_wrong_one_is_told(
-    page: Page, charted: studies.Atlas
-):
-    opened_atlas(page)
+    # A query lights up what Python finds, and a wrong one is told.
     query = page.get_by_label("Which machine")
     query.fill("reaches every state")
     query.press("Enter")
@@ -170,6 +157,16 @@ def test_a_query_lights_up_what_python_finds_and_a_wrong_one_is_told(
     expect(page.get_by_role("alert")).to_contain_text("must be a cycle such as")
     page.get_by_role("button", name="Show all").click()
     expect(lit).to_have_count(0)
+    ground.press("Home")
+    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
+    page.get_by_role("list", name="Neighbours").get_by_role("button").first.click()
+    machine = known[output(page, "machine").inner_text()]
+    assert machine != charted.machines[0]
+    page.get_by_role("button", name="Take it").click()
+    settled(page)
+    expect(output(page, "sequence")).to_have_attribute(
+        "data-value", str(machine.chain.cycle().sequence)
+    )
 
 
 def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, axe: str):
@@ -182,11 +179,12 @@ def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, ax
     page.get_by_label("Least yield in percent").fill("99")
     page.get_by_role("button", name="Find", exact=True).click()
     expect(output(page, "found")).to_be_visible()
-    # A tab changes its panel alone.
-    in_every_window(page, axe, None if SIZE == "full" else "[role=tabpanel]")
+    in_every_window(page, axe)
 
 
-def in_every_window(page: Page, axe: str, within: str | None = None) -> None:
+def in_every_window(page: Page, axe: str) -> None:
+    # A tab changes its panel alone; the rest of the page is examined with all other tabs.
+    within = None if SIZE == "full" else "[role=tabpanel]"
     # In the quick run both widths and both schemes, if not each with each.
     for wide, last in ((1280, "Light colours"), (390, "Dark colours")):
         page.set_viewport_size({"width": wide, "height": 844})
