@@ -4,13 +4,14 @@ import csv
 import io
 import json
 import xml.etree.ElementTree as ET
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import pytest
 from PIL import Image
 
 import stepwell as sw
+from sizes import cases
 from stepwell.studio.answering import answered
 from stepwell.studio.message import Message, unpacked
 from stepwell.studio.standalone import replay
@@ -23,16 +24,23 @@ def ask(panel: str, **keys: Any) -> tuple[dict[str, Any], bytes]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ["overview", "mechanism", "force", "travel"])
-def test_a_figure_opens_as_svg_png_and_pdf(what: str):
-    _, svg = ask("export", what=what, kind="svg")
-    assert ET.fromstring(svg).tag.endswith("svg")
-    _, png = ask("export", what=what, kind="png")
-    with Image.open(io.BytesIO(png)) as image:
-        assert image.format == "PNG"
-        assert image.info["dpi"][0] == pytest.approx(600, abs=1)
-    _, pdf = ask("export", what=what, kind="pdf")
-    assert pdf.startswith(b"%PDF-")
+@pytest.mark.parametrize(
+    ("what", "kind"),
+    cases(
+        product(("overview", "mechanism", "force", "travel"), ("svg", "png", "pdf")),
+        (("overview", "png"), ("mechanism", "svg"), ("force", "pdf"), ("travel", "svg")),
+    ),
+)
+def test_a_figure_opens_as_svg_png_and_pdf(what: str, kind: str):
+    _, data = ask("export", what=what, kind=kind)
+    if kind == "svg":
+        assert ET.fromstring(data).tag.endswith("svg")
+    elif kind == "png":
+        with Image.open(io.BytesIO(data)) as image:
+            assert image.format == "PNG"
+            assert image.info["dpi"][0] == pytest.approx(600, abs=1)
+    else:
+        assert data.startswith(b"%PDF-")
 
 
 def test_the_samples_are_those_of_the_command(tmp_path):

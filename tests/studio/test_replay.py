@@ -8,7 +8,7 @@ import stepwell as sw
 from stepwell.mechanism import Chain
 from stepwell.studio.motion import drawn
 from stepwell.studio.standalone import replay
-from studio.browser import Opened, number, opens, output, shown_as
+from studio.browser import Opened, number, numbers, opens, output, shown_as
 
 from playwright.sync_api import expect  # isort: skip
 
@@ -31,10 +31,12 @@ def test_every_number_of_a_cycle_is_pythons_and_nothing_is_loaded(offline: Opene
     slider = page.get_by_role("slider", name="Stroke")
     for k in (0, 40, len(path.drive) - 20):
         slider.fill(str(k))
-        assert number(page, "stroke") == shown_as(path.stroke[k] * 1e3)
-        assert number(page, "force") == shown_as(path.force[k])
-        for i, name in enumerate(forward.names):
-            assert number(page, f"travel of {name}") == shown_as(path.travel[k, i] * 1e3)
+        names = (f"travel of {name}" for name in forward.names)
+        assert numbers(page, "stroke", "force", *names) == [
+            shown_as(path.stroke[k] * 1e3),
+            shown_as(path.force[k]),
+            *(shown_as(travel * 1e3) for travel in path.travel[k]),
+        ]
 
 
 def test_it_plays_and_goes_by_the_keyboard(offline: Opened, tmp_path: Path):

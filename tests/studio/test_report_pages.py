@@ -42,7 +42,7 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {one.parent.name: one for one in folder.glob("*/report.html")}
 
 
-@pytest.fixture(params=WINDOWS)
+@pytest.fixture(scope="module", params=WINDOWS)
 def window(request: pytest.FixtureRequest, browser: Browser) -> Iterator[Page]:
     # The page's own policy would keep axe out, too.
     context = browser.new_context(**WINDOWS[request.param], bypass_csp=True)

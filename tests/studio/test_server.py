@@ -255,10 +255,16 @@ def _children(studio: Studio) -> int:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
-@pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM])
-def test_it_ends_in_one_line_with_a_page_open_and_work_going_on(told: signal.Signals):
-    with running() as studio, opened(studio) as page:
-        assert page.ask("start").header["design"] is None
+@pytest.mark.parametrize(
+    ("told", "shown"), [(signal.SIGINT, ""), (signal.SIGTERM, "robot-forward")]
+)
+def test_it_begins_with_what_is_named_and_ends_in_one_line_with_a_page_open_and_work_going_on(
+    told: signal.Signals, shown: str
+):
+    preset = [f"preset:{shown}"] if shown else []
+    with running(*preset) as studio, opened(studio) as page:
+        design = page.ask("start").header["design"]
+        assert design == (tables_in(preset_text(shown)) if shown else None)
         page.send("yield", tables_in(preset_text("slack")), samples=1_000_000)
         page.hear()
         studio.process.send_signal(told)
@@ -279,12 +285,6 @@ def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
 
 
 @pytest.mark.slow
-def test_a_robot_is_shown_first_where_it_is_named():
-    with running("preset:robot-forward") as studio, opened(studio) as page:
-        assert page.ask("start").header["design"] == tables_in(preset_text("robot-forward"))
-
-
-@pytest.mark.slow
 def test_without_its_packages_the_command_says_how_to_get_them():
     code = (
         "import sys; sys.modules['starlette'] = sys.modules['starlette.applications'] = None\n"
@@ -299,10 +299,10 @@ def test_without_its_packages_the_command_says_how_to_get_them():
 
 
 @pytest.mark.slow
-def test_the_usual_port_is_taken_first_and_another_where_it_is_taken():
+def test_the_usual_port_is_taken_first_and_another_where_it_is_taken(studio: Studio):
     # Whoever has the usual port, a test beside this one or the first of these two: both come up.
-    with running() as first, running() as second:
-        ports = {int(studio.host.partition(":")[2]) for studio in (first, second)}
+    with running() as second:
+        ports = {int(one.host.partition(":")[2]) for one in (studio, second)}
         assert len(ports) == 2
         with closing(http.client.HTTPConnection("127.0.0.1", max(ports))) as connection:
             connection.request("GET", "/")
