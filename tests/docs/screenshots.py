@@ -36,7 +36,8 @@ def taken(browser: Browser, address: str, scheme: str) -> bytes:
     page.goto(address)
     expect(page.get_by_role("status", name="sequence", exact=True)).to_be_visible()
     expect(page.locator("main")).to_have_attribute("aria-busy", "false", timeout=60_000)
-    page.wait_for_timeout(1500)  # what follows the design is asked after a rest
+    # What follows the design is asked after a rest.
+    page.get_by_role("status", name="yield", exact=True).wait_for(timeout=120_000)
     expect(page.get_by_text("counting")).to_have_count(0, timeout=120_000)
     page.get_by_role("slider", name="Stroke").fill("70")
     page.evaluate("document.activeElement.blur()")

@@ -1,5 +1,6 @@
 """The built pages: what is linked on each, and a server that shows them on this machine."""
 
+import posixpath
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -49,23 +50,24 @@ def outside(link: str) -> bool:
 
 def lost(site: Path) -> list[str]:
     """Links, anchors and files of a built site that lead nowhere, as "page: link"."""
-    pages = {file: read(file) for file in site.rglob("*.html")}
+    files = {file.relative_to(site).as_posix() for file in site.rglob("*") if file.is_file()}
+    pages = {name: read(site / name) for name in files if name.endswith(".html")}
     found = []
-    for file, page in pages.items():
+    for name, page in pages.items():
         for link in [*page.links, *page.loads]:
             parts = urlsplit(link)
             if outside(link):
                 continue
             path = unquote(parts.path)
-            start = site if path.startswith("/") else file.parent
-            target = (start / path.lstrip("/")).resolve() if path else file
-            target = target / "index.html" if target.is_dir() else target
-            there = target.is_file() and target.is_relative_to(site.resolve())
-            if there and parts.fragment and target.suffix == ".html":
-                place = unquote(parts.fragment)
-                there = place in pages[site / target.relative_to(site.resolve())].places
+            start = "" if path.startswith("/") else posixpath.dirname(name)
+            target = posixpath.normpath(posixpath.join(start, path.lstrip("/"))) if path else name
+            if target not in files:
+                target = posixpath.normpath(posixpath.join(target, "index.html"))
+            there = target in files
+            if there and parts.fragment and target in pages:
+                there = unquote(parts.fragment) in pages[target].places
             if not there:
-                found.append(f"{file.relative_to(site)}: {link}")
+                found.append(f"{name}: {link}")
     return found
 
 

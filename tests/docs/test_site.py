@@ -102,7 +102,7 @@ def _widest(site: Path) -> set[str]:
             path: max(map(wide, re.findall(pattern, text, re.S)), default=0)
             for path, text in articles.items()
         }
-        found |= {*sorted(widths, key=lambda path: -widths[path])[:2]}
+        found.add(max(widths, key=widths.__getitem__))
     return found
 
 
@@ -125,10 +125,27 @@ def chromium(request: pytest.FixtureRequest) -> Browser:
     return request.getfixturevalue("browser")
 
 
+@pytest.fixture(scope="module")
+def windows(chromium: Browser) -> Iterator[dict[str, Opened]]:
+    """A page of each look for all that does not ask what comes when a site is first visited."""
+    contexts = {look: chromium.new_context(**how) for look, how in LOOKS.items()}
+    yield {look: Opened(context.new_page()) for look, context in contexts.items()}
+    for context in contexts.values():
+        context.close()
+
+
 @pytest.fixture
-def window(chromium: Browser) -> Iterator[Page]:
-    context = chromium.new_context(**LOOKS["light"])
-    yield context.new_page()
+def window(windows: dict[str, Opened]) -> Iterator[Page]:
+    page = windows["light"].page
+    yield page
+    # Pictures that move keep a core busy.
+    page.goto("about:blank")
+
+
+@pytest.fixture(scope="module")
+def offline(chromium: Browser) -> Iterator[Opened]:
+    context = chromium.new_context(offline=True, **LOOKS["light"])
+    yield Opened(context.new_page())
     context.close()
 
 
@@ -202,32 +219,40 @@ def test_the_link_to_the_sources_comes_from_one_place(site, monkeypatch):
     assert bool(HOOKS.on_config(config).repo_url) == bool(known)
 
 
-def test_no_page_scrolls_sideways_on_a_phone_and_none_asks_another_host(chromium, site, home):
-    context = chromium.new_context(**LOOKS["dark on a phone"])
-    opened = Opened(context.new_page())
+# Every kind of page; in the quick run each in one of the looks.
+KINDS = ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
+LIGHT, DARK = (cases(KINDS, KINDS[k::2]) for k in range(2))
+
+
+def test_on_a_phone_no_page_scrolls_sideways_keeps_anybody_out_or_asks_another_host(
+    windows, site, home, axe
+):
+    opened = windows["dark on a phone"]
     wide = {}
-    for path in paths(site) if SIZE == "full" else sorted(_widest(site)):
-        opened.page.goto(home + path.lstrip("/"), wait_until="load")
+    known = {path.lstrip("/") for path in (paths(site) if SIZE == "full" else _widest(site))}
+    for path in sorted(known | {*DARK}):
+        opened.page.goto(home + path, wait_until="load")
         width = opened.page.evaluate(
             "() => { scrollTo(9999, 0); return [document.documentElement.scrollWidth, scrollX]; }"
         )
         if width != [360, 0]:
             wide[path] = width
-    context.close()
+        if path in DARK:
+            nothing_found(opened.page, axe)
+    opened.page.goto("about:blank")
     assert wide == {}
     assert not opened.wrong
     assert [url for url in opened.asked if not url.startswith((home, "data:", "blob:"))] == []
 
 
 @pytest.fixture(scope="module")
-def searching(chromium: Browser, home: str) -> Iterator[Page]:
+def searching(windows: dict[str, Opened], home: str) -> Iterator[Page]:
     """A page whose search is open, and has read its index."""
-    context = chromium.new_context(**LOOKS["light"])
-    page = context.new_page()
+    page = windows["light"].page.context.new_page()
     page.goto(home + "decisions/")
     page.keyboard.press("s")
     yield page
-    context.close()
+    page.close()
 
 
 @pytest.mark.parametrize("words", ASKED_NOW)
@@ -247,30 +272,15 @@ def test_a_search_finds_first_what_one_wants_to_do(searching, words):
     assert not any(page.startswith("decisions/") for page in pages[:3]), pages
 
 
-# Every kind of page; in the quick run each in one of the looks.
-KINDS = ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
-
-
-@pytest.mark.parametrize(
-    ("path", "look"),
-    [
-        (path, look)
-        for page, path in enumerate(KINDS)
-        for k, look in enumerate(LOOKS)
-        if SIZE == "full" or k == page % 2
-    ],
-)
-def test_the_pages_keep_nobody_out(chromium, home, axe, path, look):
-    context = chromium.new_context(**LOOKS[look])
-    page = context.new_page()
-    page.goto(home + path)
-    nothing_found(page, axe)
-    context.close()
+@pytest.mark.parametrize("path", LIGHT)
+def test_the_pages_keep_nobody_out(window, home, axe, path):
+    window.goto(home + path)
+    nothing_found(window, axe)
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_of_the_gallery_has_its_file_its_lines_and_its_replay(
-    chromium, site, home, window, name, tmp_path
+    site, home, window, offline, name, tmp_path
 ):
     """One of every kind; its replay is opened from a file, with no network."""
     assert (site / "gallery" / f"{name}.toml").read_text("utf-8") == preset_text(name)
@@ -283,16 +293,15 @@ def test_a_machine_of_the_gallery_has_its_file_its_lines_and_its_replay(
     assert files.tables_in(blocks[3], name) == files.tables_in(preset_text(name), name)
     saved = tmp_path / "saved.html"
     saved.write_bytes((site / "gallery" / f"{name}.html").read_bytes())
-    context = chromium.new_context(offline=True, **LOOKS["light"])
-    opened = Opened(context.new_page())
-    opened.page.goto(saved.as_uri())
-    slider = opened.page.get_by_role("slider").first
+    offline.asked.clear()
+    offline.page.goto(saved.as_uri())
+    slider = offline.page.get_by_role("slider").first
     began = slider.input_value()
-    opened.page.get_by_role("button", name=re.compile("^Play")).first.click()
+    offline.page.get_by_role("button", name=re.compile("^Play")).first.click()
     expect(slider).not_to_have_value(began)
-    context.close()
-    assert not opened.wrong
-    assert [url for url in opened.asked if not url.startswith("data:")] == [saved.as_uri()]
+    offline.page.goto("about:blank")
+    assert not offline.wrong
+    assert [url for url in offline.asked if not url.startswith("data:")] == [saved.as_uri()]
 
 
 def shots(page: Page, name: str) -> tuple[bytes, bytes]:
@@ -305,19 +314,17 @@ def shots(page: Page, name: str) -> tuple[bytes, bytes]:
     return first, card.screenshot()
 
 
-def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, home):
+def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, window, home):
     names = cases(("robot-left", "metachronal-wave"), ("robot-left",))
-    context = chromium.new_context(**LOOKS["light"])
-    page = context.new_page()
-    page.goto(home + "gallery/")
+    window.goto(home + "gallery/")
     for name in names:
-        first, second = shots(page, name)
+        first, second = shots(window, name)
         assert first != second
-    page.get_by_role("checkbox", name="Hold all pictures still").check()
+    window.get_by_role("checkbox", name="Hold all pictures still").check()
     for name in names:
-        first, second = shots(page, name)
+        first, second = shots(window, name)
         assert first == second
-    context.close()
+    window.goto("about:blank")
     context = chromium.new_context(reduced_motion="reduce", **LOOKS["light"])
     opened = Opened(context.new_page())
     opened.page.goto(home + "gallery/")
@@ -328,31 +335,34 @@ def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, hom
     context.close()
 
 
+# From the left [px], of all at once: each word to a browser takes as long as all of them.
+PLACES = "(all) => all.map((one) => Math.round(one.getBoundingClientRect().x))"
+
+
 def test_the_gallery_on_a_phone_has_one_card_beside_another_and_loads_few_at_first(chromium, home):
     context = chromium.new_context(**LOOKS["dark on a phone"])
     opened = Opened(context.new_page())
     sizes: list[int] = []
     opened.page.on("response", lambda one: sizes.append(len(one.body())) if one.ok else None)
     opened.page.goto(home + "gallery/", wait_until="load")
-    boxes = [card.bounding_box() for card in opened.page.locator(".machines > .card").all()]
-    assert len(boxes) == len(files.presets())
-    assert len({box["x"] for box in boxes if box}) == 1
+    places = opened.page.locator(".machines > .card").evaluate_all(PLACES)
+    assert len(places) == len(files.presets())
+    assert len({*places}) == 1
     pictures = [url for url in opened.asked if url.endswith(".svg") and "/gallery/" in url]
-    assert 0 < len(pictures) < len(boxes) / 2
+    assert 0 < len(pictures) < len(places) / 2
     context.close()
     # As they come, before anybody packs them.
     assert sum(sizes) < 3_000_000
 
 
 @pytest.mark.parametrize(("path", "columns"), [("", 2), ("gallery/", 3)])
-def test_cards_stand_side_by_side_on_paper(chromium, home, path, columns):
-    context = chromium.new_context(viewport={"width": 794, "height": 1123})
-    page = Opened(context.new_page()).page
-    page.emulate_media(media="print")
-    page.goto(home + path)
-    boxes = [card.bounding_box() for card in page.locator(".cards > .card").all()]
-    assert len({round(box["x"]) for box in boxes if box}) == columns
-    context.close()
+def test_cards_stand_side_by_side_on_paper(window, home, path, columns):
+    window.set_viewport_size({"width": 794, "height": 1123})
+    window.emulate_media(media="print")
+    window.goto(home + path)
+    assert len({*window.locator(".cards > .card").evaluate_all(PLACES)}) == columns
+    window.set_viewport_size(LOOKS["light"]["viewport"])
+    window.emulate_media(media="null")
 
 
 @pytest.fixture(scope="module")
