@@ -81,12 +81,12 @@ def height(page: Page, name: str) -> str:
     return found
 
 
-def names(page: Page) -> list[str | None]:
-    return [one.get_attribute("data-name") for one in cards(page).all()]
+def names(page: Page) -> list[str]:
+    return cards(page).evaluate_all("(all) => all.map((one) => one.dataset.name)")
 
 
 def pictures(page: Page) -> list[str]:
-    return [one.inner_html() for one in page.locator(".thumbnail").all()]
+    return page.locator(".thumbnail").evaluate_all("(all) => all.map((one) => one.innerHTML)")
 
 
 def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
@@ -182,14 +182,14 @@ def test_arrow_keys_go_from_card_to_card(listed: Page):
         ("Home", 0),
     ):
         listed.keyboard.press(key)
-        expect(here).to_have_attribute("data-name", str(own[at]))
+        expect(here).to_have_attribute("data-name", own[at])
     first = here.bounding_box()
     listed.keyboard.press("ArrowDown")
     below = here.bounding_box()
     assert first is not None and below is not None
     assert below["x"] == first["x"] and below["y"] > first["y"]
     listed.keyboard.press("ArrowUp")
-    expect(here).to_have_attribute("data-name", str(own[0]))
+    expect(here).to_have_attribute("data-name", own[0])
     listed.keyboard.press("Enter")
     expect(output(listed, "sequence")).to_have_attribute("data-value", "00>01>11>10>00")
 

@@ -23,6 +23,9 @@ from studio.stores import filled, plane, small_atlas
 from playwright.sync_api import Page, expect  # isort: skip
 
 SLOW = 120_000  # ms: a busy machine is no failure
+CELLS = """(rows) =>
+  rows.map((row) => [...row.querySelectorAll("th, td")].map((cell) => cell.innerText.trim()))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +45,7 @@ def opened_study(page: Page, study: Study) -> None:
 
 
 def cells(page: Page, table: str) -> list[list[str]]:
-    rows = page.get_by_role("table", name=table).locator("tbody tr").all()
-    return [[cell.inner_text().strip() for cell in row.locator("th, td").all()] for row in rows]
+    return page.get_by_role("table", name=table).locator("tbody tr").evaluate_all(CELLS)
 
 
 def told(text: str) -> float:
