@@ -85,7 +85,7 @@ def force_plane(
     strip = _ROW * count + 1.5
     width = sheet.page_width(style.COLUMN if count <= 4 else _WIDE)
     # The names of switches are longer.
-    edge = _LEFT + (3.0 if count > len(chain) else 0.0)
+    edge = _LEFT + 3.0 * (count > len(chain))
     side = width - edge - _BETWEEN - strip - _RIGHT
     if side < _LEAST:
         what = "switches" if chain.elements else "cells"

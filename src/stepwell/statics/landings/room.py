@@ -232,9 +232,10 @@ def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
                 # All together have gone between this and m steps more.
                 gone = first[k] + j + begin + o
                 total = energies[k, j] + others[o]
-                if rigid and not -m <= gone <= 0:
-                    continue
-                if not rigid:
+                if rigid:
+                    if not -m <= gone <= 0:
+                        continue
+                else:
                     way = max(0.0, gone * step, -(gone + m) * step)
                     total += 0.5 * stiffness * way * way
                 if total <= slack:
