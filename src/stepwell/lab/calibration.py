@@ -427,10 +427,9 @@ class _Fit:
         )
 
     def _missed(self, series: Series, model: fit_model.Model, own: bool) -> list[float]:
-        """By how much the forces of each cell are larger than the model's, late in its travel [N].
+        """How much larger than the model's the forces of each cell are, late in its travel [N].
 
-        Read on the pair itself, or on pairs of other geometries of as many bands that go the same
-        way.
+        Read on the pair itself (`own`), or on other geometries of as many bands that go alike.
         """
         found: list[list[float]] = [[] for _ in series.chain.cells]
         fold, kind = geometry_of(series.chain.levers[-1]), (True, series.bands, series.unloading)

@@ -371,10 +371,7 @@ def as_built(
 
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
-    """The tolerances so many times as wide; an anchor is in another hole before a band is another.
-
-    Of a chain of elements, which has no anchors, the scales are.
-    """
+    """Wider tolerances of anchors or holes and of friction; of elements, those of the scales."""
     found = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
     if len(drawing.elements) < len(drawing):
         return found

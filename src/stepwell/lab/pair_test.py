@@ -456,10 +456,8 @@ def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
 
 
 def _doubt(series: Series, snaps: _Snaps) -> float:
-    """Standard deviation of a measured less the predicted stroke of the first snap [m].
-
-    How well the model fits does not count, or a bad one would agree with everything.
-    """
+    """Standard deviation of a measured less the predicted stroke of the first snap [m]."""
+    # How well the model fits does not count, or a bad one would agree with everything.
     firsts = [found[0].stroke for found in snaps if found]
     if not firsts or not _snap_events(series.path):
         return math.nan

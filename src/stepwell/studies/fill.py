@@ -61,11 +61,7 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
 def _computed(
     study: Study, rows: range, made: Iterable[Any], verdicts: Sequence[str] | None = None
 ) -> Any:
-    """Of every row all that its columns hold.
-
-    Of a screened study those rows are computed that are kept, drawn by lot, or of which the screen
-    could tell nothing.
-    """
+    """What the columns of every row hold; after a screen, of the rows that `verdicts` leave."""
     nothing = {name: "" if unit == TEXT else math.nan for name, unit in study.columns.items()}
     for number, (values, design) in zip(rows, made, strict=True):
         row = nothing | dict(zip(study.varied, values, strict=True))
