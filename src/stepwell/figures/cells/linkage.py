@@ -242,8 +242,8 @@ class Drawing:
         self.zeros = LineCollection([], colors=style.FAINT, linewidths=0.4 * weight, zorder=3.5)
         thick = {"linewidths": 1.6 * weight, "capstyle": "round"}
         self.curves = LineCollection([], colors=curves, **thick, zorder=4)
-        dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": style.INK}
-        (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
+        dots = {"ms": 4.2 * weight, "mec": "white", "color": style.INK, "mew": 0.6 * weight}
+        (self.dots,) = ax.plot([], [], "o", **dots, zorder=7, visible=bool(linkage.symbols))
         lever_parts = (self.posts, self.blocks, self.levers, self.bands)
         symbols = (self.rods, self.boxes, self.zeros, self.curves) if linkage.symbols else ()
         for artist in (*lever_parts, *symbols):
