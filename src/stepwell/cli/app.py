@@ -12,7 +12,7 @@ import typer
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.options import grouped
-from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled, warn
+from stepwell.cli.screen import EXIT_CODES, INTERRUPTED, PIPE_CLOSED, Commands, styled, warn
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
@@ -99,12 +99,13 @@ def main() -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
-    except SystemExit as end:
+    except (KeyboardInterrupt, SystemExit) as end:
         if isinstance(end.__context__, BrokenPipeError):
             sys.exit(PIPE_CLOSED)
-        # Typer ends without a word where Ctrl-C comes before the command that it looks for.
-        if end.__context__ and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+        # Before there is a command Typer lets Ctrl-C through, or ends without a word.
+        if isinstance((end.__context__ and end.__context__.__cause__) or end, KeyboardInterrupt):
             warn("Interrupted before anything was done.")
+            sys.exit(INTERRUPTED)
         raise
     finally:
         # What is left to do is to leave.

@@ -22,8 +22,7 @@ class Run(ByValue):
     """A full cycle of a design with its robustness margin, each computed once.
 
     Attributes:
-        cycle: the full cycle.
-        margin: how far the design is from another sequence.
+        cycle, margin: what the design does, and how far it is from another sequence.
         landings: whether each snap lands where it does for other mobilities; None if unchecked.
     """
 
