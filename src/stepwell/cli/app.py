@@ -12,7 +12,7 @@ import typer
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.options import grouped
-from stepwell.cli.screen import EXIT_CODES, INTERRUPTED, PIPE_CLOSED, Commands, styled, warn
+from stepwell.cli.screen import EXIT_CODES, INTERRUPTED, PIPE_CLOSED, Commands, styled
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
@@ -95,17 +95,15 @@ def main() -> None:
         # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # Until a command runs: Typer ends without a word, and modules that open may drop exceptions.
+    signal.signal(signal.SIGINT, _leave)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
-    except (KeyboardInterrupt, SystemExit) as end:
+    except SystemExit as end:
         if isinstance(end.__context__, BrokenPipeError):
             sys.exit(PIPE_CLOSED)
-        # Before there is a command Typer lets Ctrl-C through, or ends without a word.
-        if isinstance((end.__context__ and end.__context__.__cause__) or end, KeyboardInterrupt):
-            warn("Interrupted before anything was done.")
-            sys.exit(INTERRUPTED)
         raise
     finally:
         # What is left to do is to leave.
@@ -113,6 +111,11 @@ def main() -> None:
             if hasattr(signal, name):
                 signal.signal(getattr(signal, name), signal.SIG_IGN)
         _flush()
+
+
+def _leave(*_: object) -> None:
+    os.write(2, b"Interrupted before anything was done.\n")
+    os._exit(INTERRUPTED)
 
 
 def _flush() -> None:

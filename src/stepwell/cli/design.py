@@ -128,7 +128,6 @@ class Parts(Group):
         }
 
     def _box(self, usual: Any) -> Any:
-        """The usual box with the sides that were asked for."""
         for side, low, high in ((self.x, "left", "right"), (self.y, "bottom", "top")):
             if side:
                 ends = {low: from_unit(side.start, "mm"), high: from_unit(side.stop, "mm")}

@@ -36,8 +36,7 @@ class Run(ByValue):
 
         Args:
             chain: the design.
-            mobility_ratio: landings are checked for mobilities up to this ratio; for up to 10, and
-                for up to 8 cells, by default.
+            mobility_ratio: landings are checked up to it; up to 10, of up to 8 cells, by default.
 
         Raises:
             ValueError: a ratio that is not allowed.

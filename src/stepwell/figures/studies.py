@@ -77,7 +77,6 @@ def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None
 
 
 def _largest(shares: Sequence[Mapping[str, Influence]], name: str) -> float:
-    """Minus the largest share of a number."""
     return -max((own[name].share for own in shares if name in own), default=0.0)
 
 
