@@ -5,10 +5,7 @@ import os
 import signal
 import sys
 
-
-def _leave(*_: object) -> None:
-    os.write(2, b"Interrupted before anything was done.\n")
-    os._exit(130)
+from stepwell.crash import leave, reported
 
 
 def main() -> None:
@@ -16,7 +13,7 @@ def main() -> None:
 
     An error that nothing expected, of any package, ends in one line and a report of it.
     """
-    signal.signal(signal.SIGINT, _leave)
+    signal.signal(signal.SIGINT, leave)
     # Matrices are small here. Threads of the linear algebra would wait for each other: a fit takes
     # ten times as long on a busy machine. NumPy reads this as it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -27,8 +24,6 @@ def main() -> None:
 
         main()
     except Exception as error:
-        from stepwell.crash import reported
-
         line = reported(error, sys.argv[1:])
         if sys.stderr is not None:
             print(line, file=sys.stderr)  # noqa: T201

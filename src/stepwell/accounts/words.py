@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
-from stepwell.base import Measure, Quantity, amount, counted, number, told_in
+from stepwell.base import Measure, Quantity, amount, counted, few, number, told_in
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
@@ -135,9 +135,9 @@ def spelled_out(found: Cycle | Program) -> str | None:
     return str(found.sequence) if len(found.chain) <= _LONGEST_SPELLED_OUT else None
 
 
-def listed(items: Sequence[str], most: int = LONGEST_IN_A_LINE) -> str:
+def listed(items: Sequence[str]) -> str:
     """Names in a line, the first of many."""
-    return ", ".join(items[:most]) + f" and {len(items) - most} more" * (len(items) > most)
+    return few(items, LONGEST_IN_A_LINE)
 
 
 def turning_points(points: Sequence[float], chain: Chain) -> str:

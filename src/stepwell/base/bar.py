@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 # Called with (done, total) while work goes on; None where nothing is to be reported.
 Progress = Callable[[int, int], None] | None
+Shows = Callable[[float, float], None]  # What a bar is called with.
 
 
 def notify(progress: Callable[[T, T], None] | None, done: T, total: T) -> None:
@@ -24,8 +25,6 @@ def tracked(items: Collection[T], progress: Progress) -> Iterator[T]:
         yield item
     notify(progress, len(items), len(items))
 
-
-Shows = Callable[[float, float], None]
 
 # Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
 # pieces has an estimate too [s].

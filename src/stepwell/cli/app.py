@@ -12,7 +12,8 @@ import typer
 from stepwell.base import __version__, described
 from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.options import grouped
-from stepwell.cli.screen import EXIT_CODES, INTERRUPTED, PIPE_CLOSED, Commands, styled
+from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
+from stepwell.crash import leave
 
 # The groups of `stepwell --help`, in this order: what a user comes for.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
@@ -96,7 +97,7 @@ def main() -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     # Until a command runs: Typer ends without a word, and modules that open may drop exceptions.
-    signal.signal(signal.SIGINT, _leave)
+    signal.signal(signal.SIGINT, leave)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
@@ -111,11 +112,6 @@ def main() -> None:
             if hasattr(signal, name):
                 signal.signal(getattr(signal, name), signal.SIG_IGN)
         _flush()
-
-
-def _leave(*_: object) -> None:
-    os.write(2, b"Interrupted before anything was done.\n")
-    os._exit(INTERRUPTED)
 
 
 def _flush() -> None:

@@ -135,7 +135,7 @@ def _swept(
     values: Mapping[str, Sequence[float]],
     cycles: int,
     keep: Path,
-    progress: screen.Progress | None,
+    progress: screen.Shows | None,
 ) -> sw.simulation.Sweep:
     """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     made: list[sw.robot.Robot | sw.files.DesignError] = []

@@ -18,10 +18,9 @@ from typer.core import TyperGroup
 
 import stepwell as sw
 from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph, table, terminal
-from stepwell.base import ExtraError, SettingError, on_terminal
+from stepwell.base import ExtraError, SettingError, Shows, on_terminal
 
 WRITING = "writing"
-Progress = Callable[[float, float], None]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -31,7 +30,7 @@ class Interrupted(KeyboardInterrupt):
 @contextmanager
 def progress(
     label: str, *, kept: str = "", note: Callable[[], str] = str
-) -> Iterator[Progress | None]:
+) -> Iterator[Shows | None]:
     """What to call with (done, total) for a bar on standard error; None without a terminal.
 
     `note` stands behind the label, and is asked again as work goes on; `kept` is what an

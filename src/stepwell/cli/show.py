@@ -207,7 +207,7 @@ def replay(
 
 
 def _run(
-    robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Progress | None
+    robot: values.Robot, arena: str | None, cycles: float | None, tell: screen.Shows | None
 ) -> Walk | Maze:
     place = None if arena is None else sw.files.load_arena(arena)
     if place is None or cycles is not None:

@@ -1,3 +1,3 @@
 """What is left of an error that nothing expected: one line, and a file to report it with."""
 
-from stepwell.crash.report import reported
+from stepwell.crash.report import leave, reported

@@ -22,6 +22,12 @@ _OF_OURS = re.compile(r"extra == .(dev|docs)\b")
 _SECRET = re.compile(r"(?<=://)[^/@\s]+(?=@)")
 
 
+def leave(*_: object) -> None:
+    """End the program at once, with a line: what Ctrl-C does until a command runs."""
+    os.write(2, b"Interrupted before anything was done.\n")
+    os._exit(130)
+
+
 def reported(error: BaseException, arguments: list[str], design: str = "") -> str:
     """Write a report of an error into a file, and return the line that names it.
 

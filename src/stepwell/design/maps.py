@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import Drawn, Floats, InputError, Progress, Shown, __version__, need, require
+from stepwell.base import (
+    Drawn,
+    Floats,
+    InputError,
+    Progress,
+    Shown,
+    __version__,
+    few,
+    need,
+    require,
+)
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
@@ -176,9 +186,8 @@ def _which(chain: Chain, cell: int | str) -> int:
         return chain.names.index(cell)
     if not isinstance(cell, str) and 0 <= cell < len(chain):
         return int(cell)
-    known = ", ".join(f"{i} or {name!r}" for i, name in enumerate(chain.names[:8]))
-    more = f" and {len(chain) - 8} more" if len(chain) > 8 else ""
-    raise InputError(f"cell = {cell!r}: must be {known}{more}.")
+    known = few([f"{i} or {name!r}" for i, name in enumerate(chain.names)], 8)
+    raise InputError(f"cell = {cell!r}: must be {known}.")
 
 
 def _scale(outcomes: Outcomes) -> tuple[float, str]:

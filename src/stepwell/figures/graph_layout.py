@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.bezier import BezierSegment
 
-from stepwell.base import Bools, Floats, InputError
+from stepwell.base import Bools, Floats, InputError, grouped
 from stepwell.figures.common import style
 from stepwell.figures.common.sheet import Point, page_width
 from stepwell.sequences import Program, TransitionGraph, TransitionKind
@@ -32,9 +32,7 @@ def heights(
     names if they `stay`; all others float between those they are joined to by lines, each with how
     much its length counts.
     """
-    order: dict[float, list[str]] = {}
-    for name in fixed:
-        order.setdefault(columns[name], []).append(name)
+    order = grouped((columns[name], name) for name in fixed)
     sheet = _Crossings(columns, fixed, lines)
     if stay:
         best = {column: sorted(names) for column, names in order.items()}

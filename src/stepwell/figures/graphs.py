@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Polygon
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from stepwell.base import InputError, number
+from stepwell.base import InputError, grouped, number
 from stepwell.figures import graph_layout
 from stepwell.figures.common import legends, marks, sheet, style
 from stepwell.mechanism import Cell, Chain
@@ -161,10 +161,8 @@ class _Drawing:
 
     def _draw_turns(self, ax: Axes) -> None:
         """Numbers at the turning points of the program."""
-        numbers: dict[str, list[str]] = {}
-        for k, stroke in enumerate(self.strokes[:-1], 1):
-            numbers.setdefault(stroke[-1], []).append(str(k))
-        for label, turns in numbers.items():
+        turned = ((stroke[-1], str(k)) for k, stroke in enumerate(self.strokes[:-1], 1))
+        for label, turns in grouped(turned).items():
             (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
             # At the corner of a box, above a dot.
             boxed, many = "-" not in label, len(turns) > 1

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from stepwell.base import Floats, InputError
+from stepwell.base import Floats, InputError, grouped
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
 from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording
@@ -101,9 +101,7 @@ def _cells(
     """Panels of what `curves` gives of a test: as it was measured, and by the model."""
     if not tests:
         raise InputError("tests is empty: give one unit cell or more.")
-    groups: dict[tuple[str, bool], list[CellTest]] = {}
-    for test in tests:
-        groups.setdefault((test.series.code, test.series.unloading), []).append(test)
+    groups = grouped(((test.series.code, test.series.unloading), test) for test in tests)
 
     def draw(ax: Axes, group: list[CellTest]) -> None:
         _cell(ax, group, [curves(test) for test in group])

@@ -13,7 +13,7 @@ from importlib.resources import files
 from itertools import dropwhile, groupby, product
 from typing import Annotated, Any, NamedTuple
 
-from stepwell.base import from_unit, limits
+from stepwell.base import from_unit, grouped, limits
 from stepwell.files import design, robots, text
 from stepwell.files.schema import keys, robot, wording
 from stepwell.files.schema.keys import fields, lines_of
@@ -195,9 +195,7 @@ def _rectangles(squares: set[Square]) -> list[_Rectangle]:
 
 def _stacked(squares: set[Square]) -> Iterator[_Rectangle]:
     """Runs along rows; equal ones above each other are one rectangle."""
-    rows: dict[int, list[int]] = {}
-    for i, j in sorted(squares):
-        rows.setdefault(j, []).append(i)
+    rows = grouped((j, i) for i, j in sorted(squares))
     begun: dict[tuple[int, int], int] = {}  # left and columns of a run: its first row
     for j in range(min(rows, default=0), max(rows, default=-1) + 2):
         runs = list(_runs(rows.get(j, [])))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, InputError, grouped
 from stepwell.files.design import loads
 from stepwell.files.paths import Item, Steps, find, spelled
 from stepwell.files.robots import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
@@ -176,9 +176,7 @@ def provenance(robot: Robot) -> tuple[Given, ...]:
 
 
 def _by_list(numbers: Iterable[Given]) -> list[Given]:
-    lists: dict[str, list[Given]] = {}
-    for number in numbers:
-        lists.setdefault(re.sub(r"(?:\[\d+\])+$", "", number.path), []).append(number)
+    lists = grouped((re.sub(r"(?:\[\d+\])+$", "", one.path), one) for one in numbers)
     found: list[Given] = []
     for path, items in lists.items():
         if len({(item.unit, item.source) for item in items}) == 1:
@@ -191,9 +189,7 @@ def _by_list(numbers: Iterable[Given]) -> list[Given]:
 
 def _shared(numbers: list[Given], several: re.Pattern[str]) -> list[Given]:
     """Numbers that are alike in every leg or cell, once."""
-    alike: dict[str, list[Given]] = {}
-    for number in numbers:
-        alike.setdefault(several.sub(_any, number.path), []).append(number)
+    alike = grouped((several.sub(_any, one.path), one) for one in numbers)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
     found: list[Given] = []
     for number in numbers:

@@ -10,7 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, StepwellError, Vec2, check, number, percent, to_unit
+from stepwell.base import (
+    ByValue,
+    InputError,
+    StepwellError,
+    Vec2,
+    check,
+    notify,
+    number,
+    percent,
+    to_unit,
+)
 from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
 from stepwell.lab import builds
 from stepwell.lab.recordings.recording import LabError
@@ -324,8 +334,7 @@ def as_built(
     def tell() -> None:
         nonlocal done
         done += 1
-        if progress is not None:
-            progress(done, max(done, total))
+        notify(progress, done, max(done, total))
 
     holes = builds.Holes(builds.outer_anchors(drawing) if wrong_hole else (), hole, wrong_hole)
     wider = 1.0

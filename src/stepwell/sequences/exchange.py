@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stepwell.base import InputError, Quantity, plain, told_in
+from stepwell.base import InputError, Quantity, grouped, plain, told_in
 from stepwell.sequences.nodes import Node, Transition, TransitionKind
 from stepwell.sequences.transition_graph import TransitionGraph, measure_of
 from stepwell.statics import Tie
@@ -257,9 +257,7 @@ def to_dot(graph: TransitionGraph) -> str:
         text = _quoted(f"{label}\n{drives_text(graph.unit, (node.low, node.high))}")
         kept = _kept(row)
         lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
-    rows: dict[int, list[str]] = {}
-    for label in graph.vertices:
-        rows.setdefault(graph.node(label).level, []).append(_quoted(label))
+    rows = grouped((graph.node(label).level, _quoted(label)) for label in graph.vertices)
     lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
     for (a, b, t), row in zip(graph.transitions(), edges, strict=True):
         style = "solid" if t.direction > 0 else "dashed"

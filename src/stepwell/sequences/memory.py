@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Ints, number
+from stepwell.base import Bools, ByValue, Ints, grouped, number
 from stepwell.sequences.mesostates import BranchAtlas, Mesostates, Routes
 from stepwell.sequences.nodes import Transition
 from stepwell.sequences.transition_graph import TransitionGraph
@@ -308,9 +308,8 @@ def _simplest(
     atlas: BranchAtlas, routes: Routes, branches: Mesostates, lapses: list[_Lapse], direction: int
 ) -> Forgetting:
     """The failure whose first turning point is reached with the fewest snaps."""
-    sources: dict[int, list[int]] = {}
-    for branch in np.flatnonzero(routes.reached).tolist():
-        sources.setdefault(int(branches.rise[branch]), []).append(branch)
+    reached = np.flatnonzero(routes.reached).tolist()
+    sources = grouped((int(branches.rise[branch]), branch) for branch in reached)
     begins: list[tuple[int, int, _Lapse]] = []
     for lapse in lapses[:_COMPARED]:
         waiting = [lapse.left]

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stepwell.base import ExtraError, InputError, need
+from stepwell.base import ExtraError, InputError, grouped, need
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.engine import SimulatedRun
 from stepwell.simulation.mazes import Judge, Outcome
@@ -125,10 +125,7 @@ def _judged(group: Sequence[SimulatedRun], judges: dict[SimulatedRun, Judge], li
 
 def alike(runs: Sequence[SimulatedRun]) -> list[list[SimulatedRun]]:
     """Runs in groups that differ in numbers which Warp keeps for every world."""
-    found: dict[Hashable, list[SimulatedRun]] = {}
-    for run in runs:
-        found.setdefault(_structure(run.model), []).append(run)
-    return list(found.values())
+    return list(grouped((_structure(run.model), run) for run in runs).values())
 
 
 class Worlds:

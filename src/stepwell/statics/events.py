@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, number, to_unit, told_in
+from stepwell.base import ByValue, Floats, Measure, grouped, number, to_unit, told_in
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged, state
 
@@ -224,9 +224,10 @@ def phase_changes(
         phases[rows] = own
         before[rows] = [begin[cell], *own[:-1].tolist()]
     segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first))
-    changes: dict[int, list[tuple[int, int]]] = {}
-    for row in np.flatnonzero(phases != before).tolist():
-        changes.setdefault(int(segment[row]), []).append((int(cells[row]), int(phases[row])))
+    changes = grouped(
+        (int(segment[row]), (int(cells[row]), int(phases[row])))
+        for row in np.flatnonzero(phases != before).tolist()
+    )
     return begin, list(changes.values())
 
 

@@ -113,7 +113,6 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
 
 
 def _one_scale(column: Sequence[Axes]) -> None:
-    """Give all axes one vertical scale, symmetric around zero."""
     most = max(ax.get_ylim()[1] for ax in column)
     for ax in column:
         ax.set_ylim(-most, most)

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, grouped, to_unit
+from stepwell.base import Bools, ByValue, Floats, few, grouped, to_unit
 from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import (
@@ -327,8 +327,7 @@ def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """A few names, and how many more there are."""
-    shown = ", ".join(name.replace("\\", "/").rpartition("/")[2] for name in names[:3])
-    return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    return few([name.replace("\\", "/").rpartition("/")[2] for name in names], 3)
 
 
 def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:

@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Ints, Quantity, Schema, __version__, content_of, need, write_csv
+from stepwell.base import (
+    ByValue,
+    Ints,
+    Quantity,
+    Schema,
+    __version__,
+    content_of,
+    need,
+    notify,
+    write_csv,
+)
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.text import parse
@@ -153,8 +163,7 @@ def read_all(
             found.append(read(name))
         except LabError as error:
             refused.append(error)
-        if progress is not None:
-            progress(done, len(names))
+        notify(progress, done, len(names))
     return Batch(tuple(found), tuple(refused), tuple(ignored))
 
 

@@ -101,7 +101,7 @@ def audit(
     # energy free, and the last of several at one drive ends in a stable place. Where cells follow
     # the force without rows, all are looked at and added up at the last such segment and at about 8
     # before it, else those with rows.
-    # One function: every segment updates the same marks, limits and marks.
+    # One function: every segment updates the same places, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, sheets)
