@@ -14,7 +14,7 @@ from stepwell.design import Impossible, parameter, parameter_boundaries, paramet
 from stepwell.design.margins.margin import Change
 from stepwell.design.switches import relay_cycle, switching_forces
 from stepwell.design.tolerances.draws import Draws
-from stepwell.statics import FOUND, StaticsError
+from stepwell.statics import StaticsError, batch
 from stepwell.statics.batch import Followed
 
 SNAP = sw.Element.from_points([0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5], "snap")
@@ -452,7 +452,7 @@ def test_designs_that_cannot_be_followed_are_counted_and_not_raised(monkeypatch)
 
     def leaves_all(designs, *_):
         m = len(designs.cells)
-        return Followed(np.full((m, 1), -1), np.full((m, FOUND), np.nan))
+        return Followed(np.full((m, 1), -1), np.full((m, batch.FOUND), np.nan))
 
     monkeypatch.setattr("stepwell.statics.full_cycles", leaves_all)
     monkeypatch.setattr("stepwell.sequences.cycles.cycle", fails)

@@ -12,8 +12,7 @@ from stepwell.base import StepwellError
 from stepwell.design.parameters import parameters
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, cycles_of
 from stepwell.sequences.cycles import snapping_steps
-from stepwell.statics import LOST, PEAK, SNAPS, STROKE_DOWN, STROKE_UP, nominal, stacked
-from stepwell.statics.batch import STEPS_DOWN, STEPS_UP
+from stepwell.statics import batch, nominal
 
 DRIVES = {"stroke": np.inf, "spring": 150.0, "force": 0.0}
 
@@ -57,7 +56,7 @@ def one_by_one(chains: list[sw.Chain]):
 
 def assert_the_same(chains: list[sw.Chain]) -> int:
     """Every design does in the batch what its chain does by itself; how many ties there were."""
-    together = cycles_of(lambda i: chains[i], len(chains), stacked(chains))
+    together = cycles_of(lambda i: chains[i], len(chains), batch.stacked(chains))
     ties = 0
     for i, cycle in enumerate(one_by_one(chains)):
         if cycle is None:
@@ -66,11 +65,11 @@ def assert_the_same(chains: list[sw.Chain]) -> int:
         assert together.sequences[together.number[i]] == cycle.sequence
         assert together.tied[i] == len(cycle.degenerate)
         found = together.found[i]
-        assert found[SNAPS] == len(cycle.snaps)
-        assert found[PEAK] == cycle.peak_force
-        assert found[LOST] == pytest.approx(cycle.dissipated, rel=1e-12, abs=1e-15)
-        assert (found[STEPS_UP], found[STEPS_DOWN]) == snapping_steps(cycle)
-        for column, direction in ((STROKE_UP, 1), (STROKE_DOWN, -1)):
+        assert found[batch.SNAPS] == len(cycle.snaps)
+        assert found[batch.PEAK] == cycle.peak_force
+        assert found[batch.LOST] == pytest.approx(cycle.dissipated, rel=1e-12, abs=1e-15)
+        assert (found[batch.STEPS_UP], found[batch.STEPS_DOWN]) == snapping_steps(cycle)
+        for column, direction in ((batch.STROKE_UP, 1), (batch.STROKE_DOWN, -1)):
             first = [snap.stroke for snap in cycle.snaps if snap.direction == direction][:1]
             np.testing.assert_allclose(found[column], [*first, np.nan][0], rtol=1e-12)
         ties += len(cycle.degenerate) > 0
@@ -155,7 +154,7 @@ def test_numbers_put_into_designs_are_those_of_the_changed_chain():
         put = nominal(chain, 3)
         assert put is not None
         parameter.put(put, chain, values)
-        made = stacked([parameter.changed(chain, value) for value in given])
+        made = batch.stacked([parameter.changed(chain, value) for value in given])
         for name in ("cells", "bands", "drives"):
             np.testing.assert_array_equal(getattr(put, name), getattr(made, name), parameter.name)
 

@@ -9,18 +9,9 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from stepwell import base, files, robot as robots
-from stepwell.accounts import parts
+from stepwell.accounts import parts, robot as of_robot
 from stepwell.accounts.head import About, Row, keys
 from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
-from stepwell.accounts.robot import (
-    FEET,
-    PARAMETERS,
-    SOURCES,
-    assumed,
-    depth_words,
-    parameter_section,
-    turn_words,
-)
 from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Column, Quantity, Schema, amount, counted, number
 
@@ -38,7 +29,7 @@ WALKED: Schema = (
     *keys(title=(str, "robot.title"), cycles=int, period=("s", "robot.drive.period")),
     *keys(duration="s", distance="mm", work="mJ", weight=("N", "robot.weight")),
     *keys(cost_of_transport=float, stopped=str, simulation=(_SETTINGS, "settings")),
-    *base.read_off((PARAMETERS,), "robot"),
+    *base.read_off((of_robot.PARAMETERS,), "robot"),
 )
 _CYCLES: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form="z.3f", holds=[float]),
@@ -48,9 +39,9 @@ _CYCLES: Schema = (
 _LEG: Schema = (
     Quantity("name", head="leg"),
     *keys(gaits=[str], predicted_gait=str | None, slip="mm"),
-    FEET,
+    of_robot.FEET,
 )
-_SIMULATED: dict[str, Any] = {"hints": [SOURCES], "packages": ["mujoco"]}
+_SIMULATED: dict[str, Any] = {"hints": [of_robot.SOURCES], "packages": ["mujoco"]}
 _GAITS = (
     Quantity("cycles", head="cycles"),
     Quantity("states", head="states"),
@@ -132,13 +123,13 @@ def walk_account(walk: Walk, about: About) -> Account:
     facts = (
         Fact("Duration", amount(walk.duration, "s")),
         Fact("Advance per cycle", f"d/u_max {mean.advance:z.3f}{after}" * any_cycle),
-        Fact("Turn per cycle", f"{turn_words(mean.turn)}{after}" * any_cycle),
+        Fact("Turn per cycle", f"{of_robot.turn_words(mean.turn)}{after}" * any_cycle),
         Fact("u_max", amount(robot.u_max, "m"), TERMINAL),
         Fact("Work per cycle", amount(mean.work, "J") * any_cycle, TERMINAL),
         _transport(walk, CARD),
         Fact("Comparison with statics", lambda: walk.comparison.text, TERMINAL),
-        Fact("Foot depth", lambda: depth_words(robot, walk.comparison.depths), TERMINAL),
-        assumed(robot),
+        Fact("Foot depth", lambda: of_robot.depth_words(robot, walk.comparison.depths), TERMINAL),
+        of_robot.assumed(robot),
     )
 
     def by_cycle() -> list[Row]:
@@ -168,7 +159,7 @@ def walk_account(walk: Walk, about: About) -> Account:
 def _given(walk: Walk) -> parts.Sections:
     """What a simulation was given, and what it assumes."""
     assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
-    return {**parameter_section(walk.robot), "Assumptions": assumptions}
+    return {**of_robot.parameter_section(walk.robot), "Assumptions": assumptions}
 
 
 def _simulated_in(arena: robots.Arena) -> str:
@@ -245,7 +236,7 @@ def maze_account(maze: Maze, about: About) -> Account:
         Fact("Cycles", str(walk.cycles), TERMINAL),
         Fact("End position", "" if maze.end is None else f"({x}, {y}) mm", TERMINAL),
         _transport(walk, TERMINAL),
-        assumed(walk.robot),
+        of_robot.assumed(walk.robot),
     )
     obstacles = "When each was first touched."
     contacts = "Each contact, and the leg it changes."

@@ -14,19 +14,8 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import Measure
-from stepwell.cli import screen, tolerances as parts
-from stepwell.cli.options import (
-    Design,
-    Folder,
-    Group,
-    Json,
-    command,
-    flag,
-    grouped,
-    local,
-    option,
-    read_design,
-)
+from stepwell.cli import options as opts, screen, tolerances as parts
+from stepwell.cli.options import Design, Folder, Group, Json
 from stepwell.cli.ranges import read_range
 
 commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
@@ -50,41 +39,41 @@ _Engine = Annotated[
 
 
 class _Program(Group):
-    start: str | None = option("As in 00.", "--from STATE")
-    target: str = option("As in 01.", "STATE", default=...)
+    start: str | None = opts.option("As in 00.", "--from STATE")
+    target: str = opts.option("As in 01.", "STATE", default=...)
 
 
 class _Walk(Group):
-    cycles: int = option("How many cycles each walks.", default=4, min=1)
+    cycles: int = opts.option("How many cycles each walks.", default=4, min=1)
     engine: _Engine = "cpu"
 
 
 class _Maze(Group):
-    arena: str = option("A name, or a file of your own.", "ARENA", default=...)
-    limit: float = option("Time it is given [s].", default=600.0, min=1)
-    layouts: int = option(
+    arena: str = opts.option("A name, or a file of your own.", "ARENA", default=...)
+    limit: float = opts.option("Time it is given [s].", default=600.0, min=1)
+    layouts: int = opts.option(
         "So many layouts with walls and start a little elsewhere, the same for "
         "every design; 0 takes the arena as it is.",
         default=0,
         min=0,
     )
-    first: int = option(
+    first: int = opts.option(
         "Number of the first of these layouts; another range than the one by "
         "which a design was chosen is an independent test of it.",
         default=0,
         min=0,
     )
-    place: float | None = option(
+    place: float | None = opts.option(
         "How far a layout shifts each wall at most [mm]; 40 by default.", "MM", min=0
     )
-    angle: float | None = option(
+    angle: float | None = opts.option(
         "How far a layout turns each wall at most [deg]; 8 by default.", "DEG", min=0
     )
     engine: _Engine = "cpu"
 
 
 class _Call(Group):
-    function: str = option(
+    function: str = opts.option(
         "A function of a design and a seed that gives numbers and texts by name.",
         "FILE.py:NAME",
         default=...,
@@ -94,32 +83,34 @@ class _Call(Group):
 class Effort(Group):
     """On which processes the work is done."""
 
-    workers: int | None = option(
+    workers: int | None = opts.option(
         "Processes at once; one for every core by default, 0 to do without any.", "N", min=0
     )
-    scheduler: str | None = option(
+    scheduler: str | None = opts.option(
         "A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.", "ADDRESS"
     )
 
 
 class _Study(Effort):
     seed: parts.Seed = 0
-    chunk: int | None = option("Designs that are computed and written together.", "N", min=1)
-    estimate: bool = flag("Print the estimated run time and disk space, then exit.", "--estimate")
+    chunk: int | None = opts.option("Designs that are computed and written together.", "N", min=1)
+    estimate: bool = opts.flag(
+        "Print the estimated run time and disk space, then exit.", "--estimate"
+    )
     as_json: Json = False
 
 
 class _Drawn(Group):
-    vary: list[str] | None = option(
+    vary: list[str] | None = opts.option(
         "What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
         "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
         "COUNT with --sobol, --latin or --random. May be given again.",
         "--vary NAME=FROM:TO:COUNT",
     )
-    table: Path | None = option("Designs one by one, a line of a CSV file each.", "FILE")
-    sobol: int | None = option("N designs of a Sobol' sequence, scrambled.", "N", min=1)
-    latin: int | None = option("N designs of a Latin hypercube.", "N", min=1)
-    random: int | None = option("N designs drawn independently.", "N", min=1)
+    table: Path | None = opts.option("Designs one by one, a line of a CSV file each.", "FILE")
+    sobol: int | None = opts.option("N designs of a Sobol' sequence, scrambled.", "N", min=1)
+    latin: int | None = opts.option("N designs of a Latin hypercube.", "N", min=1)
+    random: int | None = opts.option("N designs drawn independently.", "N", min=1)
 
     built = None  # an option of chains
 
@@ -145,7 +136,7 @@ class _Drawn(Group):
 class _Sampled(_Drawn):
     """The same of chains, which can be sampled too."""
 
-    built: int | None = option(
+    built: int | None = opts.option(
         "N random samples of the design within these tolerances:", "N", min=1
     )
 
@@ -171,18 +162,18 @@ def _command(what: str, doc: str) -> None:
         *,
         design: Design,
         own: Group,
-        out: Path = option(
+        out: Path = opts.option(
             "The store, a folder that xarray opens as Zarr.",
             "--out -o STORE",
             default=...,
-            callback=local,
+            callback=opts.local,
         ),
         designs: _Drawn,
         how: _Study,
     ) -> None:
         from stepwell.kernels import cores
 
-        _, subject = read_design(design)
+        _, subject = opts.read_design(design)
         chosen = designs.of(subject, how.seed)
         with screen.usable(what):
             given = _given(own, subject)
@@ -203,7 +194,7 @@ def _command(what: str, doc: str) -> None:
         f"again; the finished store is the same. If a design fails, its row contains the problem."
         f"\n\nExample: stepwell sweep {what} {example} --out store"
     )
-    commands.command(what, epilog=screen.EXIT_CODES)(grouped(run))
+    commands.command(what, epilog=screen.EXIT_CODES)(opts.grouped(run))
 
 
 for _what, _doc in {
@@ -219,7 +210,7 @@ for _what, _doc in {
     _command(_what, _doc)
 
 
-@command(commands)
+@opts.command(commands)
 def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     """Compute what is missing in a store.
 
@@ -228,11 +219,11 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
     _resumed(sw.studies.opened(store), effort, as_json)
 
 
-@command(commands)
+@opts.command(commands)
 def extend(
     *,
     store: _There,
-    count: int = option("Designs in all.", "N", default=..., min=1),
+    count: int = opts.option("Designs in all.", "N", default=..., min=1),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
@@ -245,7 +236,7 @@ def extend(
     _resumed(study, effort, as_json)
 
 
-@command(commands)
+@opts.command(commands)
 def cancel(store: _There) -> None:
     """Stop all workers of a study after their current chunk; finished chunks are kept.
 
@@ -255,7 +246,7 @@ def cancel(store: _There) -> None:
     screen.show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
 
 
-@command(commands)
+@opts.command(commands)
 def status(store: _There, as_json: Json = False) -> None:
     """List the progress of a study, and its results so far.
 
@@ -267,24 +258,24 @@ def status(store: _There, as_json: Json = False) -> None:
         raise typer.Exit(screen.FAILED)
 
 
-@command(commands)
+@opts.command(commands)
 def export(
     *,
     store: _There,
-    out: Path = option(
+    out: Path = opts.option(
         "The table: .csv, or .parquet.",
         "--out -o FILE",
         default=...,
         dir_okay=False,
-        callback=local,
+        callback=opts.local,
     ),
-    best: int | None = option(
+    best: int | None = opts.option(
         "Only the N best designs, best first, and only what varies: a list that another "
         "study takes as --table.",
         "N",
         min=1,
     ),
-    by: list[str] | None = option(
+    by: list[str] | None = opts.option(
         "What makes them the best: the largest values of a column, or the least with - "
         "before it; given again, what decides between ties.",
         "COLUMN",
@@ -313,7 +304,7 @@ def export(
     screen.show_lines(f"Written into {out}: {count}{of} designs.")
 
 
-@command(commands)
+@opts.command(commands)
 def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
     """Plot the results of a study on one page, and compute which number decides them.
 

@@ -7,23 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Floats
 from stepwell.kernels import leaf
-from stepwell.mechanism import (
-    Cell,
-    Element,
-    Laws,
-    Linear,
-    band_force,
-    band_length,
-    force_slopes,
-    hooke,
-    reach_along,
-    reach_slopes,
-    sine_at,
-    steepening,
-    travel_of,
-)
+from stepwell.mechanism import Cell, Element, Laws, Linear, geometry
 
 
 class Simple(NamedTuple):
@@ -75,34 +62,34 @@ def with_d(cell: Simple, dx: float, dy: float) -> Simple:
 @leaf
 def full_travel(cell: Simple) -> float:
     """S = 2 r sin θc [m]."""
-    return travel_of(cell.sin_limit, cell.lever, cell.sin_limit)
+    return geometry.travel_of(cell.sin_limit, cell.lever, cell.sin_limit)
 
 
 @leaf
 def force_of(cell: Simple, sin: float) -> tuple[float, float]:
     """F [N] and κ = dF/ds [N/m] of a taut band at sin θ."""
     cos = np.sqrt(1.0 - sin * sin)
-    length = band_length(sin, cos, cell.dx, cell.dy, cell.lever)
-    g, g1, g2 = reach_slopes(sin, cos, cell.dx, cell.dy, cell.lever)
+    length = geometry.band_length(sin, cos, cell.dx, cell.dy, cell.lever)
+    g, g1, g2 = geometry.reach_slopes(sin, cos, cell.dx, cell.dy, cell.lever)
     stretch = length - cell.rest
-    tension, stiffness, _ = hooke(cell.stiffness, stretch)
-    h = steepening(length, stretch, 0.0, stiffness, 0.0, 0.0)
-    force, slope, _ = force_slopes(tension, 0.0, h, length, g, g1, g2)
+    tension, stiffness, _ = mech.hooke(cell.stiffness, stretch)
+    h = geometry.steepening(length, stretch, 0.0, stiffness, 0.0, 0.0)
+    force, slope, _ = geometry.force_slopes(tension, 0.0, h, length, g, g1, g2)
     return force, slope
 
 
 @leaf
 def force_at(cell: Simple, travel: float) -> tuple[float, float]:
     """F [N] and κ = dF/ds [N/m] of a taut band at a travel [m]."""
-    return force_of(cell, sine_at(travel, cell.lever, cell.sin_limit))
+    return force_of(cell, geometry.sine_at(travel, cell.lever, cell.sin_limit))
 
 
 @leaf
 def energy_at(cell: Simple, travel: float) -> float:
     """E [J] of a taut band at a travel [m]."""
-    sin = sine_at(travel, cell.lever, cell.sin_limit)
-    length = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever)
-    return hooke(cell.stiffness, length - cell.rest)[2]
+    sin = geometry.sine_at(travel, cell.lever, cell.sin_limit)
+    length = geometry.band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever)
+    return mech.hooke(cell.stiffness, length - cell.rest)[2]
 
 
 @leaf
@@ -148,15 +135,18 @@ def most_bend(cell: Simple) -> float:
     t = cell.sin_limit
     c = np.sqrt(1.0 - t * t)
     r = cell.lever
-    shortest = min(band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r))
+    shortest = min(
+        geometry.band_length(-t, c, cell.dx, cell.dy, r),
+        geometry.band_length(t, c, cell.dx, cell.dy, r),
+    )
     d = np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
-    longest = band_length(cell.dy / d, cell.dx / d, cell.dx, cell.dy, r)
-    g = reach_along(t, c, -cell.dx, abs(cell.dy))
+    longest = geometry.band_length(cell.dy / d, cell.dx / d, cell.dx, cell.dy, r)
+    g = geometry.reach_along(t, c, -cell.dx, abs(cell.dy))
     g1 = cell.dx / (r * c * c * c)
     g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
     first = g / shortest
-    _, stiffness, _ = hooke(cell.stiffness, 0.0)
+    _, stiffness, _ = mech.hooke(cell.stiffness, 0.0)
     # Of a taut band T/ℓ = k (1 - ℓ0/ℓ) grows with ℓ, and its slope k ℓ0/ℓ² falls.
-    h = steepening(shortest, shortest - cell.rest, 0.0, stiffness, 0.0, 0.0)
-    ratio = hooke(cell.stiffness, longest - cell.rest)[0] / longest
-    return band_force(3.0 * h * first, g1 + first * first) + band_force(ratio, g2)
+    h = geometry.steepening(shortest, shortest - cell.rest, 0.0, stiffness, 0.0, 0.0)
+    ratio = mech.hooke(cell.stiffness, longest - cell.rest)[0] / longest
+    return geometry.band_force(3.0 * h * first, g1 + first * first) + geometry.band_force(ratio, g2)

@@ -6,22 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Bools, Floats
 from stepwell.concave.cell import Simple, force_of, of_row, simple, with_d
 from stepwell.kernels import entry, leaf
-from stepwell.mechanism import (
-    Cell,
-    Element,
-    band_direction,
-    band_force,
-    band_length,
-    force_by,
-    hooke,
-    length_slope,
-    reach_along,
-    slopes_by_anchor,
-    slopes_by_lever,
-)
+from stepwell.mechanism import Cell, Element, geometry
 
 # A stretch this much shorter than the range is given up on: the cell is so close to a force
 # that does not fall that the general engine may as well decide.
@@ -65,14 +54,14 @@ def certify(cell: Simple, reach: float) -> bool:
     end = cell.sin_limit
     left = -end
     c_left = np.sqrt(1.0 - left * left)
-    l_left = band_length(left, c_left, cell.dx, cell.dy, r)
-    g_left = abs(reach_along(left, c_left, cell.dx, cell.dy))
+    l_left = geometry.band_length(left, c_left, cell.dx, cell.dy, r)
+    g_left = abs(geometry.reach_along(left, c_left, cell.dx, cell.dy))
     width = 2.0 * end
     for _ in range(_MOST_LOOKS):
         right = min(left + width, end)
         c_right = np.sqrt(1.0 - right * right)
-        l_right = band_length(right, c_right, cell.dx, cell.dy, r)
-        g_right = abs(reach_along(right, c_right, cell.dx, cell.dy))
+        l_right = geometry.band_length(right, c_right, cell.dx, cell.dy, r)
+        g_right = abs(geometry.reach_along(right, c_right, cell.dx, cell.dy))
         c = 1.0 if left <= 0.0 <= right else max(c_left, c_right)
         h = min(c * max(g_left, g_right), d) + reach
         shortest = min(l_left, l_right) - reach
@@ -183,15 +172,15 @@ def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, flo
     """F0 (side -1) or F1 (side +1) [N] of the cell with its anchors at d, and ∂F/∂d [N/m]."""
     t = side * cell.sin_limit
     c = np.sqrt(1.0 - t * t)
-    length = band_length(t, c, dx, dy, cell.lever)
-    first = length_slope(t, c, length, dx, dy)
-    x, y = band_direction(t, c, length, dx, dy, cell.lever)
-    first_x, first_y = slopes_by_anchor(t, c, length, first, x, y)
-    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
+    length = geometry.band_length(t, c, dx, dy, cell.lever)
+    first = geometry.length_slope(t, c, length, dx, dy)
+    x, y = geometry.band_direction(t, c, length, dx, dy, cell.lever)
+    first_x, first_y = geometry.slopes_by_anchor(t, c, length, first, x, y)
+    tension, stiffness, _ = mech.hooke(cell.stiffness, length - cell.rest)
     return (
-        band_force(tension, first),
-        force_by(tension, stiffness, first, x, first_x),
-        force_by(tension, stiffness, first, y, first_y),
+        geometry.band_force(tension, first),
+        geometry.force_by(tension, stiffness, first, x, first_x),
+        geometry.force_by(tension, stiffness, first, y, first_y),
     )
 
 
@@ -199,11 +188,13 @@ def slopes_by_sizes(cell: Simple, side: Any, dx: Any, dy: Any) -> tuple[Any, Any
     """∂F/∂ℓ0 [N/m] and ∂F/∂r [N/m] of the same end force, of numbers or arrays."""
     t = side * cell.sin_limit
     c = np.sqrt(1.0 - t * t)
-    length = band_length(t, c, dx, dy, cell.lever)
-    first = length_slope(t, c, length, dx, dy)
-    by, first_by = slopes_by_lever(t, c, length, first, dx, dy, cell.lever)
-    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
-    return band_force(-stiffness, first), force_by(tension, stiffness, first, by, first_by)
+    length = geometry.band_length(t, c, dx, dy, cell.lever)
+    first = geometry.length_slope(t, c, length, dx, dy)
+    by, first_by = geometry.slopes_by_lever(t, c, length, first, dx, dy, cell.lever)
+    tension, stiffness, _ = mech.hooke(cell.stiffness, length - cell.rest)
+    return geometry.band_force(-stiffness, first), geometry.force_by(
+        tension, stiffness, first, by, first_by
+    )
 
 
 @entry(1e-5, "d")
@@ -247,12 +238,12 @@ def steepest(cell: Simple, side: int, dx: float, dy: float, radius: float) -> fl
     """
     t = side * cell.sin_limit
     c = np.sqrt(1.0 - t * t)
-    length = band_length(t, c, dx, dy, cell.lever)
+    length = geometry.band_length(t, c, dx, dy, cell.lever)
     shortest, longest = length - radius, length + radius
     if not shortest > 0.0:
         return inf
-    g = abs(reach_along(t, c, dx, dy)) + radius / c
+    g = abs(geometry.reach_along(t, c, dx, dy)) + radius / c
     stretch = max(abs(1.0 - cell.rest / shortest), abs(1.0 - cell.rest / longest))
     # ∂F/∂d = (T' - T/ℓ) ℓ' ∂ℓ/∂d + T/ℓ ∂g/∂d, every factor at its worst.
     k = cell.stiffness
-    return force_by(k * stretch, k * cell.rest / shortest, g / shortest, 1.0, 1.0 / c)
+    return geometry.force_by(k * stretch, k * cell.rest / shortest, g / shortest, 1.0, 1.0 / c)

@@ -9,17 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import (
-    Drawn,
-    Floats,
-    InputError,
-    Progress,
-    Shown,
-    __version__,
-    few,
-    need,
-    require,
-)
+from stepwell import base
+from stepwell.base import Drawn, Floats, InputError, Progress, Shown
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
@@ -118,7 +109,7 @@ def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) 
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
-    need("tables")
+    base.need("tables")
     (first, xs), (second, ys) = both(chain, x, y, 1)
     require_places(len(xs), len(ys))
     outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
@@ -178,7 +169,7 @@ def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
 def require_places(across: int, up: int) -> None:
     """Refuse a map of too many places before memory is asked for."""
     memory = across * up * _BYTES / 2**30
-    require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
+    base.require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
 
 
 def _which(chain: Chain, cell: int | str) -> int:
@@ -186,7 +177,7 @@ def _which(chain: Chain, cell: int | str) -> int:
         return chain.names.index(cell)
     if not isinstance(cell, str) and 0 <= cell < len(chain):
         return int(cell)
-    known = few([f"{i} or {name!r}" for i, name in enumerate(chain.names)], 8)
+    known = base.few([f"{i} or {name!r}" for i, name in enumerate(chain.names)], 8)
     raise InputError(f"cell = {cell!r}: must be {known}.")
 
 
@@ -248,7 +239,7 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
                 "proved taut with falling force, are two or share one full travel, and the "
                 "actuator is rigid, the general engine elsewhere"
             ),
-            "source": f"stepwell {__version__}, parameter_map",
+            "source": f"stepwell {base.__version__}, parameter_map",
         },
     )
 

@@ -8,27 +8,19 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell import concave
 from stepwell.base import Bools, Floats, Ints, Progress, notify
-from stepwell.concave import (
-    Simple,
-    certify,
-    closed,
-    end_forces,
-    full_travel,
-    same_travel,
-    simple,
-    travel_at,
-)
+from stepwell.concave import Simple
 from stepwell.design.parameters import Parameter
 from stepwell.kernels import entry, in_blocks, leaf, record
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import IMPOSSIBLE, UNSOLVED, Cycles, Pathway, Sequence, cycles_of
-from stepwell.statics import STEPS_DOWN, STEPS_UP, STROKE_DOWN, STROKE_UP, nominal
+from stepwell.statics import batch, nominal
 
 Codes = NDArray[np.int32]
 
 # Of a cell in the rows below: the fields of `Simple`, and then this one.
-FRICTION = 6
+batch.FRICTION = 6
 
 
 @record
@@ -145,7 +137,7 @@ def _certified(work: _Work, turned: Ints) -> tuple[bool, bool]:
     cells, force = work.cells, work.force
     lone = False
     for c in turned:
-        if not (cells[c, FRICTION] <= 0.0 and certify(simple_of(cells, c), 0.0)):
+        if not (cells[c, batch.FRICTION] <= 0.0 and concave.certify(simple_of(cells, c), 0.0)):
             return False, lone
         force[0, c], force[1, c], work.full[c] = numbers(cells, c)
         lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
@@ -157,7 +149,7 @@ def _have_one_travel(full: Floats) -> bool:
     most, least = full[0], full[0]
     for c in range(1, len(full)):
         most, least = max(most, full[c]), min(least, full[c])
-    return same_travel(most, least)
+    return concave.same_travel(most, least)
 
 
 @leaf
@@ -175,7 +167,7 @@ def _snaps(work: _Work, side: int, equal: bool) -> tuple[float, int, bool]:
             if count == 0:
                 level = pull if side == 0 else -pull
                 cell = simple_of(work.cells, c)
-                stroke = travel_at(cell, level, force[0, c], -force[1, c])
+                stroke = concave.travel_at(cell, level, force[0, c], -force[1, c])
                 gives = full[c] - stroke if side == 0 else stroke
                 first: int = order[side, 0]
                 holds = equal or gives < full[first]
@@ -195,7 +187,7 @@ def ends(values: Floats, varied: VariedCells, out: Floats) -> None:
     for i in range(len(values)):
         vary(cells, varied, values, i)
         for k in range(len(turned)):
-            out[i, k, 0], out[i, k, 1] = end_forces(simple_of(cells, turned[k]))
+            out[i, k, 0], out[i, k, 1] = concave.end_forces(simple_of(cells, turned[k]))
 
 
 # Elements are looked up and not rows: in machine code a row is an object of its own.
@@ -211,8 +203,8 @@ def simple_of(cells: Floats, c: int) -> Simple:
 def numbers(cells: Floats, c: int) -> tuple[float, float, float]:
     """F0 [N], -F1 [N] and the full travel [m] of a cell."""
     cell = simple_of(cells, c)
-    force_0, force_1 = end_forces(cell)
-    return force_0, -force_1, full_travel(cell)
+    force_0, force_1 = concave.end_forces(cell)
+    return force_0, -force_1, concave.full_travel(cell)
 
 
 @leaf
@@ -243,7 +235,7 @@ _SHORT = 12
 # they are.
 _ASIDE = 1e-7 * np.array([0.8, 0.6])
 _BLOCK = 20_000  # designs that one core takes at a time
-_NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": FRICTION}
+_NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": batch.FRICTION}
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,8 +326,8 @@ class Outcomes:
         found.sequence[which] = number
         known, at = cycles.found[number >= 0], which[number >= 0]
         found.degenerate[at] = cycles.tied[number >= 0] > 0
-        found.strokes[:, at] = known[:, [STROKE_UP, STROKE_DOWN]].T
-        found.snaps[:, at] = known[:, [STEPS_UP, STEPS_DOWN]].T
+        found.strokes[:, at] = known[:, [batch.STROKE_UP, batch.STROKE_DOWN]].T
+        found.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
 
     def label(self, values: Floats, progress: Progress = None, found: Found | None = None) -> Codes:
         """Numbers for (m, 2) values, by the engine where the closed form has not `found` them."""
@@ -413,11 +405,11 @@ class Outcomes:
         of_actuator = any(k.cell is None for k in self.parameters)
         if of_actuator or math.isfinite(self.chain.actuator_stiffness):
             return None
-        base = np.empty((len(self.chain), FRICTION + 1))
+        base = np.empty((len(self.chain), batch.FRICTION + 1))
         for i, cell in enumerate(self.chain.cells):
-            proved = None if i in self.turned else closed(cell)
+            proved = None if i in self.turned else concave.closed(cell)
             row = self._plain[i] if i in self.turned else proved and (*proved, 0.0)
-            if row is None or row[FRICTION] > 0:
+            if row is None or row[batch.FRICTION] > 0:
                 return None
             base[i] = row
         return base
@@ -425,7 +417,7 @@ class Outcomes:
     def _row(self, cell: int) -> Floats | None:
         """(7,) a cell with one linear band and no load as numbers, the parameters left out."""
         as_is = self.chain.cells[cell]
-        plain = simple(replace(as_is, friction=0.0))
+        plain = concave.simple(replace(as_is, friction=0.0))
         if plain is None or isinstance(as_is, Element):
             return None
         row = np.array([*plain, as_is.friction])

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, few, nearest_word
-from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes, travel_of
-from stepwell.statics import FRICTION, FULL, LEVER, SIN_LIMIT, Designs, drive_weights
+from stepwell.mechanism import Band, Cell, Chain, Element, Slip, geometry, sizes
+from stepwell.statics import Designs, batch, drive_weights
 
 # How the odd true case is told.
 WAY = "If it is meant so, say unusual=True of a cell of the chain."
@@ -101,11 +101,11 @@ class Parameter(ByValue):
             for k, own in enumerate(old):
                 bands[:, k, column] = values if own == old[0] else own * ratio
         elif self.part == "limit":
-            cells[:, SIN_LIMIT] = [math.sin(value) for value in values.tolist()]
+            cells[:, batch.SIN_LIMIT] = [math.sin(value) for value in values.tolist()]
         else:
-            cells[:, FRICTION if self.part == "friction" else LEVER] = values
-        sine = cells[:, SIN_LIMIT]
-        cells[:, FULL] = travel_of(sine, cells[:, LEVER], sine)
+            cells[:, batch.FRICTION if self.part == "friction" else batch.LEVER] = values
+        sine = cells[:, batch.SIN_LIMIT]
+        cells[:, batch.FULL] = geometry.travel_of(sine, cells[:, batch.LEVER], sine)
 
     def _put_anchors(self, out: Floats, bands: tuple[Band, ...], values: Floats) -> None:
         """Write q - p [m] of a cell's bands, out (m, bands, ...), by values of an anchor."""

@@ -10,17 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    InputError,
-    StepwellError,
-    Vec2,
-    check,
-    notify,
-    number,
-    percent,
-    to_unit,
-)
+from stepwell import base
+from stepwell.base import ByValue, InputError, StepwellError, Vec2
 from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
 from stepwell.lab import builds
 from stepwell.lab.recordings.recording import LabError
@@ -53,7 +44,9 @@ class AnchorMove(ByValue):
         return self.anchor.displaced(chain, (self.to[0] - self.was[0], self.to[1] - self.was[1]))
 
     def __str__(self):
-        dx, dy = (number(to_unit(b - a, "mm")) for a, b in zip(self.was, self.to, strict=True))
+        dx, dy = (
+            base.number(base.to_unit(b - a, "mm")) for a, b in zip(self.was, self.to, strict=True)
+        )
         words = builds.way_in_words(self.was, self.to, self.holes)
         return f"{builds.named(self.anchor)} {words}, by ({dx}, {dy}) mm"
 
@@ -96,7 +89,7 @@ class Move(ByValue):
         return "move " + " and ".join(map(str, self.steps))
 
     def __repr__(self):
-        return f"Move({self}: {percent(self.share)})"
+        return f"Move({self}: {base.percent(self.share)})"
 
 
 def best_moves(
@@ -270,16 +263,16 @@ class AsBuilt(ByValue):
     @property
     def advice(self) -> str:
         """What to do next, with the shares before and after."""
-        now = f"{percent(self.share)} of the builds that would do this do what is wanted"
+        now = f"{base.percent(self.share)} of the builds that would do this do what is wanted"
         if self.moves:
             best = self.moves[0]
-            return f"{best}: {now} as they are, {percent(best.share)} after it"
+            return f"{best}: {now} as they are, {base.percent(best.share)} after it"
         if not moves_of(self.drawing):
             return f"{now}; it has no anchor that could be moved"
-        far = number(to_unit(MOST_HOLES * self.hole, "mm"))
+        far = base.number(base.to_unit(MOST_HOLES * self.hole, "mm"))
         return (
             f"leave its anchors: {now}, and no move of one by up to {far} mm helps, nor of two by "
-            f"{number(to_unit(self.hole, 'mm'))} mm"
+            f"{base.number(base.to_unit(self.hole, 'mm'))} mm"
         )
 
     def __repr__(self):
@@ -319,8 +312,8 @@ def as_built(
         LabError: nothing that is drawn within eight times the tolerances does what was seen.
         ValueError: an argument out of range.
     """
-    check.whole("samples", samples, 100)
-    check.whole("seed", seed, 0)
+    base.check.whole("samples", samples, 100)
+    base.check.whole("seed", seed, 0)
     if not 0 < hole < math.inf:
         raise InputError(f"hole = {hole} m: must be > 0, how far apart holes are.")
     if not 0 <= wrong_hole <= _MOST_WRONG:
@@ -334,7 +327,7 @@ def as_built(
     def tell() -> None:
         nonlocal done
         done += 1
-        notify(progress, done, max(done, total))
+        base.notify(progress, done, max(done, total))
 
     holes = builds.Holes(builds.outer_anchors(drawing) if wrong_hole else (), hole, wrong_hole)
     wider = 1.0

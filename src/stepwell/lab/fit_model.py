@@ -140,23 +140,25 @@ def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats
     full = 2.0 * data.lever * data.sin_limit
     way = np.clip(way_of_cell(values, data, data.way), 0.0, full)
     travel = np.where(data.direction > 0, way, full - way)
-    sine = mechanism.sine_at(travel, data.lever, data.sin_limit)
+    sine = mechanism.geometry.sine_at(travel, data.lever, data.sin_limit)
     cosine = np.sqrt(1.0 - sine**2)
-    length = mechanism.band_length(sine, cosine, data.dx, data.dy, data.lever)
-    slope = mechanism.length_slope(sine, cosine, length, data.dx, data.dy)
+    length = mechanism.geometry.band_length(sine, cosine, data.dx, data.dy, data.lever)
+    slope = mechanism.geometry.length_slope(sine, cosine, length, data.dx, data.dy)
     # The band is longest where the lever points along d, or where it has come nearest to that.
     limit = np.arcsin(data.sin_limit)
     theta, along = np.arcsin(sine), np.arctan2(data.dy, data.dx)
     low = np.where(data.direction > 0, -limit, theta)
     high = np.where(data.direction > 0, theta, limit)
     nearest = np.clip(along, low, high)
-    longest = mechanism.band_length(np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever)
+    longest = mechanism.geometry.band_length(
+        np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever
+    )
     kept = 1.0 - values["loss"] * (1.0 - np.exp(-(longest - length) / values["loss_length"]))
     k = sum(values[name] * one for name, one in data.rubber.items())
     band = mechanism.Band((0.0, 0.0), (1.0, 0.0), 1.0, values["rest_length"], law)
     tension = data.bands * k * band.tension(length) * kept
     rubbing = values["friction"] + values.get("joints", 0.0) * tension
-    return mechanism.band_force(tension, slope) + data.direction * rubbing
+    return mechanism.geometry.band_force(tension, slope) + data.direction * rubbing
 
 
 _EARLY = 0.25  # of the stroke, where the first cell moves

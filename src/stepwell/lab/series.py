@@ -12,18 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, counted, grouped, to_unit
+from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import natural
-from stepwell.lab.recordings.recording import (
-    PLACES,
-    LabError,
-    Recording,
-    Setup,
-    is_baseline,
-    setup_of,
-    stem_of,
-)
+from stepwell.lab.recordings.recording import LabError, Recording, Setup
 from stepwell.lab.rig import judged, path_of, predicted_force, quiet_zones
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.statics import Path
@@ -201,15 +194,15 @@ def sort_series(
     Raises:
         LabError: there is no series, or more than one design for recordings that do not say which.
     """
-    own = [r for r in recordings if is_baseline(r.name)] if baseline is None else baseline
+    own = [r for r in recordings if recorded.is_baseline(r.name)] if baseline is None else baseline
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}
     gaps = missing(recordings)
-    tests = [r for r in recordings if not (r.source in used or is_baseline(r.name))]
+    tests = [r for r in recordings if not (r.source in used or recorded.is_baseline(r.name))]
     groups, told = _grouped(tests, designs, as_designed)
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
-        setup = None if as_designed else setup_of(stem + "_1")
+        setup = None if as_designed else recorded.setup_of(stem + "_1")
         found, lines = _series(_Group(stem, setup, unloading, runs, own, gaps), designs)
         series += found
         told += lines
@@ -227,7 +220,7 @@ def _grouped(
     told: list[str] = []
     tension: dict[str, int] = defaultdict(int)
     for recording in recordings:
-        setup = None if as_designed else setup_of(recording.name)
+        setup = None if as_designed else recorded.setup_of(recording.name)
         nameless = setup is None and not as_designed
         if nameless and TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
@@ -243,7 +236,7 @@ def _grouped(
         else:
             for part in _parts(recording):
                 way = part.direction == "unloading"
-                groups[recording.group, stem_of(recording.name), way].append(part)
+                groups[recording.group, recorded.stem_of(recording.name), way].append(part)
     read = "tension tests left out; `stepwell lab band` reads them"
     return groups, told + [f"{group}: {count} {read}" for group, count in tension.items()]
 
@@ -279,7 +272,7 @@ class _Group(NamedTuple):
             ratio = float(np.ptp(other.stroke)) / span if span else 0.0
             falls = other.direction == "unloading"
             if falls == self.unloading and _COVER[0] <= ratio <= _COVER[1]:
-                families[other.group, stem_of(other.name)].append(other)
+                families[other.group, recorded.stem_of(other.name)].append(other)
 
         def far(family: list[Recording]) -> tuple[bool, float]:
             elsewhere = PurePath(family[0].group).parent != PurePath(run.group).parent
@@ -390,7 +383,7 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
     use = judged(curve.stroke, quiet_zones(chain.full_stroke, unloading))
     p = cells[odd].bands[0].p
     errors: list[tuple[float, tuple[float, float]]] = []
-    for q in PLACES:
+    for q in recorded.PLACES:
         if np.allclose(p, q):
             continue
         tried = [cell.with_anchors(p, q) if k == odd else cell for k, cell in enumerate(cells)]

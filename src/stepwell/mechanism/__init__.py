@@ -2,7 +2,7 @@
 
 # pyright: reportUnusedImport=false
 
-from stepwell.mechanism import elements, sizes
+from stepwell.mechanism import elements, geometry, sizes
 from stepwell.mechanism.band import Band, Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
@@ -17,22 +17,6 @@ from stepwell.mechanism.elements import (
     kresling,
     trilinear,
     von_mises_truss,
-)
-from stepwell.mechanism.geometry import (
-    band_direction,
-    band_force,
-    band_length,
-    force_by,
-    force_slopes,
-    length_slope,
-    reach_along,
-    reach_slopes,
-    sine_at,
-    slopes_by_anchor,
-    slopes_by_lever,
-    steepening,
-    travel_of,
-    turn_at,
 )
 from stepwell.mechanism.law import (
     BEFORE,

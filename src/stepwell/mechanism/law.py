@@ -9,32 +9,11 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, leaf, record
+from stepwell.mechanism import geometry, phase
 from stepwell.mechanism.band import Band, Load
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import COLUMNS, cubic, cubic_area
 from stepwell.mechanism.element import Element
-from stepwell.mechanism.geometry import (
-    band_energy,
-    band_length,
-    force_slopes,
-    reach_slopes,
-    sine_at,
-    steepening,
-    travel_of,
-)
-from stepwell.mechanism.phase import (
-    ABOVE,
-    BELOW,
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    LOW,
-    ROWS,
-    ROWS_END,
-    SHEET_COLUMNS,
-    before,
-)
 
 
 @record
@@ -104,10 +83,13 @@ def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
     """Let a cell stand on another sheet, by its number among all."""
     row, ends = sheets.table[sheet], sheets.ends[cell]
     sheets.now[cell] = sheet
-    laws.load_rows[cell, 0], laws.load_rows[cell, 1] = int(row[ROWS]), int(row[ROWS_END])
-    ends[LOW], ends[HIGH] = row[LOW], row[HIGH]
-    ends[BEFORE] = row[LOW] if row[BELOW] < 0.0 else -np.inf
-    ends[BEYOND] = row[HIGH] if row[ABOVE] < 0.0 else np.inf
+    laws.load_rows[cell, 0], laws.load_rows[cell, 1] = (
+        int(row[phase.ROWS]),
+        int(row[phase.ROWS_END]),
+    )
+    ends[phase.LOW], ends[phase.HIGH] = row[phase.LOW], row[phase.HIGH]
+    ends[BEFORE] = row[phase.LOW] if row[phase.BELOW] < 0.0 else -np.inf
+    ends[BEYOND] = row[phase.HIGH] if row[phase.ABOVE] < 0.0 else np.inf
 
 
 @entry(1e-5, "sheets.now")
@@ -116,9 +98,9 @@ def ends_of(sheets: Sheets) -> tuple[float, float]:
     table, low, high = sheets.table, 0.0, 0.0
     begin = 0
     for after in range(1, len(table) + 1):
-        if after == len(table) or table[after, FIRST] == after:
-            low += smallest(table[begin:after, LOW])
-            high += largest(table[begin:after, HIGH])
+        if after == len(table) or table[after, phase.FIRST] == after:
+            low += smallest(table[begin:after, phase.LOW])
+            high += largest(table[begin:after, phase.HIGH])
             begin = after
     return low, high
 
@@ -127,9 +109,9 @@ def ends_of(sheets: Sheets) -> tuple[float, float]:
 def beyond(sheets: Sheets, cell: int, travel: float) -> int:
     """The sheet, among all, to which a cell jumps where it stands; -1 where it does not."""
     row = sheets.table[sheets.now[cell]]
-    if travel <= sheets.ends[cell, LOW]:
-        return int(row[BELOW])
-    return int(row[ABOVE]) if travel >= sheets.ends[cell, HIGH] else -1
+    if travel <= sheets.ends[cell, phase.LOW]:
+        return int(row[phase.BELOW])
+    return int(row[phase.ABOVE]) if travel >= sheets.ends[cell, phase.HIGH] else -1
 
 
 @leaf
@@ -139,12 +121,12 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
     Fixing the rows on a whole stretch makes the law smooth there, past its ends too, so
     nothing downstream has to ask on which side of a kink a rounding error fell.
     """
-    sin = sine_at(travel, laws.lever[cell], laws.sin_limit[cell])
+    sin = geometry.sine_at(travel, laws.lever[cell], laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     slot = 0
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
-        extension = band_length(sin, cos, dx, dy, laws.lever[cell]) - rest
+        extension = geometry.band_length(sin, cos, dx, dy, laws.lever[cell]) - rest
         row = laws.band_rows[b]
         while row + 1 < laws.band_rows[b + 1] and laws.rows[row + 1, 0] <= extension:
             row += 1
@@ -172,19 +154,19 @@ def _of_band(
     """F, κ and dκ/ds that a taut band makes of d_x, d_y, k, ℓ0 and its row."""
     dx, dy, k, rest = band
     x0, c0, c1, c2, c3 = row
-    length = band_length(sin, cos, dx, dy, r)
-    g, g1, g2 = reach_slopes(sin, cos, dx, dy, r)
+    length = geometry.band_length(sin, cos, dx, dy, r)
+    g, g1, g2 = geometry.reach_slopes(sin, cos, dx, dy, r)
     x = length - rest - x0
     t0, _, t2 = cubic(x, c0, c1, c2, c3)
-    h = steepening(length, x, c0, c1, c2, c3)
-    return force_slopes(k * t0, k * t2, k * h, length, g, g1, g2)
+    h = geometry.steepening(length, x, c0, c1, c2, c3)
+    return geometry.force_slopes(k * t0, k * t2, k * h, length, g, g1, g2)
 
 
 @leaf
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
     band, rows, r = laws.band, laws.rows, laws.lever[cell]
-    sin = sine_at(travel, r, laws.sin_limit[cell])
+    sin = geometry.sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     force, slope, bend, slot = 0.0, 0.0, 0.0, 0
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
@@ -227,7 +209,7 @@ def law_along(laws: Laws, cell: int, picked: Ints, at: Looks) -> None:
     travel, sin, cos, force, slope, bend = at.travel, at.sin, at.cos, at.force, at.slope, at.bend
     n = len(travel)
     for i in range(n):
-        sin[i] = sine_at(travel[i], r, limit)
+        sin[i] = geometry.sine_at(travel[i], r, limit)
         cos[i] = np.sqrt(1.0 - sin[i] * sin[i])
         force[i], slope[i], bend[i] = 0.0, 0.0, 0.0
     slot = 0
@@ -257,7 +239,7 @@ def law_along(laws: Laws, cell: int, picked: Ints, at: Looks) -> None:
 def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
     band, rows, r = laws.band, laws.rows, laws.lever[cell]
-    sin = sine_at(travel, r, laws.sin_limit[cell])
+    sin = geometry.sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     energy, slot = 0.0, 0
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
@@ -266,9 +248,9 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
         if row < 0:
             continue
         dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
-        x = band_length(sin, cos, dx, dy, r) - rest - rows[row, 0]
+        x = geometry.band_length(sin, cos, dx, dy, r) - rest - rows[row, 0]
         c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
-        energy += band_energy(k, cubic_area(x, c0, c1, c2, c3, rows[row, 5]))
+        energy += geometry.band_energy(k, cubic_area(x, c0, c1, c2, c3, rows[row, 5]))
     row = picked[slot]
     if row >= 0:
         x = travel - rows[row, 0]
@@ -287,7 +269,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     lever, sin_limit, full = np.full(n, np.inf), np.zeros(n), np.empty(n)
     lever[is_lever] = [cell.lever for cell in levers]
     sin_limit[is_lever] = [math.sin(cell.limit) for cell in levers]
-    full[is_lever] = travel_of(sin_limit[is_lever], lever[is_lever], sin_limit[is_lever])
+    full[is_lever] = geometry.travel_of(sin_limit[is_lever], lever[is_lever], sin_limit[is_lever])
 
     own, (counts, flat, band, curves) = np.zeros(n, int), _of_bands(levers)
     own[is_lever] = counts
@@ -295,31 +277,35 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
 
     # A lever cell has one sheet, from stop to stop, and its curve is that of its load.
     packs = [_of_load(cell.load) if isinstance(cell, Cell) else cell.packed for cell in cells]
-    table = _rows_of(SHEET_COLUMNS, [sheets for sheets, _ in packs])
-    is_first = table[:, FIRST] == 0
+    table = _rows_of(phase.SHEET_COLUMNS, [sheets for sheets, _ in packs])
+    is_first = table[:, phase.FIRST] == 0
     now, cell_of = np.flatnonzero(is_first), np.cumsum(is_first) - 1
     of_lever = is_lever[cell_of]
-    table[of_lever, HIGH] = table[of_lever, CURVE_HIGH] = full[is_lever]
-    full = np.maximum.reduceat(table[:, CURVE_HIGH], now)
-    full -= np.minimum.reduceat(table[:, CURVE_LOW], now)
-    starts = band_rows[-1] + _starts(table[:, ROWS_END])
-    table[:, ROWS], table[:, ROWS_END], table[:, FIRST] = starts[:-1], starts[1:], now[cell_of]
-    leads = table[:, BELOW : ABOVE + 1]
+    table[of_lever, phase.HIGH] = table[of_lever, phase.CURVE_HIGH] = full[is_lever]
+    full = np.maximum.reduceat(table[:, phase.CURVE_HIGH], now)
+    full -= np.minimum.reduceat(table[:, phase.CURVE_LOW], now)
+    starts = band_rows[-1] + _starts(table[:, phase.ROWS_END])
+    table[:, phase.ROWS], table[:, phase.ROWS_END], table[:, phase.FIRST] = (
+        starts[:-1],
+        starts[1:],
+        now[cell_of],
+    )
+    leads = table[:, phase.BELOW : phase.ABOVE + 1]
     leads += np.where(leads < 0, 0, now[cell_of, None])
     rows = np.concatenate(curves + [loads for _, loads in packs])
     friction = np.array([cell.friction for cell in cells])
 
-    if np.isinf(table[:, [LOW, HIGH]]).any():
+    if np.isinf(table[:, [phase.LOW, phase.HIGH]]).any():
         reach = 4.0 * float(np.max([cell.largest_force for cell in cells] + friction))
         _extend(table, rows, starts, full[cell_of], reach)
     two_sided = np.array([b.two_sided for b in flat], int)
-    load_rows = table[now, ROWS : ROWS_END + 1].astype(int)
+    load_rows = table[now, phase.ROWS : phase.ROWS_END + 1].astype(int)
     of_bands = _starts(own), band, two_sided, band_rows
     laws = Laws(lever, sin_limit, full, friction, *of_bands, load_rows, rows)
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
-    ends = table[now[:, None], [LOW, HIGH, LOW, HIGH]]
-    ends[table[now, BELOW] >= 0, BEFORE] = -np.inf
-    ends[table[now, ABOVE] >= 0, BEYOND] = np.inf
+    ends = table[now[:, None], [phase.LOW, phase.HIGH, phase.LOW, phase.HIGH]]
+    ends[table[now, phase.BELOW] >= 0, BEFORE] = -np.inf
+    ends[table[now, phase.ABOVE] >= 0, BEYOND] = np.inf
     return laws, Sheets(ends, now, table)
 
 
@@ -342,12 +328,12 @@ def _extend(table: Floats, rows: Floats, starts: Ints, full: Floats, reach: floa
 
     `full` is the travel of the cell of each sheet [m].
     """
-    low, high = np.isinf(table[:, LOW]), np.isinf(table[:, HIGH])
+    low, high = np.isinf(table[:, phase.LOW]), np.isinf(table[:, phase.HIGH])
     first, last = starts[:-1][low], starts[1:][high] - 1
-    rows[first] = before(rows[first + 1], -reach)
-    table[low, LOW] = rows[first, 0]
+    rows[first] = phase.before(rows[first + 1], -reach)
+    table[low, phase.LOW] = rows[first, 0]
     end, force, slope = rows[last, :3].T
-    table[high, HIGH] = end + np.maximum((reach - force) / slope, 1e-3 * full[high])
+    table[high, phase.HIGH] = end + np.maximum((reach - force) / slope, 1e-3 * full[high])
 
 
 def _of_load(load: Load | None) -> tuple[tuple[float, ...], Floats]:

@@ -11,6 +11,7 @@ import numpy as np
 from stepwell import base, statics
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, amount, to_unit
 from stepwell.mechanism import Cell, Chain, Element, phase_at
+from stepwell.statics import batch
 
 _DIGITS = frozenset("0123456789")
 
@@ -287,7 +288,7 @@ class Cycles(ByValue):
     @property
     def tied(self) -> Ints:
         """(m,) of each design, how many ties decide what it does."""
-        return np.nan_to_num(self.found[:, statics.TIES]).astype(np.int64)
+        return np.nan_to_num(self.found[:, batch.TIES]).astype(np.int64)
 
 
 def cycles_of(
@@ -305,13 +306,13 @@ def cycles_of(
         progress: called with (0, count) before a design is built, and now and then from there on.
     """
     base.notify(progress, 0, count)
-    number, found = np.full(count, _ASK), np.full((count, statics.FOUND), np.nan)
+    number, found = np.full(count, _ASK), np.full((count, batch.FOUND), np.nan)
     sequences: dict[Sequence, int] = {}
     which = np.arange(count)
     if designs is None:
         chains = {i: chain for i in range(count) if (chain := _built(build, i)) is not None}
         number[[i not in chains for i in range(count)]] = IMPOSSIBLE
-        designs, which = statics.stacked([*chains.values()]), np.array([*chains], np.int64)
+        designs, which = batch.stacked([*chains.values()]), np.array([*chains], np.int64)
     if designs is not None and len(which):
         followed = statics.full_cycles(designs, progress)
         number[which] = _numbered(followed.visited, designs.cells.shape[1], sequences)
@@ -358,12 +359,12 @@ def _built(build: Callable[[int], Chain], i: int) -> Chain | None:
 
 
 def _found(result: Cycle) -> Floats:
-    found = np.full(statics.FOUND, np.nan)
-    found[statics.SNAPS], found[statics.TIES] = len(result.snaps), len(result.degenerate)
-    found[statics.PEAK], found[statics.LOST] = result.peak_force, result.dissipated
+    found = np.full(batch.FOUND, np.nan)
+    found[batch.SNAPS], found[batch.TIES] = len(result.snaps), len(result.degenerate)
+    found[batch.PEAK], found[batch.LOST] = result.peak_force, result.dissipated
     for snap in reversed(result.snaps):
-        found[statics.STROKE_UP if snap.direction > 0 else statics.STROKE_DOWN] = snap.stroke
-    found[statics.STEPS_UP], found[statics.STEPS_DOWN] = snapping_steps(result)
+        found[batch.STROKE_UP if snap.direction > 0 else batch.STROKE_DOWN] = snap.stroke
+    found[batch.STEPS_UP], found[batch.STEPS_DOWN] = snapping_steps(result)
     return found
 
 

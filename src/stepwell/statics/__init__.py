@@ -18,26 +18,8 @@ One word for one thing, here and in all rooms above:
 
 # pyright: reportUnusedImport=false
 
-from stepwell.statics.batch import (
-    FOUND,
-    FRICTION,
-    FULL,
-    LEVER,
-    LOST,
-    MOBILITY,
-    PEAK,
-    SIN_LIMIT,
-    SNAPS,
-    STEPS_DOWN,
-    STEPS_UP,
-    STROKE_DOWN,
-    STROKE_UP,
-    TIES,
-    Designs,
-    full_cycles,
-    nominal,
-    stacked,
-)
+from stepwell.statics import batch
+from stepwell.statics.batch import Designs, full_cycles, nominal
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import History, InertialLanding

@@ -11,42 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Floats, Ints, notify
 from stepwell.kernels import MOST, entry, in_blocks, leaf, record
-from stepwell.mechanism import (
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    MOBILITIES,
-    Chain,
-    Laws,
-    Sheets,
-    ends_of,
-    packed,
-    summed,
-)
-from stepwell.statics.following import log as logged
+from stepwell.mechanism import Chain, Laws, Sheets
+from stepwell.statics.following import log as logged, pieces as cuts, state as st
 from stepwell.statics.following.certificate import KEPT, audit
 from stepwell.statics.following.follow import follow
-from stepwell.statics.following.pieces import (
-    CuttingSpace,
-    Pieces,
-    cut_into,
-    force_scale,
-    room_for,
-    room_of_pieces,
-    travel_between,
-)
+from stepwell.statics.following.pieces import CuttingSpace, Pieces
 from stepwell.statics.following.rising import Rising, no_rising
-from stepwell.statics.following.state import (
-    DONE,
-    DrivenChain,
-    Spare,
-    State,
-    blank_state,
-    spare_room,
-)
+from stepwell.statics.following.state import DrivenChain, Spare, State
 from stepwell.statics.places import EPSILON, drive_weights, stand_at
 from stepwell.statics.sorted_cycle import WORTH_SORTING
 
@@ -126,7 +100,7 @@ def nominal(chain: Chain, count: int) -> Designs | None:
     """A number of designs that are all the chain, to be written over; None for a long one."""
     if len(chain) >= WORTH_SORTING:
         return None
-    return _stacked([chain], [packed(chain.cells)], count)
+    return _stacked([chain], [mech.packed(chain.cells)], count)
 
 
 def stacked(chains: Sequence[Chain]) -> Designs | None:
@@ -136,7 +110,7 @@ def stacked(chains: Sequence[Chain]) -> Designs | None:
     """
     if not chains or any(len(one) >= WORTH_SORTING for one in chains):
         return None
-    parts = [packed(chain.cells) for chain in chains]
+    parts = [mech.packed(chain.cells) for chain in chains]
     shapes = [_shape(*both) for both in zip(chains, parts, strict=True)]
     return _stacked(chains, parts, len(chains)) if shapes.count(shapes[0]) == len(shapes) else None
 
@@ -214,11 +188,14 @@ def _work(designs: Designs) -> _Work:
     sheets = Sheets._make(array.copy() for array in designs.sheets)
     n, phases = len(laws.lever), designs.phases.shape[1]
     room = 64 + 16 * n * 3
-    cutting = room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)), room_for(laws)
-    state = blank_state(np.zeros(n), logged.empty_log(room, 4 * room))
+    cutting = (
+        cuts.room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
+        cuts.room_for(laws),
+    )
+    state = st.blank_state(np.zeros(n), logged.empty_log(room, 4 * room))
     sheet, rank, phase = np.zeros((3, n), np.int64)
     own = np.zeros(n), sheet, np.ones(n), rank, phase, np.zeros((phases, 5)), np.zeros(3)
-    follows = spare_room(n), no_rising(n), state
+    follows = st.spare_room(n), no_rising(n), state
     return _Work(laws, sheets, *cutting, *follows, *own, np.array([0, _LOOKS]))
 
 
@@ -234,9 +211,9 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
     if not _build(designs, k, work):
         return
     laws, sheets, pieces, effort = work.laws, work.sheets, work.pieces, work.effort
-    if cut_into(laws, sheets, pieces, work.room) < 0:
+    if cuts.cut_into(laws, sheets, pieces, work.room) < 0:
         return
-    scale = force_scale(laws, sheets, pieces)
+    scale = cuts.force_scale(laws, sheets, pieces)
     alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
     rank, mobility, spare = work.rank, work.mobility, work.spare
     problem = DrivenChain(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
@@ -244,7 +221,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
         return
     state, turning = work.state, work.turning
     effort[0], effort[MOST] = 0, _LOOKS
-    if follow(problem, turning, state, work.rising) != DONE:
+    if follow(problem, turning, state, work.rising) != st.DONE:
         return
     effort[0], effort[MOST] = 0, _LOOKS
     _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
@@ -272,12 +249,12 @@ def _build(designs: Designs, k: int, work: _Work) -> bool:
         if laws.band_first[i] < laws.band_first[i + 1]:
             if not _can_be_built(laws, i, cells[i, MOBILITY]):
                 return False
-            table[at, HIGH] = table[at, CURVE_HIGH] = laws.full[i]
+            table[at, mech.HIGH] = table[at, mech.CURVE_HIGH] = laws.full[i]
             last = designs.phase_first[i] + 1
             phases[last, _LOW] = phases[last, _HIGH] = laws.full[i]
         first = at
         at += 1
-        while at < len(table) and table[at, FIRST] == first:
+        while at < len(table) and table[at, mech.FIRST] == first:
             at += 1
     return True
 
@@ -297,7 +274,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
         return False
     if not (_LEAST_LIMIT < limit < _MOST_LIMIT and full > 0.0):
         return False
-    if not MOBILITIES[0] * (1.0 + _CLEAR) < mobility < MOBILITIES[1] * (1.0 - _CLEAR):
+    if not mech.MOBILITIES[0] * (1.0 + _CLEAR) < mobility < mech.MOBILITIES[1] * (1.0 - _CLEAR):
         return False
     for row in range(laws.load_rows[i, 0] + 2, laws.load_rows[i, 1]):
         if laws.rows[row, 0] - laws.rows[row - 1, 0] < 2e-9 * full:
@@ -340,17 +317,17 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
             p, q = designs.phase_first[i], designs.phase_first[i + 1] - 1
             first = int(phases[p, _SHEET]), phases[p, _LOW], phases[p, _HIGH]
             last = int(phases[q, _SHEET]), phases[q, _LOW], phases[q, _HIGH]
-            travel[i] = travel_between(laws, sheets, pieces, i, first, least)
+            travel[i] = cuts.travel_between(laws, sheets, pieces, i, first, least)
             low += travel[i]
-            high += travel_between(laws, sheets, pieces, i, last, most)
+            high += cuts.travel_between(laws, sheets, pieces, i, last, most)
         low, high = alpha * low + beta * least, alpha * high + beta * most
     else:
-        low, high = ends_of(sheets)
+        low, high = mech.ends_of(sheets)
         at, table = 0, sheets.table
         for i in range(n):
             begin, travel[i] = at, np.inf
-            while at < len(table) and table[at, FIRST] == begin:
-                travel[i] = min(travel[i], table[at, CURVE_LOW])
+            while at < len(table) and table[at, mech.FIRST] == begin:
+                travel[i] = min(travel[i], table[at, mech.CURVE_LOW])
                 at += 1
         if beta > 0.0:
             for piece in range(pieces.of_sheet[len(sheets.table)]):
@@ -367,7 +344,7 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
 @leaf
 def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
     """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
-    state, beta, full = work.state, problem.beta, summed(problem.laws.full)
+    state, beta, full = work.state, problem.beta, mech.summed(problem.laws.full)
     if beta > 0.0 and 4.0 * EPSILON * problem.alpha * full > 0.5e-2 * problem.scale * beta:
         return False
     state.next_snap[:], state.tie[:] = 0, -1
@@ -407,7 +384,7 @@ def _read(
             way = STROKE_UP if snapped > 0 else STROKE_DOWN
             if np.isnan(found[way]):
                 # Cells without a row follow λ: the drive knows the sum, but under a dead load.
-                (alpha, beta), found[way] = drive, summed(travel)
+                (alpha, beta), found[way] = drive, mech.summed(travel)
                 if alpha > 0.0:
                     found[way] = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
         more, left = _moved_on(designs, work, k)

@@ -6,46 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Floats, InputError, Ints, told_in
 from stepwell.kernels import UNLIMITED, entry, leaf
-from stepwell.mechanism import (
-    BEFORE,
-    BEYOND,
-    FIRST,
-    HIGH,
-    LOW,
-    Cell,
-    Chain,
-    Laws,
-    Sheets,
-    Stretch,
-    ends_of,
-    mobilities_of,
-    packed,
-    summed,
-)
-from stepwell.statics.following import log as logged
+from stepwell.mechanism import Cell, Chain, Laws, Sheets, Stretch
+from stepwell.statics.following import log as logged, pieces as cutting, state as st
 from stepwell.statics.following.branch import inverse_slope
-from stepwell.statics.following.pieces import (
-    MOST_PIECES,
-    NO_FORCE,
-    cut,
-    force_scale,
-    of_curve,
-    resting_piece,
-    stand_all_on,
-    travel_between,
-    travels_between,
-)
-from stepwell.statics.following.state import (
-    FREE,
-    DrivenChain,
-    State,
-    blank_state,
-    held_range,
-    hold,
-    spare_room,
-)
+from stepwell.statics.following.state import DrivenChain, State
 from stepwell.statics.outcome import StaticsError
 
 
@@ -70,19 +37,19 @@ def problem_of(
         ValueError: a `prefer` that does not name every cell once.
         StaticsError: a force that turns too often to follow.
     """
-    laws, sheets = packed(chain.cells) if cells is None else cells
-    pieces = cut(laws, sheets)
+    laws, sheets = mech.packed(chain.cells) if cells is None else cells
+    pieces = cutting.cut(laws, sheets)
     counts = np.diff(pieces.of_sheet)
     worst = int(np.argmax(counts))
-    if counts[worst] > MOST_PIECES:
-        cell = int(np.searchsorted(np.unique(sheets.table[:, FIRST]), worst, side="right")) - 1
+    if counts[worst] > cutting.MOST_PIECES:
+        cell = int(np.searchsorted(np.unique(sheets.table[:, mech.FIRST]), worst, side="right")) - 1
         raise StaticsError(
             f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
             f"often to follow: smooth its table, or look for a band whose ends nearly meet."
         )
-    scale, rank = force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
-    weights, mobility = drive_weights(chain), mobilities_of(chain.cells)
-    room = np.array([0, UNLIMITED]), spare_room(len(chain))
+    scale, rank = cutting.force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
+    weights, mobility = drive_weights(chain), mech.mobilities_of(chain.cells)
+    room = np.array([0, UNLIMITED]), st.spare_room(len(chain))
     return DrivenChain(laws, sheets, pieces, *weights, scale, rank, mobility, *room)
 
 
@@ -196,7 +163,7 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
     # Stops end a rigid actuator's; others go a little beyond all forces at which a cell leaves.
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
-        (low, high), first = ends_of(problem.sheets), [own[0] for own in chain.stretches]
+        (low, high), first = mech.ends_of(problem.sheets), [own[0] for own in chain.stretches]
         begin = _place(np.array([cell.low for cell in chain.cells]), first)
         if problem.beta == 0:
             return begin, (low, high)
@@ -208,7 +175,7 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
     forces = np.array([cell.switching_range for cell in chain.cells], float)
     forces = forces[np.isfinite(forces)]
     if not forces.size:
-        own = of_curve(problem.sheets, pieces)
+        own = cutting.of_curve(problem.sheets, pieces)
         forces = np.concatenate([pieces.force_left[own], pieces.force_right[own]])
     more = _BEYOND * problem.scale + float(np.max(laws.friction))
     least = min(0.0, float(np.min(forces)) - more)
@@ -259,13 +226,13 @@ def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[
 def _at(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     found = np.empty(len(stretches))
-    travels_between(*problem[:3], np.array(stretches, float), force, found)
+    cutting.travels_between(*problem[:3], np.array(stretches, float), force, found)
     return found
 
 
 def travel_in(problem: DrivenChain, cell: int, stretch: Stretch, force: float) -> float:
     """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
-    return float(travel_between(*problem[:3], cell, stretch, force))
+    return float(cutting.travel_between(*problem[:3], cell, stretch, force))
 
 
 def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:
@@ -307,7 +274,9 @@ def starting_configuration(
             f"its curve has: {', '.join(map(str, counts))}."
         )
     table, now = problem.sheets.table, problem.sheets.now
-    low, high = table[table[now, FIRST].astype(int) + np.array(sheets), LOW : HIGH + 1].T
+    low, high = table[
+        table[now, mech.FIRST].astype(int) + np.array(sheets), mech.LOW : mech.HIGH + 1
+    ].T
     slip = 1e-9 * laws.full
     for name, s, least, most, near in zip(chain.names, travels, low, high, slip, strict=True):
         if not least - near <= s <= most + near:
@@ -326,7 +295,7 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
     travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
     if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
         _refuse_blunt(chain, scale, full)
-    state = blank_state(travels, logged.empty_log(0, 0))
+    state = st.blank_state(travels, logged.empty_log(0, 0))
     stroke = float(np.sum(travels))
     if beta == 0 and abs(stroke - drive) > 1e-9 * full:
         unit, factor = told_in(chain.measure.travel_unit)
@@ -347,7 +316,7 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
 
 
 def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
-    if scale <= NO_FORCE:
+    if scale <= cutting.NO_FORCE:
         raise InputError(
             "no cell has any force, so nothing tells where they stand behind a spring: tighten "
             "a band, or prescribe the stroke (math.inf, or 'rigid')."
@@ -368,31 +337,31 @@ def stand_at(
     # Then how many of the free ones have a falling force, and the force of the actuator.
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     alpha, beta, travel = problem.alpha, problem.beta, state.travel
-    stand_all_on(laws, problem.sheets, pieces, sheets)
+    cutting.stand_all_on(laws, problem.sheets, pieces, sheets)
     free, pushes, falling, total, size, reach = 0, 0.0, 0, beta, beta, 0.0
     for i in range(len(sheets)):
-        hold(problem, state, i)
-        state.piece[i] = resting_piece(pieces, i, travel[i])
+        st.hold(problem, state, i)
+        state.piece[i] = cutting.resting_piece(pieces, i, travel[i])
         reach += abs(travel[i])
-        if ends[i, BEFORE] < travel[i] < ends[i, BEYOND] and laws.friction[i] == 0.0:
-            state.mode[i] = FREE
+        if ends[i, mech.BEFORE] < travel[i] < ends[i, mech.BEYOND] and laws.friction[i] == 0.0:
+            state.mode[i] = st.FREE
             free += 1
             pushes += state.at_rest[i]
             falling += int(pieces.sign[state.piece[i]] < 0)
             share = alpha * inverse_slope(problem, i, state.piece[i], travel[i])
             total, size = total + share, size + abs(share)
-    low, high = held_range(problem, state)
+    low, high = st.held_range(problem, state)
     mean, rounding = pushes / free if free else 0.0, 0.0
     force = mean if free else min(max(0.0, low), high)
     if beta > 0.0:
         # A drive is a double, and behind a stiff spring its last digits are a force to be seen.
         # What it leaves open the cells tell.
-        force = (drive - alpha * summed(travel)) / beta
+        force = (drive - alpha * mech.summed(travel)) / beta
         rounding = 4.0 * EPSILON * (abs(drive) + alpha * reach) / beta
     slip = 1e-9 * problem.scale + rounding
     balanced = low <= high + slip and low - slip <= force <= high + slip
     for i in range(len(sheets)):
-        balanced = balanced and (state.mode[i] != FREE or abs(state.at_rest[i] - force) <= slip)
+        balanced = balanced and (state.mode[i] != st.FREE or abs(state.at_rest[i] - force) <= slip)
     shown = mean if free else min(max(force, low), high)
     state.force[0] = min(max(shown, force - rounding), force + rounding)
     # A path may have ended just where it would have snapped: there the sum is rounding.
@@ -407,8 +376,8 @@ def _unbalanced(chain: Chain, problem: DrivenChain, state: State, force: float) 
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]
-        low = forces[i] - rub if state.travel[i] > ends[i, BEFORE] else -math.inf
-        high = forces[i] + rub if state.travel[i] < ends[i, BEYOND] else math.inf
+        low = forces[i] - rub if state.travel[i] > ends[i, mech.BEFORE] else -math.inf
+        high = forces[i] + rub if state.travel[i] < ends[i, mech.BEYOND] else math.inf
         parts.append(
             f"{name} at {state.travel[i] * factor:.6g} {unit} stands for {low * size:.4g}.."
             f"{high * size:.4g} {of_force}"

@@ -4,36 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import (
-    ABOVE,
-    BELOW,
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    LOW,
-    beyond,
-    law,
-    pick_rows,
-    stored,
-    summed,
-)
+from stepwell.statics import inertia
 from stepwell.statics.following.pieces import stand_on
 from stepwell.statics.following.state import DrivenChain
-from stepwell.statics.inertia import (
-    COLUMNS,
-    FreeCells,
-    blow,
-    kinetic,
-    look,
-    rates,
-    solve,
-    stride,
-    taut,
-    tensions,
-)
+from stepwell.statics.inertia import FreeCells
 
 # How a ride ended, or that there is more of it.
 GOES_ON, RESTS, STUCK = 0, 1, 2
@@ -84,10 +61,10 @@ class MotionState(NamedTuple):
 def ends_at(problem: DrivenChain, cell: int) -> tuple[float, float]:
     """Travels at which a cell meets a stop or another sheet; an open end is none."""
     row, ends = problem.sheets.table[problem.sheets.now[cell]], problem.sheets.ends[cell]
-    low, high = ends[LOW], ends[HIGH]
-    if row[BELOW] < 0.0 and row[LOW] < row[CURVE_LOW]:
+    low, high = ends[mech.LOW], ends[mech.HIGH]
+    if row[mech.BELOW] < 0.0 and row[mech.LOW] < row[mech.CURVE_LOW]:
         low = -np.inf
-    if row[ABOVE] < 0.0 and row[HIGH] > row[CURVE_HIGH]:
+    if row[mech.ABOVE] < 0.0 and row[mech.HIGH] > row[mech.CURVE_HIGH]:
         high = np.inf
     return low, high
 
@@ -97,15 +74,15 @@ def _stops(problem: DrivenChain, cell: int, travel: float) -> int:
     """-1 or +1 where a cell stands at a stop, 0 where it does not."""
     low, high = ends_at(problem, cell)
     row = problem.sheets.table[problem.sheets.now[cell]]
-    if travel <= low and row[BELOW] < 0.0:
+    if travel <= low and row[mech.BELOW] < 0.0:
         return -1
-    return 1 if travel >= high and row[ABOVE] < 0.0 else 0
+    return 1 if travel >= high and row[mech.ABOVE] < 0.0 else 0
 
 
 @kernel
 def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows: Ints) -> float:
-    pick_rows(problem.laws, cell, travel, rows)
-    force = law(problem.laws, cell, rows, travel)[0]
+    mech.pick_rows(problem.laws, cell, travel, rows)
+    force = mech.law(problem.laws, cell, rows, travel)[0]
     return force - body.push if cell == body.leader else force
 
 
@@ -113,7 +90,7 @@ def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows:
 def _lambda(problem: DrivenChain, body: Inertias, travel: Floats) -> float:
     if problem.beta == 0.0:
         return 0.0
-    return body.force - problem.alpha / problem.beta * summed(travel - body.begin)
+    return body.force - problem.alpha / problem.beta * mech.summed(travel - body.begin)
 
 
 @kernel
@@ -143,8 +120,8 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
                 value += body.damping[i] * speed[i]
                 low[i] = high[i] = value + np.sign(speed[i]) * friction[i]
             force[i] = min(max(0.0, low[i]), high[i])
-        taut(low, high, np.zeros(n), body.loose, end, force)
-        rates(force, body.loose, end, gain)
+        inertia.taut(low, high, np.zeros(n), body.loose, end, force)
+        inertia.rates(force, body.loose, end, gain)
         jumps = False
         for i in range(n):
             loose, heading = body.loose[i], int(np.sign(speed[i]))
@@ -165,14 +142,14 @@ def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows:
     low, high = ends_at(problem, i)
     if not (motion.travel[i] >= high if heading > 0 else motion.travel[i] <= low):
         return False
-    to = beyond(sheets, i, motion.travel[i])
+    to = mech.beyond(sheets, i, motion.travel[i])
     if to < 0:
         return False
-    pick_rows(laws, i, motion.travel[i], rows)
-    before = stored(laws, i, rows, motion.travel[i])
-    stand_on(laws, sheets, problem.pieces, i, to - int(sheets.table[to, FIRST]))
-    pick_rows(laws, i, motion.travel[i], rows)
-    motion.book[JUMPED] += before - stored(laws, i, rows, motion.travel[i])
+    mech.pick_rows(laws, i, motion.travel[i], rows)
+    before = mech.stored(laws, i, rows, motion.travel[i])
+    stand_on(laws, sheets, problem.pieces, i, to - int(sheets.table[to, mech.FIRST]))
+    mech.pick_rows(laws, i, motion.travel[i], rows)
+    motion.book[JUMPED] += before - mech.stored(laws, i, rows, motion.travel[i])
     return True
 
 
@@ -191,16 +168,16 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
                 bounce[i] = body.restitution if abs(speed[i]) > little else 0.0
     if not strikes:
         return
-    before, was, keeps = kinetic(body.mass, body.loose, speed), speed.copy(), False
-    blow(low, high, bounce, body.loose, speed)
+    before, was, keeps = inertia.kinetic(body.mass, body.loose, speed), speed.copy(), False
+    inertia.blow(low, high, bounce, body.loose, speed)
     for i in range(n):
         if low[i] < high[i] and abs(speed[i]) <= little:
             # Or stops would rattle for ever, on what rounding feeds them.
             low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
     if keeps:
         speed[:] = was
-        blow(low, high, bounce, body.loose, speed)
-    motion.book[STRUCK] += before - kinetic(body.mass, body.loose, speed)
+        inertia.blow(low, high, bounce, body.loose, speed)
+    motion.book[STRUCK] += before - inertia.kinetic(body.mass, body.loose, speed)
 
 
 @kernel
@@ -228,7 +205,7 @@ def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) 
     leg = FreeCells(
         cells, mass, damping, offset, begin, pace, slope, level, stiff, free, picked, rows
     )
-    look(problem, leg)
+    inertia.look(problem, leg)
     return leg
 
 
@@ -248,13 +225,13 @@ def _broken(
         low, high = ends_at(problem, i)
         past = max(low - travel, travel - high)
         worst = max(worst, past / problem.laws.full[i])
-        pick_rows(problem.laws, i, travel, leg.room)
-        bent = law(problem.laws, i, leg.room, travel)[0]
-        bent = abs(bent - law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
+        mech.pick_rows(problem.laws, i, travel, leg.room)
+        bent = mech.law(problem.laws, i, leg.room, travel)[0]
+        bent = abs(bent - mech.law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
         worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
         if motion.sense[i] != 0 and speed != 0.0:
             worst = max(worst, -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed)))
-    end = tensions(problem, leg, out[:k], out[k : 2 * k], force)
+    end = inertia.tensions(problem, leg, out[:k], out[k : 2 * k], force)
     m, carried = -1, 0.0
     for i in range(len(motion.travel)):
         if motion.moving[i] == 1:
@@ -357,16 +334,16 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
     h, wanted = book[STEP], book[STEP]
     while True:
-        fine = stride(problem, leg, h, out, error)
+        fine = inertia.stride(problem, leg, h, out, error)
         worst = _misses(problem, body, book, leg, out, error) if fine else np.inf
         if worst <= 1.0:
             graze = _grazes(problem, leg, h, out)
             if graze == 1.0:
-                wanted = h * min(4.0, max(0.2, 0.9 * (worst + 1e-9) ** (-1.0 / COLUMNS)))
+                wanted = h * min(4.0, max(0.2, 0.9 * (worst + 1e-9) ** (-1.0 / inertia.COLUMNS)))
                 break
             h *= graze
         else:
-            h *= max(0.1, 0.9 * worst ** (-1.0 / COLUMNS)) if np.isfinite(worst) else 0.1
+            h *= max(0.1, 0.9 * worst ** (-1.0 / inertia.COLUMNS)) if np.isfinite(worst) else 0.1
         if not h > 1e-15 * (book[TIME] + book[STEP]):
             return STUCK
     past = _broken(problem, body, motion, leg, out)
@@ -381,7 +358,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
             middle = low + share * (high - low)
             if not low < middle < high:
                 break
-            if not stride(problem, leg, middle, out, error):
+            if not inertia.stride(problem, leg, middle, out, error):
                 return STUCK
             past = _broken(problem, body, motion, leg, out)
             if past > _PAST:
@@ -394,7 +371,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
                 high = middle
                 break
         h = high
-        if not stride(problem, leg, h, out, error):
+        if not inertia.stride(problem, leg, h, out, error):
             return STUCK
     book[TIME] += h
     book[DAMPED] += out[2 * k]
@@ -442,12 +419,12 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
             low, high = ends_at(problem, i)
             if not low <= travel <= high or abs(travel - place[m]) > 1e-2 * problem.laws.full[i]:
                 return False
-            pick_rows(problem.laws, i, travel, leg.rows[m])
-            leg.slope[m] = law(problem.laws, i, leg.rows[m], travel)[1]
-        end = tensions(problem, leg, way, still, force)
+            mech.pick_rows(problem.laws, i, travel, leg.rows[m])
+            leg.slope[m] = mech.law(problem.laws, i, leg.rows[m], travel)[1]
+        end = inertia.tensions(problem, leg, way, still, force)
         for m in range(leg.free):
             pull[m] = (force[m + 1] if m + 1 < k else end) - force[m]
-        if not solve(leg, 1.0, 0.0, pull):
+        if not inertia.solve(leg, 1.0, 0.0, pull):
             return False
         change = 0.0
         for m in range(leg.free):
@@ -462,27 +439,27 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
     """Bring to rest what has nothing left to lose, to the last trifle; whether it is so."""
     book, k = motion.book, len(leg.cells)
-    lost, left = _lost(book), kinetic(body.mass, body.loose, motion.speed)
+    lost, left = _lost(book), inertia.kinetic(body.mass, body.loose, motion.speed)
     if leg.free == 0:
         return True
     if left > _SPENT * lost or lost <= 0.0:
         return False
     way, begin = np.empty(k), leg.begin.copy()
     if not _settle(problem, leg, way):
-        look(problem, leg)
+        inertia.look(problem, leg)
         return False
     before, trifle = 0.0, left
     for m in range(k):
         i, at = leg.cells[m], begin[m]
         to, before = at + (way[m] - before), way[m]
-        pick_rows(problem.laws, i, at, leg.room)
-        trifle += stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
-        pick_rows(problem.laws, i, to, leg.room)
-        trifle -= stored(problem.laws, i, leg.room, to)
+        mech.pick_rows(problem.laws, i, at, leg.room)
+        trifle += mech.stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
+        mech.pick_rows(problem.laws, i, to, leg.room)
+        trifle -= mech.stored(problem.laws, i, leg.room, to)
     # What the actuator does on the way there.
     trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
     if trifle > _SPENT * lost:
-        look(problem, leg)
+        inertia.look(problem, leg)
         return False
     exact = np.empty(k)
     for m in range(k):

@@ -6,21 +6,9 @@ at hand; anything else goes to the follower.
 
 import numpy as np
 
+from stepwell import concave
 from stepwell.base import Floats, Ints
-from stepwell.concave import (
-    TIED,
-    Simple,
-    end_forces,
-    energy_at,
-    force_at,
-    most_bend,
-    motion_orders,
-    of_row,
-    proved_ends,
-    same_travel,
-    simple_rows,
-    travel_at,
-)
+from stepwell.concave import Simple
 from stepwell.kernels import entry, leaf
 from stepwell.mechanism import Laws
 from stepwell.statics.following import log as logged
@@ -35,12 +23,15 @@ def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bo
     """Whether the leader, giving travel back up to `reach`, always pulls harder: proved."""
     # On [a, b] its pull at a is above the other's at b, or their difference, whose second
     # derivative is bounded, cannot sag to zero.
-    bend = most_bend(leader) + most_bend(other)
+    bend = concave.most_bend(leader) + concave.most_bend(other)
     a, width = 0.0, 0.25 * reach
-    strong, weak = force_at(leader, full)[0], force_at(other, full)[0]
+    strong, weak = concave.force_at(leader, full)[0], concave.force_at(other, full)[0]
     for _ in range(20_000):
         b = min(a + width, reach)
-        strong_b, weak_b = force_at(leader, full - b)[0], force_at(other, full - b)[0]
+        strong_b, weak_b = (
+            concave.force_at(leader, full - b)[0],
+            concave.force_at(other, full - b)[0],
+        )
         sag = 0.125 * bend * (b - a) * (b - a)
         if strong > weak_b or min(strong - weak, strong_b - weak_b) > sag:
             if b >= reach:
@@ -60,15 +51,15 @@ def load_sorted(
 ) -> bool:
     """Log the loading of cells, one Simple a row, in ascending F0; False where it is not proved."""
     n = len(order)
-    tie = TIED * scale
+    tie = concave.TIED * scale
     force, drive = start_force, 0.0
     top, top_force, second, second_force = -1, -np.inf, -1, -np.inf
     checked_top, checked = -1, 0
     last = -np.inf
     for done in range(n):
         j = order[done]
-        cell = of_row(table[j])
-        f0, f1 = end_forces(cell)
+        cell = concave.of_row(table[j])
+        f0, f1 = concave.end_forces(cell)
         if f0 - last <= tie or abs(f1 - top_force) <= tie:
             return False
         last = f0
@@ -84,8 +75,8 @@ def load_sorted(
         if f1 > second_force:
             second, second_force = j, f1
         # j weakens to the force at which the strongest full cell lets go: a snap.
-        leader = of_row(table[top])
-        at = travel_at(cell, top_force, f0, f1)
+        leader = concave.of_row(table[top])
+        at = concave.travel_at(cell, top_force, f0, f1)
         lack = full - at
         # Other full cells may give travel back too while j runs. The leader had a head start
         # and keeps it as long as no curve crosses its own within half of what j takes.
@@ -95,30 +86,32 @@ def load_sorted(
             checked_top, checked = top, 0
         while checked < done:
             k = order[checked]
-            if k != top and not _keeps_ahead(leader, of_row(table[k]), full, 0.25 * full):
+            if k != top and not _keeps_ahead(leader, concave.of_row(table[k]), full, 0.25 * full):
                 return False
             checked += 1
         back = full - lack
         add_row(log, logged.MOVE, 1, (drive, drive + at), (f0, top_force))
         add_mover(log, j, -1, 0.0, 0.0, at)
-        after = force_at(leader, back)[0]
+        after = concave.force_at(leader, back)[0]
         add_row(log, logged.SNAP, 1, (drive + at, drive + at), (top_force, after))
         add_mover(log, top, -1, 0.0, full, back)
         add_mover(log, j, -1, 0.0, at, full)
         snap = log.segments[log.used[0] - 1]
         snap[logged.CAUSE], snap[logged.LEADER], snap[logged.HEADING] = logged.RELEASE, top, -1
-        lost, gained = energy_at(cell, full), energy_at(leader, full)
+        lost, gained = concave.energy_at(cell, full), concave.energy_at(leader, full)
         # The next snap: a held cell whose force falls runs away beside the leader, which does too.
         near, travel = np.inf, np.inf
         if done + 1 < n:
-            f0_next, slope = force_at(of_row(table[order[done + 1]]), 0.0)[:2]
+            f0_next, slope = concave.force_at(concave.of_row(table[order[done + 1]]), 0.0)[:2]
             near, travel = f0_next - after, (f0_next - after) / abs(slope)
-        second_force, slope = force_at(of_row(table[second]), full)[:2]
+        second_force, slope = concave.force_at(concave.of_row(table[second]), full)[:2]
         near = min(near, after - second_force)
         travel = min(travel, (after - second_force) / abs(slope))
         snap[logged.NEAR_FORCE], snap[logged.NEAR_TRAVEL] = max(near, 0.0), max(travel, 0.0)
         snap[logged.DECIDED] = logged.BY_LINE
-        snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
+        snap[logged.RELEASED] = (
+            concave.energy_at(cell, at) - lost + gained - concave.energy_at(leader, back)
+        )
         add_row(log, logged.MOVE, 1, (drive + at, full * (done + 1)), (after, top_force))
         add_mover(log, top, -1, 0.0, back, full)
         force, drive = top_force, full * (done + 1)
@@ -127,13 +120,13 @@ def load_sorted(
 
 def sorted_cycle(laws: Laws) -> tuple[logged.Log, float] | None:
     """The log of a full cycle and its first force, or None where the proof does not hold."""
-    table, full = simple_rows(laws), laws.full
-    if table is None or not same_travel(np.max(full), np.min(full)):
+    table, full = concave.simple_rows(laws), laws.full
+    if table is None or not concave.same_travel(np.max(full), np.min(full)):
         return None
-    forces, proved = proved_ends(table)
+    forces, proved = concave.proved_ends(table)
     if not np.all(proved):
         return None
-    loading, unloading = motion_orders(forces)
+    loading, unloading = concave.motion_orders(forces)
     mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
     n = len(table)
     scale = float(np.max(np.abs(forces)))

@@ -15,7 +15,7 @@ from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
-from stepwell.mechanism import Cell, Chain, Element, band_direction, band_length
+from stepwell.mechanism import Cell, Chain, Element, geometry
 from stepwell.sequences import Sequence, cycle
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ class Resistance(base.ByValue):
         away = np.linalg.norm(change) or 1.0
         for band in cell.bands:
             dx, dy = np.array(band.d)[:, None, None] + change[:, None, None] * fraction[:, None]
-            length = band_length(sin, cos, dx, dy, cell.lever)
-            x, y = band_direction(sin, cos, length, dx, dy, cell.lever)
+            length = geometry.band_length(sin, cos, dx, dy, cell.lever)
+            x, y = geometry.band_direction(sin, cos, length, dx, dy, cell.lever)
             force += band.tension(length) * (x * change[0] + y * change[1]) / away
             before, after = band.energy(length[[0, -1]][:, [0, -1]])
             work += after - before

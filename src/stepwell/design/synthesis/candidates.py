@@ -13,7 +13,7 @@ from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, far
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.region import Region, Stock
 from stepwell.design.tolerances.draws import Tolerances
-from stepwell.mechanism import Cell, Linear, band_force, band_length, length_slope
+from stepwell.mechanism import Cell, Linear, geometry
 
 # Places over the travel at which the force is looked at, and steps of the derivatives [1].
 LOOKS = 129
@@ -102,10 +102,10 @@ class Kind:
         """Force [N] and length [m], (m, k) each, at k sines of the angle."""
         cosine = np.sqrt(1.0 - sine**2)
         dx, dy = d[:, :1], d[:, 1:]
-        length = band_length(sine, cosine, dx, dy, self.lever)
-        first = length_slope(sine, cosine, length, dx, dy)
+        length = geometry.band_length(sine, cosine, dx, dy, self.lever)
+        first = geometry.length_slope(sine, cosine, length, dx, dy)
         tension = self.band.between((0.0, 0.0), (1.0, 0.0)).tension(length)
-        return np.asarray(band_force(tension, first)), length
+        return np.asarray(geometry.band_force(tension, first)), length
 
 
 @dataclass(frozen=True, eq=False)

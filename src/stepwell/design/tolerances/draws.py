@@ -10,8 +10,8 @@ import numpy as np
 from stepwell import base, concave
 from stepwell.design.parameters import WAY
 from stepwell.design.switches import switching_forces
-from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Element, SlipError, sizes, travel_of
-from stepwell.statics import FRICTION, FULL, LEVER, MOBILITY, SIN_LIMIT, Designs, nominal
+from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Element, SlipError, geometry, sizes
+from stepwell.statics import Designs, batch, nominal
 
 _UNITS = {
     "anchor": "m",
@@ -293,11 +293,11 @@ class Draws(base.ByValue):
         bands[:, :, 2] *= 1.0 + t.stiffness * drawn[:, 4 * b : 5 * b]
         bands[:, :, 3] *= 1.0 + t.rest_length * drawn[:, 5 * b : 6 * b]
         lever, rub = np.split(drawn[:, 6 * b : 6 * b + 2 * n], 2, axis=1)
-        cells[:, :, LEVER] += t.lever * (2.0 * lever - 1.0)
-        sine = cells[:, :, SIN_LIMIT]
-        cells[:, :, FULL] = travel_of(sine, cells[:, :, LEVER], sine)
-        cells[:, :, FRICTION] += t.friction * rub
-        cells[:, :, MOBILITY] *= t.mobility ** (drawn[:, self.mobilities :] - 0.5)
+        cells[:, :, batch.LEVER] += t.lever * (2.0 * lever - 1.0)
+        sine = cells[:, :, batch.SIN_LIMIT]
+        cells[:, :, batch.FULL] = geometry.travel_of(sine, cells[:, :, batch.LEVER], sine)
+        cells[:, :, batch.FRICTION] += t.friction * rub
+        cells[:, :, batch.MOBILITY] *= t.mobility ** (drawn[:, self.mobilities :] - 0.5)
         return designs
 
     def built(self, draw: base.Floats) -> Chain:

@@ -10,15 +10,10 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, few, grouped, to_unit
+from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
-from stepwell.lab.recordings.recording import (
-    Recording,
-    is_baseline,
-    run_number,
-    sample_number,
-    stem_of,
-)
+from stepwell.lab.recordings.recording import Recording
 
 CONFIDENCE = 0.95
 T = TypeVar("T")
@@ -124,7 +119,7 @@ def loops_of(
     numbers: dict[str, int | None] = {}
     odd = batch_oddities(recordings)
     for recording, sample, number in _sorted(recordings, per_sample):
-        if is_baseline(recording.name):
+        if recorded.is_baseline(recording.name):
             told.append(f"{recording.source}: left out, its name says that no band was on")
         elif sample in left_out:
             told.append(f"{recording.source}: left out, sample {sample} as asked")
@@ -166,16 +161,16 @@ def _sorted(
     ordered = sorted(recordings, key=lambda r: natural(r.source))
     stems: dict[str, int] = {}
     for recording in ordered:
-        run, named = run_number(recording.name), sample_number(recording.name)
+        run, named = recorded.run_number(recording.name), recorded.sample_number(recording.name)
         if per_sample is not None and run is not None:
             yield recording, (run - 1) // per_sample + 1, (run - 1) % per_sample + 1
         elif named is not None:
             # The number at the end of Samp3 is the sample's own.
-            is_run = stem_of(recording.name).rstrip("_").lower() not in ("samp", "sample")
+            is_run = recorded.stem_of(recording.name).rstrip("_").lower() not in ("samp", "sample")
             yield recording, named, run if is_run else None
         else:
-            stem = recording.group + stem_of(recording.name)
-            alone = sum(recording.group + stem_of(r.name) == stem for r in ordered) == 1
+            stem = recording.group + recorded.stem_of(recording.name)
+            alone = sum(recording.group + recorded.stem_of(r.name) == stem for r in ordered) == 1
             yield recording, stems.setdefault(stem, len(stems) + 1), None if alone else run
 
 

@@ -11,17 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Ints,
-    Quantity,
-    Schema,
-    __version__,
-    content_of,
-    need,
-    notify,
-    write_csv,
-)
+from stepwell import base
+from stepwell.base import ByValue, Ints, Quantity, Schema
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.text import parse
@@ -46,7 +37,7 @@ def table(recordings: Sequence[Recording]) -> "xr.Dataset":
     direction (+1 loading, -1 unloading), time [s], stroke [m], force [N]; and over "recording" the
     source.
     """
-    need("tables")
+    base.need("tables")
     import xarray as xr
 
     of, columns = _rows(recordings)
@@ -54,7 +45,7 @@ def table(recordings: Sequence[Recording]) -> "xr.Dataset":
 
     data["of"] = "row", of, {"units": "1", "long_name": "number of the recording"}
     sources = [recording.source for recording in recordings]
-    origin = {"title": "recordings", "source": f"stepwell {__version__}, lab.table"}
+    origin = {"title": "recordings", "source": f"stepwell {base.__version__}, lab.table"}
     return xr.Dataset(data, {"recording": sources}, origin)
 
 
@@ -77,7 +68,7 @@ def to_csv(recordings: Sequence[Recording], file: str | os.PathLike[str]) -> Non
     """Write the same rows as CSV, units in the column names (s, mm, N)."""
     of, columns = _rows(recordings)
     names = [recordings[number].name for number in of]
-    write_csv(file, [(Quantity("recording"), names), *columns.items()], 10)
+    base.write_csv(file, [(Quantity("recording"), names), *columns.items()], 10)
 
 
 def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
@@ -123,7 +114,7 @@ def read(file: str | os.PathLike[str]) -> Recording:
     """
     name = os.fspath(file)
     try:
-        content = content_of(Path(file), "recording_bytes")
+        content = base.content_of(Path(file), "recording_bytes")
     except FileNotFoundError:
         raise LabError(name, "no such file.") from None
     except OSError as error:
@@ -163,7 +154,7 @@ def read_all(
             found.append(read(name))
         except LabError as error:
             refused.append(error)
-        notify(progress, done, len(names))
+        base.notify(progress, done, len(names))
     return Batch(tuple(found), tuple(refused), tuple(ignored))
 
 

@@ -7,19 +7,9 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, leaf, overspent, record
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, largest, law, smallest, stored, summed
-from stepwell.statics.following import log as logged, state as st
+from stepwell.statics.following import log as logged, pieces as cutting, state as st
 from stepwell.statics.following.branch import inverse_slope, point_at, smallest_eigenvalue
 from stepwell.statics.following.log import Pair
-from stepwell.statics.following.pieces import (
-    find_piece,
-    invert,
-    piece_along,
-    resting_piece,
-    sheet_of,
-    sheets_of,
-    stand_all_on,
-    stand_on,
-)
 from stepwell.statics.following.state import DrivenChain, Movers, drive_of, moved, some_movers
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
@@ -50,7 +40,7 @@ def certify(problem: DrivenChain, travel: Floats, force: float, movers: Movers) 
     for i in range(len(travel)):
         mine = int(place[i])
         known = mine >= 0 and movers.piece[mine] >= 0
-        piece = int(movers.piece[mine]) if known else find_piece(pieces, i, travel[i], 0)
+        piece = int(movers.piece[mine]) if known else cutting.find_piece(pieces, i, travel[i], 0)
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction
@@ -104,7 +94,7 @@ def audit(
     # One function: every segment updates the same places, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
-    stand_all_on(laws, problem.sheets, pieces, sheets)
+    cutting.stand_all_on(laws, problem.sheets, pieces, sheets)
     number, whole = spare.number, spare.whole
     now, named = number[_NOW], whole[_NAMED]
     for i in range(n):
@@ -130,8 +120,8 @@ def audit(
             mover = log.movers[j]
             i = int(mover[logged.CELL])
             named[i] = k
-            if sheet_of(problem.sheets, i) != int(mover[logged.SHEET_1]):
-                stand_on(laws, problem.sheets, pieces, i, int(mover[logged.SHEET_1]))
+            if cutting.sheet_of(problem.sheets, i) != int(mover[logged.SHEET_1]):
+                cutting.stand_on(laws, problem.sheets, pieces, i, int(mover[logged.SHEET_1]))
             way = mover[logged.TRAVEL_0], mover[logged.TRAVEL_1]
             off, lost = _goes(
                 problem, i, int(mover[logged.PIECE]), way, force - mover[logged.OFFSET]
@@ -141,8 +131,8 @@ def audit(
             for i in range(n):
                 if named[i] == k or not ends[i, LOW] < now[i] < ends[i, HIGH]:
                     continue
-                piece = piece_along(pieces, i, _rising_piece(problem, i), force)
-                way = now[i], invert(laws, pieces, i, piece, force)
+                piece = cutting.piece_along(pieces, i, _rising_piece(problem, i), force)
+                way = now[i], cutting.invert(laws, pieces, i, piece, force)
                 off, lost = _goes(problem, i, -1 if jumps else piece, way, force)
                 whole[_ON, i] = piece
                 gap, miss = max(gap, off), max(miss, lost)
@@ -175,7 +165,7 @@ def _rising_piece(problem: DrivenChain, i: int) -> int:
     on, travel = spare.whole[_ON, i], spare.number[_NOW, i]
     if on >= 0 and pieces.sign[on] > 0 and pieces.left[on] <= travel <= pieces.right[on]:
         return int(on)
-    return resting_piece(pieces, i, travel)
+    return cutting.resting_piece(pieces, i, travel)
 
 
 @leaf
@@ -220,7 +210,7 @@ def _stands(problem: DrivenChain, cell: int, piece: int) -> float:
     """Write down between which λ a cell stands; its force [N]."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     number, travel = problem.spare.number, problem.spare.number[_NOW, cell]
-    on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
+    on = piece if piece >= 0 else cutting.find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
     falls, rises = travel > ends[cell, BEFORE], travel < ends[cell, BEYOND]
     number[_LOWEST, cell] = value - laws.friction[cell] if falls else -np.inf
@@ -271,7 +261,7 @@ def sample(
     drive, travel, sheet, force = samples.drive, samples.travel, samples.sheet, samples.force
     branch, snap_after, direction = samples.branch, samples.snap_after, samples.direction
     residual, stability = samples.residual, samples.stability
-    stand_all_on(laws, problem.sheets, pieces, sheets)
+    cutting.stand_all_on(laws, problem.sheets, pieces, sheets)
     now, number = start.copy(), 0
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
@@ -307,7 +297,7 @@ def sample(
                 cell, piece = movers.cell[0], movers.piece[0]
                 places[0] = u / alpha - movers.held
                 if piece < 0:
-                    piece = find_piece(pieces, cell, places[0], 0)
+                    piece = cutting.find_piece(pieces, cell, places[0], 0)
                 places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
                 level = law(laws, cell, pieces.picked[piece], places[0])[0] + movers.offset[0]
             else:
@@ -316,14 +306,19 @@ def sample(
                 i, on = movers.cell[j], int(rows[j, logged.SHEET_1])
                 now[i] = places[j]
                 if follow and movers.piece[j] >= 0:
-                    movers.piece[j] = piece_along(pieces, i, movers.piece[j], level)
-                if sheet_of(problem.sheets, i) != on:
-                    stand_on(laws, problem.sheets, pieces, i, on)
+                    movers.piece[j] = cutting.piece_along(pieces, i, movers.piece[j], level)
+                if cutting.sheet_of(problem.sheets, i) != on:
+                    cutting.stand_on(laws, problem.sheets, pieces, i, on)
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
                 continue
-            drive[at], travel[at], sheet[at], force[at] = u, now, sheets_of(problem.sheets), level
+            drive[at], travel[at], sheet[at], force[at] = (
+                u,
+                now,
+                cutting.sheets_of(problem.sheets),
+                level,
+            )
             branch[at], snap_after[at], direction[at] = number, 0, toward
             residual[at], stability[at] = certify(problem, now, level, moving)
             at += 1

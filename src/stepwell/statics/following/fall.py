@@ -13,25 +13,10 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import law
-from stepwell.statics.following import state as st
+from stepwell.statics.following import rising as risings, state as st
 from stepwell.statics.following.branch import drive_at, inverse_slope, point_at
 from stepwell.statics.following.pieces import invert
-from stepwell.statics.following.rising import (
-    COMPLIANCE,
-    END_DOWN,
-    END_UP,
-    JOINT_DOWN,
-    JOINT_UP,
-    MOBILITY,
-    OFFSET,
-    Rising,
-    count_work,
-    first_key,
-    is_straight,
-    pass_joint,
-    stroke_at,
-    sum_of,
-)
+from stepwell.statics.following.rising import Rising
 from stepwell.statics.following.state import DrivenChain, Movers, State
 
 # No landing is looked for while the force has fallen by less than this share of the largest one:
@@ -58,7 +43,7 @@ def floor_of(problem: DrivenChain, rising: Rising, falling: Falling) -> tuple[bo
     # One function: valley, mean and way change together from piece to piece.
     laws, pieces = problem.laws, problem.pieces
     j, p, travel, force, d, heaviest = falling
-    own, others = problem.mobility[j], sum_of(rising, MOBILITY)
+    own, others = problem.mobility[j], risings.sum_of(rising, risings.MOBILITY)
     begin, picked, edge = d * force, pieces.picked, pieces.among[j, (d + 1) // 2]
     # Of d F: its valley, and the least that the mean of all forces by mobility can be.
     valley, mean, way, at = begin, np.inf, 0.0, travel
@@ -75,7 +60,7 @@ def floor_of(problem: DrivenChain, rising: Rising, falling: Falling) -> tuple[bo
             over = level >= begin
             if over:
                 end, level = invert(laws, pieces, j, p, force), begin
-            straight = is_straight(laws, pieces, j, p)
+            straight = risings.is_straight(laws, pieces, j, p)
             parts = 1 if straight else _PARTS
             before = d * law(laws, j, picked[p], at)[0]
             for part in range(1, parts + 1):
@@ -95,7 +80,7 @@ def floor_of(problem: DrivenChain, rising: Rising, falling: Falling) -> tuple[bo
         p += d
     soft = problem.beta > 0.0
     floor = max(valley, begin - way / problem.beta if soft else mean / (others + own))
-    leaves = -first_key(rising.queues, END_DOWN if d > 0 else END_UP)
+    leaves = -risings.first_key(rising.queues, risings.END_DOWN if d > 0 else risings.END_UP)
     return bool(leaves < floor - st.TIE * problem.scale), float(floor)
 
 
@@ -111,8 +96,10 @@ def with_curved(
     for k in range(rising.counts[0]):
         i = rising.curved[k]
         cells[one + k], on[one + k], offset[one + k] = i, state.piece[i], 0.0
-    held, count = sum_of(rising, OFFSET) + apart, rising.counts[0] + one
-    return Movers(cells[:count], on[:count], offset[:count], held, sum_of(rising, COMPLIANCE))
+    held, count = risings.sum_of(rising, risings.OFFSET) + apart, rising.counts[0] + one
+    return Movers(
+        cells[:count], on[:count], offset[:count], held, risings.sum_of(rising, risings.COMPLIANCE)
+    )
 
 
 @leaf
@@ -189,7 +176,7 @@ def land_after(
     # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
     j, p, travel, force, d, _ = falling
-    behind, edge = JOINT_DOWN if d > 0 else JOINT_UP, pieces.among[j, (d + 1) // 2]
+    behind, edge = risings.JOINT_DOWN if d > 0 else risings.JOINT_UP, pieces.among[j, (d + 1) // 2]
     # While it falls; `level` is where the rising cells are.
     begin = level = d * force
     missed = np.inf
@@ -197,7 +184,7 @@ def land_after(
         end = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p])
         if not _goes_on_away(problem, rising, falling, p, travel):
             while level > max(end, floor):
-                joint = -first_key(queues, behind)
+                joint = -risings.first_key(queues, behind)
                 following = max(end, floor, joint)
                 movers = with_curved(problem, state, rising, j, p, 0.0)
                 top = min(level, d * (pieces.force_left[p] if d > 0 else pieces.force_right[p]))
@@ -206,12 +193,12 @@ def land_after(
                     root, place, near = _first_return(problem, movers, way, drive, d)
                     missed = min(missed, near)
                     if not np.isnan(root):
-                        count_work(rising, d * level, root)
+                        risings.count_work(rising, d * level, root)
                         return FallEnd(True, root, p, place, missed)
-                count_work(rising, d * level, d * following)
+                risings.count_work(rising, d * level, d * following)
                 level = following
                 if joint >= level:
-                    pass_joint(problem, state, rising, -d)
+                    risings.pass_joint(problem, state, rising, -d)
         if end < floor or p == edge:
             break
         p += d
@@ -229,21 +216,21 @@ def land_after(
     stopped = d * (pieces.force_right[p] if d > 0 else pieces.force_left[p]) <= begin
     while pieces.sign[p] > 0 or stopped:
         end = d * (pieces.force_right[p] if stopped == (d > 0) else pieces.force_left[p])
-        joint = -first_key(queues, behind)
+        joint = -risings.first_key(queues, behind)
         following = max(end, floor, joint)
         at = stop if stopped else invert(problem.laws, pieces, j, p, d * following)
-        there = at + stroke_at(problem, state, rising, d * following)
+        there = at + risings.stroke_at(problem, state, rising, d * following)
         if d * (there + problem.beta * d * following - drive) <= 0.0:
             one, apart = (-1, stop) if stopped else (j, 0.0)
             movers = with_curved(problem, state, rising, one, p, apart)
             places = problem.spare.number[st.PLACE, : len(movers.cell)]
             root = point_at(problem, movers, d * level, d * following, drive, places, False)
-            count_work(rising, d * level, root)
+            risings.count_work(rising, d * level, root)
             return FallEnd(True, root, p, stop if stopped else places[0], missed)
-        count_work(rising, d * level, d * following)
+        risings.count_work(rising, d * level, d * following)
         level = following
         if joint >= level:
-            pass_joint(problem, state, rising, -d)
+            risings.pass_joint(problem, state, rising, -d)
         elif end < level:
             break
         elif stopped:
@@ -260,13 +247,13 @@ def _lead_back(
     problem: DrivenChain, state: State, rising: Rising, level: float, begin: float, d: int
 ) -> None:
     """Let the rising cells follow d λ from a level to where it began."""
-    ahead = JOINT_UP if d > 0 else JOINT_DOWN
-    while first_key(rising.queues, ahead) <= begin:
-        joint = first_key(rising.queues, ahead)
-        count_work(rising, d * level, d * joint)
+    ahead = risings.JOINT_UP if d > 0 else risings.JOINT_DOWN
+    while risings.first_key(rising.queues, ahead) <= begin:
+        joint = risings.first_key(rising.queues, ahead)
+        risings.count_work(rising, d * level, d * joint)
         level = joint
-        pass_joint(problem, state, rising, d)
-    count_work(rising, d * level, d * begin)
+        risings.pass_joint(problem, state, rising, d)
+    risings.count_work(rising, d * level, d * begin)
 
 
 @leaf
@@ -278,7 +265,9 @@ def _goes_on_away(
     picked, end = pieces.picked[p], pieces.right[p] if falling.direction > 0 else pieces.left[p]
     gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])
     # Σ 1/κ of the others is Σ m / max (m κ) or more.
-    return bool((sum_of(rising, MOBILITY) / falling.heaviest + problem.beta) * gentle > 1.0)
+    return bool(
+        (risings.sum_of(rising, risings.MOBILITY) / falling.heaviest + problem.beta) * gentle > 1.0
+    )
 
 
 @leaf

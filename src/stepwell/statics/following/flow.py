@@ -11,18 +11,10 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, smallest, summed
+from stepwell.statics.following import state as st
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
-from stepwell.statics.following.state import (
-    HELD,
-    LETS_GO,
-    OF_FLOW,
-    TIE,
-    WHOLES_OF_FLOW,
-    DrivenChain,
-    State,
-    set_near,
-)
+from stepwell.statics.following.state import DrivenChain, State
 
 _STEPS = 30_000
 # The L-stable pair of orders 4 and 3 with four stages (Hairer and Wanner 1996, IV.7): γ; where a
@@ -73,11 +65,11 @@ class Flow(NamedTuple):
 def _begin(problem: DrivenChain, state: State, drive: float) -> Flow:
     spare, mode = problem.spare, state.mode
     counts = spare.counts
-    cell, where = spare.number[OF_FLOW:], spare.whole[WHOLES_OF_FLOW:]
+    cell, where = spare.number[st.OF_FLOW :], spare.whole[st.WHOLES_OF_FLOW :]
     at = Flow(drive, cell, where, counts[:1], spare.stack[2, :3], counts[1:])
     at.used[0] = 0
     for i in range(len(mode)):
-        if mode[i] != HELD:
+        if mode[i] != st.HELD:
             _join(problem, state, at, i)
     _close(problem, state, at)
     return at
@@ -87,8 +79,8 @@ def _begin(problem: DrivenChain, state: State, drive: float) -> Flow:
 def _join(problem: DrivenChain, state: State, at: Flow, i: int) -> None:
     j = at.used[0]
     at.used[0] += 1
-    if state.mode[i] == HELD:
-        state.mode[i] = LETS_GO
+    if state.mode[i] == st.HELD:
+        state.mode[i] = st.LETS_GO
     cell, laws = at.cell, problem.laws
     cell[:, j], at.where[:, j] = 0.0, 0
     at.where[_CELL, j], cell[_TRAVEL, j] = i, state.travel[i]
@@ -122,7 +114,7 @@ def _close(problem: DrivenChain, state: State, at: Flow) -> None:
     travel, mode, at_rest = state.travel, state.mode, state.at_rest
     low, high, falls, rises, still = -np.inf, np.inf, -1, -1, 0.0
     for i in range(len(travel)):
-        if mode[i] != HELD:
+        if mode[i] != st.HELD:
             continue
         still += travel[i]
         if travel[i] > ends[i, BEFORE] and at_rest[i] - friction[i] > low:
@@ -722,7 +714,7 @@ def flow(
     gentle, late = scale / smallest(laws.full), _LATE * accuracy
     # Behind a spring λ is the difference of two travels: rounding of these is a force.
     nothing = 1e-15 * (abs(drive) + alpha * summed(laws.full)) / beta if beta > 0.0 else 0.0
-    nothing = min(max(nothing, 1e-11 * scale), TIE * scale)
+    nothing = min(max(nothing, 1e-11 * scale), st.TIE * scale)
     stiffest = _stiffest(cell, used[0], gentle)
     wanted, settled, off, stopped = 1e-2 / stiffest, False, 0.0, 0
     # The largest force that drives a cell, the most it was, whether it falls; the stiffest cell.
@@ -767,8 +759,8 @@ def flow(
             # It was slowest here: with so much less it would have come to rest.
             left = left or _has_left(state, at)
             if before < 0.5 * peak and left:
-                set_near(state.near, before, steepest)
-                close = close or before <= max(2.0 * steepest * off, TIE * scale)
+                st.set_near(state.near, before, steepest)
+                close = close or before <= max(2.0 * steepest * off, st.TIE * scale)
             slows = False
         elif largest < before:
             steepest, slows = 0.0, True
@@ -830,8 +822,8 @@ def flow(
         wanted = min(max(wanted, 1e-9 / stiffest), longest)
     if settled and stopped < 0:
         barrier = _barrier(problem, at)
-        set_near(state.near, barrier, steepest)
-        close = close or barrier <= max(2.0 * steepest * off, TIE * scale)
+        st.set_near(state.near, barrier, steepest)
+        close = close or barrier <= max(2.0 * steepest * off, st.TIE * scale)
     # Steps are linearised, so twice the sum is what may be relied on.
     state.near[2] = max(state.near[2], 2.0 * off)
     for j in range(used[0]):

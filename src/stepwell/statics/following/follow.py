@@ -9,30 +9,13 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
-from stepwell.statics.following import state as st
+from stepwell.statics.following import smooth, state as st
 from stepwell.statics.following.log import FOLD
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.rising import Rising
 from stepwell.statics.following.series import advance, is_regular
-from stepwell.statics.following.smooth import (
-    FLAT,
-    LOST,
-    choose,
-    drift,
-    join_flat,
-    move,
-    set_off,
-    share,
-)
 from stepwell.statics.following.snap import FINE, note_saddle, snap
-from stepwell.statics.following.state import (
-    DrivenChain,
-    State,
-    drive_of,
-    drive_slack,
-    hold,
-    set_snap,
-)
+from stepwell.statics.following.state import DrivenChain, State
 
 _LONGEST_WAIT = 15
 
@@ -44,7 +27,7 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
     # Where the log is full it goes on from there when called with a longer one.
     # One function: the loop of a stroke keeps its counts as locals; steps are functions.
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[st.GOES]
-    slack = drive_slack(problem)
+    slack = st.drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)
     regular = is_regular(problem)
     for turn in range(1, len(turning)):
@@ -75,7 +58,7 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
                     break
                 in_vain = min(2 * in_vain + 1, _LONGEST_WAIT) if rows == state.log.used[0] else 0
                 waits = in_vain
-            drive = drive_of(problem, state.travel, state.force[0])
+            drive = st.drive_of(problem, state.travel, state.force[0])
             if direction * (target - drive) <= slack:
                 status = st.DONE
                 break
@@ -90,19 +73,23 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
             (rows, movers), log = state.log.used, state.log
             if rows == len(log.segments) or movers + n > len(log.movers):
                 return st.LOG_FULL
-            choice, leader = choose(problem, state, direction, goes)
-            if choice == FLAT and join_flat(problem, state, direction):
-                choice, leader = choose(problem, state, direction, goes)
-            if choice == LOST or state.next_snap[st.DUE]:
+            choice, leader = smooth.choose(problem, state, direction, goes)
+            if choice == smooth.FLAT and smooth.join_flat(problem, state, direction):
+                choice, leader = smooth.choose(problem, state, direction, goes)
+            if choice == smooth.LOST or state.next_snap[st.DUE]:
                 if state.next_snap[st.TRIGGER] < 0:
                     state.next_snap[st.TRIGGER], state.next_snap[st.SENSE] = leader, direction
                     note_saddle(problem, state, leader)
                 status = snap(problem, state, direction, FINE)
-            elif choice == FLAT:
-                share(problem, state, goes)
-                status = drift(problem, state, set_off(problem, state, goes), direction, target)
+            elif choice == smooth.FLAT:
+                smooth.share(problem, state, goes)
+                status = smooth.drift(
+                    problem, state, smooth.set_off(problem, state, goes), direction, target
+                )
             else:
-                status = move(problem, state, set_off(problem, state, goes), direction, target)
+                status = smooth.move(
+                    problem, state, smooth.set_off(problem, state, goes), direction, target
+                )
         if status != st.DONE and not (to_the_end and status == st.RUNS_AWAY):
             # What ran out of looks may say that it did not settle.
             return st.GAVE_UP if overspent(effort, 0) else status
@@ -112,11 +99,11 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
 @leaf
 def _come_to_rest(problem: DrivenChain, state: State, direction: int) -> None:
     """The actuator turns: what slid rests, and nothing is known of what comes next."""
-    set_snap(state.next_snap, -1, direction, FOLD)
+    st.set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[st.DUE] = 0
     state.tie[:] = -1
     for i in range(len(state.mode)):
         if state.mode[i] == st.SLIDES or state.mode[i] == st.LETS_GO:
-            hold(problem, state, i)
+            st.hold(problem, state, i)
         elif state.mode[i] == st.FREE and problem.pieces.sign[state.piece[i]] < 0:
             state.piece[i] = resting_piece(problem.pieces, i, state.travel[i])

@@ -9,24 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell import mechanism as mech
 from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel, leaf, record
-from stepwell.mechanism import (
-    CURVE_HIGH,
-    CURVE_LOW,
-    FIRST,
-    HIGH,
-    LOW,
-    Laws,
-    Looks,
-    Sheets,
-    change_sheet,
-    law,
-    law_along,
-    pick_rows,
-    travel_of,
-    turn_at,
-)
+from stepwell.mechanism import Laws, Looks, Sheets, geometry
 
 _NODES = 13
 _DEPTH = 40
@@ -105,7 +91,7 @@ def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
     # One function: bands and loads add to the same list of travels.
     r, sin_limit = laws.lever[cell], laws.sin_limit[cell]
-    low, high = ends[cell, LOW], ends[cell, HIGH]
+    low, high = ends[cell, mech.LOW], ends[cell, mech.HIGH]
     points[0], points[1], used = low, high, 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
@@ -114,7 +100,7 @@ def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
         # the Chebyshev points at the only places where its law can turn sharply.
         sine = dy / reach if reach > 0.0 else 2.0
         for side in (-1.0, 1.0):
-            travel = travel_of(side * sine, r, sin_limit)
+            travel = geometry.travel_of(side * sine, r, sin_limit)
             if low < travel < high:
                 points[used] = travel
                 used += 1
@@ -122,14 +108,14 @@ def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
             if row == laws.band_rows[b] and laws.two_sided[b]:
                 continue
             length = rest + laws.rows[row, 0]
-            cosine = turn_at(length, reach, r)
+            cosine = geometry.turn_at(length, reach, r)
             if not -1.0 <= cosine <= 1.0:
                 continue
             for side in (-1.0, 1.0):
                 angle = math.atan2(dy, dx) + side * math.acos(cosine)
                 angle = math.atan2(math.sin(angle), math.cos(angle))
                 if abs(angle) < np.pi / 2:
-                    travel = travel_of(math.sin(angle), r, sin_limit)
+                    travel = geometry.travel_of(math.sin(angle), r, sin_limit)
                     if low < travel < high:
                         points[used] = travel
                         used += 1
@@ -155,7 +141,7 @@ def _look(laws: Laws, cell: int, a: float, b: float, room: CuttingSpace) -> None
     for i in range(_NODES):
         travel[i] = 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i]
     travel[0], travel[_NODES - 1] = b, a
-    law_along(laws, cell, room.rows, room.at)
+    mech.law_along(laws, cell, room.rows, room.at)
 
 
 @leaf
@@ -202,7 +188,7 @@ def _root(
         guess = b - fb * (b - a) / (fb - fa) if step % 4 != 3 and fb != fa else middle
         if not a < guess < b:
             guess = middle
-        value = law(laws, cell, picked, guess)[order]
+        value = mech.law(laws, cell, picked, guess)[order]
         if value == 0.0 or abs(guess - last) <= 1e-16 * laws.full[cell]:
             return guess
         last = guess
@@ -290,8 +276,8 @@ def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: CuttingSpace) -> int
     total = 0
     cell, last = -1, len(sheets.table)
     for sheet in range(last):
-        cell += sheets.table[sheet, FIRST] == sheet
-        change_sheet(laws, sheets, cell, sheet)
+        cell += sheets.table[sheet, mech.FIRST] == sheet
+        mech.change_sheet(laws, sheets, cell, sheet)
         out.of_sheet[sheet] = total
         total = _cut_sheet(laws, sheets.ends, cell, out, room, total)
         if total < 0:
@@ -315,7 +301,7 @@ def _cut_sheet(
     before = np.nan
     for j in range(kinks - 1):
         a, b = room.points[j], room.points[j + 1]
-        pick_rows(laws, i, 0.5 * (a + b), rows)
+        mech.pick_rows(laws, i, 0.5 * (a + b), rows)
         flat, used = _is_flat(laws, rows, bands), 0
         if not flat:
             force, slope = _steepest(laws, i, a, b, room)
@@ -330,8 +316,8 @@ def _cut_sheet(
                 continue
             if total == len(left):
                 return -1
-            begin = law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
-            end = begin if flat else law(laws, i, rows, hi)[0]
+            begin = mech.law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
+            end = begin if flat else mech.law(laws, i, rows, hi)[0]
             if flat and not np.isnan(before):
                 # A flat stretch is exact, the curve that runs into it is rounded.
                 force_right[total - 1] = begin
@@ -357,7 +343,7 @@ def _steepest(laws: Laws, i: int, a: float, b: float, room: CuttingSpace) -> tup
     else:
         # The rows of an element come cut where they turn: they are largest at their ends.
         for end in (a, b):
-            value, stiff, _ = law(laws, i, room.rows, end)
+            value, stiff, _ = mech.law(laws, i, room.rows, end)
             force, slope = max(force, abs(value)), max(slope, abs(stiff))
     return force, slope
 
@@ -377,7 +363,7 @@ def _is_flat(laws: Laws, rows: Ints, bands: int) -> bool:
 def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
     """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
     own = np.repeat(np.arange(len(sheets.table)), np.diff(pieces.of_sheet))
-    begin, end = sheets.table[own, CURVE_LOW : CURVE_HIGH + 1].T
+    begin, end = sheets.table[own, mech.CURVE_LOW : mech.CURVE_HIGH + 1].T
     return (pieces.right > begin) & (pieces.left < end)
 
 
@@ -390,7 +376,7 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     for i in range(len(laws.friction)):
         most = max(most, laws.friction[i])
     for sheet in range(len(sheets.table)):
-        low, high = sheets.table[sheet, CURVE_LOW], sheets.table[sheet, CURVE_HIGH]
+        low, high = sheets.table[sheet, mech.CURVE_LOW], sheets.table[sheet, mech.CURVE_HIGH]
         for k in range(pieces.of_sheet[sheet], pieces.of_sheet[sheet + 1]):
             if right[k] > low and left[k] < high:
                 most = max(most, abs(begins[k]), abs(ends[k]))
@@ -400,8 +386,8 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
 @leaf
 def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) -> None:
     """Let a cell stand on a sheet of its curve, by its number there."""
-    among_all = int(sheets.table[sheets.now[cell], FIRST]) + sheet
-    change_sheet(laws, sheets, cell, among_all)
+    among_all = int(sheets.table[sheets.now[cell], mech.FIRST]) + sheet
+    mech.change_sheet(laws, sheets, cell, among_all)
     pieces.among[cell, 0] = pieces.of_sheet[among_all]
     pieces.among[cell, 1] = pieces.of_sheet[among_all + 1] - 1
 
@@ -417,7 +403,7 @@ def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> N
 @leaf
 def sheet_of(sheets: Sheets, cell: int) -> int:
     """The sheet of its curve on which a cell stands, by its number there."""
-    return int(sheets.now[cell] - sheets.table[sheets.now[cell], FIRST])
+    return int(sheets.now[cell] - sheets.table[sheets.now[cell], mech.FIRST])
 
 
 @kernel
@@ -495,7 +481,7 @@ def travel_between(
     sheet, low, high = stretch
     if low == high:
         return low
-    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    at = int(sheets.table[sheets.now[cell], mech.FIRST]) + sheet
     # A phase begins and ends where pieces do.
     begin, end = pieces.of_sheet[at], pieces.of_sheet[at + 1]
     first = _first_at(pieces.left, begin, end, low)
@@ -523,7 +509,7 @@ def invert_near(
     travel = near if a < near < b else a + (b - a) * (force - fa) / (fb - fa)
     last, rounding = 0.0, 1e-16 * laws.full[cell]
     for _ in range(200):
-        value, slope, bend = law(laws, cell, picked, travel)
+        value, slope, bend = mech.law(laws, cell, picked, travel)
         if value == force:
             return travel
         if (value < force) == rising:

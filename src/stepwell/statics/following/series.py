@@ -10,42 +10,13 @@ import numpy as np
 
 from stepwell.kernels import leaf, overspent
 from stepwell.mechanism import largest, smallest, stored
-from stepwell.statics.following import log as logged, state as st
+from stepwell.statics.following import log as logged, rising as risings, state as st
 from stepwell.statics.following.branch import first_fold, inverse_slope, point_at
 from stepwell.statics.following.fall import Falling, floor_of, heaviest_of, land_after, with_curved
 from stepwell.statics.following.log import add_mover
 from stepwell.statics.following.pieces import find_piece, invert
-from stepwell.statics.following.rising import (
-    END_DOWN,
-    END_UP,
-    JOINT_DOWN,
-    JOINT_UP,
-    STORED,
-    Rising,
-    clear,
-    energy_in,
-    first_key,
-    is_held,
-    is_straight,
-    pass_joint,
-    past_end,
-    rest,
-    rest_no_more,
-    rise,
-    rise_no_more,
-    softness_at,
-    stroke_at,
-    ties,
-    travel_at_force,
-)
-from stepwell.statics.following.state import (
-    DrivenChain,
-    State,
-    set_near,
-    set_snap,
-    set_tie,
-    write_row,
-)
+from stepwell.statics.following.rising import Rising
+from stepwell.statics.following.state import DrivenChain, State
 
 # With fewer pieces in all, looking at every cell is as quick as queues.
 _WORTH = 64
@@ -70,13 +41,13 @@ def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) 
     leader = -1
     for i in range(len(state.mode)):
         if state.mode[i] == st.HELD:
-            rest(problem, state, rising, i)
+            risings.rest(problem, state, rising, i)
             continue
         if state.mode[i] != st.FREE and state.sense[i] != direction:
             return False, -1
         sign = problem.pieces.sign[state.piece[i]]
         if sign > 0:
-            rise(problem, state, rising, i, state.piece[i])
+            risings.rise(problem, state, rising, i, state.piece[i])
         elif sign < 0 and leader < 0:
             leader = i
         else:
@@ -103,7 +74,7 @@ def _end_segment(
     segment, force, begin = rising.segment, state.force[0], rising.segment.begin
     if kind != logged.SNAP and force == begin[1] and drive == begin[0]:
         return
-    write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (0.0, 0.0))
+    st.write_row(state, kind, direction, (begin[0], drive), (begin[1], force), (0.0, 0.0))
     row = state.log.used[0] - 1
     state.log.segments[row, logged.FOLLOW] = 1.0
     if kind == logged.SNAP:
@@ -112,8 +83,8 @@ def _end_segment(
         i = segment.cell[k]
         piece = -1 if kind == logged.SNAP else int(state.piece[i])
         after = float(state.travel[i])
-        if not is_held(rising, i):
-            after = travel_at_force(problem, state, i, force)
+        if not risings.is_held(rising, i):
+            after = risings.travel_at_force(problem, state, i, force)
         add_mover(state.log, i, piece, 0.0, segment.travel[k], after)
         segment.named[i] = 0
     segment.counts[0], segment.counts[1] = 0, row
@@ -127,13 +98,13 @@ def _leave_branch(problem: DrivenChain, state: State, rising: Rising, i: int, to
     force, piece = segment.begin[1], state.piece[i]
     end = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
     if state.force[0] != force:
-        _name(rising, i, travel_at_force(problem, state, i, force))
+        _name(rising, i, risings.travel_at_force(problem, state, i, force))
     elif segment.counts[1] >= 0 and segment.named[i] == 0:
         # Nothing has moved since the row before, which did not name it.
         before = log.segments[segment.counts[1], logged.FORCE_0]
-        was = travel_at_force(problem, state, i, before)
+        was = risings.travel_at_force(problem, state, i, before)
         add_mover(log, i, piece, 0.0, was, end)
-    rise_no_more(problem, state, rising, i)
+    risings.rise_no_more(problem, state, rising, i)
     state.travel[i] = end
 
 
@@ -147,8 +118,8 @@ def _stop_here(
     _end_segment(problem, state, rising, kind, direction, drive)
     softest, most, total = -1, 0.0, 0.0
     for i in range(len(state.mode)):
-        if not is_held(rising, i):
-            state.travel[i] = travel_at_force(problem, state, i, force)
+        if not risings.is_held(rising, i):
+            state.travel[i] = risings.travel_at_force(problem, state, i, force)
             soft = inverse_slope(problem, i, state.piece[i], state.travel[i])
             if soft > most:
                 softest, most = i, soft
@@ -169,14 +140,14 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
         mover = log.movers[m]
         i = int(mover[logged.CELL])
         segment.named[i] = 1
-        if not is_held(rising, i):
+        if not risings.is_held(rising, i):
             mover[logged.TRAVEL_1] = state.travel[i]
     before = log.segments[row, logged.FORCE_0]
     snapped = int(log.segments[row, logged.KIND]) == logged.SNAP
     for i in range(len(state.mode)):
-        if not is_held(rising, i) and segment.named[i] == 0:
+        if not risings.is_held(rising, i) and segment.named[i] == 0:
             piece = -1 if snapped else state.piece[i]
-            was = travel_at_force(problem, state, i, before)
+            was = risings.travel_at_force(problem, state, i, before)
             add_mover(log, i, piece, 0.0, was, state.travel[i])
 
 
@@ -184,15 +155,15 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
     """The cell to which something happens first; a tie is noted where it decides which falls."""
     queues, within = rising.queues, st.TIE * problem.scale
-    if not ties(queues, q, within):
+    if not risings.ties(queues, q, within):
         return int(queues.heap[q, 0])
-    limit = first_key(queues, q) + within
+    limit = risings.first_key(queues, q) + within
     falls, other, goes = -1, -1, -1
     for i in range(len(state.mode)):
         at = queues.place[i, q]
         if at < 0 or queues.key[q, at] > limit:
             continue
-        if past_end(problem, state, rising, i, toward) != -1:
+        if risings.past_end(problem, state, rising, i, toward) != -1:
             goes = i if goes < 0 else goes
         elif falls < 0:
             falls = i
@@ -200,9 +171,9 @@ def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, towar
             other = i
     if goes >= 0:
         if falls >= 0:
-            set_tie(state.tie, goes, falls)
+            st.set_tie(state.tie, goes, falls)
         return goes
-    set_tie(state.tie, falls, other)
+    st.set_tie(state.tie, falls, other)
     return falls
 
 
@@ -214,16 +185,20 @@ def advance(
     # One function: an event changes force, drive and queues, all locals, at once.
     laws, pieces, d = problem.laws, problem.pieces, direction
     n, places = len(state.mode), problem.spare.number[st.PLACE]
-    clear(rising)
+    risings.clear(rising)
     regular, leader = _gather(problem, state, rising, d)
     if not regular or (leader >= 0 and rising.counts[0] > 0):
         return st.GOES_ON
     queues, segment = rising.queues, rising.segment
-    joint, end = (JOINT_UP, END_UP) if d > 0 else (JOINT_DOWN, END_DOWN)
-    joint_back, end_back = (JOINT_DOWN, END_DOWN) if d > 0 else (JOINT_UP, END_UP)
+    joint, end = (
+        (risings.JOINT_UP, risings.END_UP) if d > 0 else (risings.JOINT_DOWN, risings.END_DOWN)
+    )
+    joint_back, end_back = (
+        (risings.JOINT_DOWN, risings.END_DOWN) if d > 0 else (risings.JOINT_UP, risings.END_UP)
+    )
     force = float(state.force[0])
     apart = float(state.travel[leader]) if leader >= 0 else 0.0
-    drive = stroke_at(problem, state, rising, force) + apart + problem.beta * force
+    drive = risings.stroke_at(problem, state, rising, force) + apart + problem.beta * force
     segment.begin[0], segment.begin[1] = drive, force
     known = leader >= 0 and state.next_snap[st.TRIGGER] >= 0
     why = int(state.next_snap[st.WHY]) if known else logged.FOLD
@@ -239,11 +214,11 @@ def advance(
             status = st.GAVE_UP
             break
         if leader < 0:
-            joint_key, end_key = first_key(queues, joint), first_key(queues, end)
+            joint_key, end_key = risings.first_key(queues, joint), risings.first_key(queues, end)
             key = min(joint_key, end_key)
             if key == np.inf:
                 break
-            there = stroke_at(problem, state, rising, d * key) + problem.beta * d * key
+            there = risings.stroke_at(problem, state, rising, d * key) + problem.beta * d * key
             if d * (there - target) > slack:
                 movers = with_curved(problem, state, rising, -1, 0, 0.0)
                 at = places[: len(movers.cell)]
@@ -251,27 +226,27 @@ def advance(
                 drive, status = target, st.DONE
                 break
             if joint_key <= end_key:
-                pass_joint(problem, state, rising, d)
+                risings.pass_joint(problem, state, rising, d)
                 state.force[0] = force = d * key
                 drive = there
                 continue
-            if rising.counts[0] > 0 and ties(queues, end, st.TIE * problem.scale):
+            if rising.counts[0] > 0 and risings.ties(queues, end, st.TIE * problem.scale):
                 # Where curved forces turn together the sum of 1/κ is rounding, see `smooth`.
                 break
             i = _next_cell(problem, state, rising, end, d)
-            past = past_end(problem, state, rising, i, d)
+            past = risings.past_end(problem, state, rising, i, d)
             if past == 0:
                 break
             kind = logged.MOVE if rising.counts[1] > 0 else logged.HOLD
             state.force[0] = force = d * key
             drive, state.next_snap[st.TRIGGER] = there, -1
-            if is_held(rising, i):
+            if risings.is_held(rising, i):
                 _end_segment(problem, state, rising, kind, d, drive)
-                rest_no_more(state, rising, i)
+                risings.rest_no_more(state, rising, i)
                 piece = find_piece(pieces, i, state.travel[i], d)
                 if past > 0:
                     _name(rising, i, state.travel[i])
-                    rise(problem, state, rising, i, piece)
+                    risings.rise(problem, state, rising, i, piece)
                     continue
                 why = logged.RELEASE
             else:
@@ -279,7 +254,7 @@ def advance(
                 _leave_branch(problem, state, rising, i, d)
                 _end_segment(problem, state, rising, kind, d, drive)
                 if past == 2:
-                    rest(problem, state, rising, i)
+                    risings.rest(problem, state, rising, i)
                     continue
                 why = logged.KINK
             leader = i
@@ -288,21 +263,28 @@ def advance(
         # One cell falls: with λ going back while that is stable.
         piece, travel = int(state.piece[leader]), float(state.travel[leader])
         own = inverse_slope(problem, leader, piece, travel)
-        stable = own + softness_at(problem, state, rising) + problem.beta < 0.0
+        stable = own + risings.softness_at(problem, state, rising) + problem.beta < 0.0
         if stable:
             last = d * float(pieces.force_right[piece] if d > 0 else pieces.force_left[piece])
-            joint_level, end_level = -first_key(queues, joint_back), -first_key(queues, end_back)
+            joint_level, end_level = (
+                -risings.first_key(queues, joint_back),
+                -risings.first_key(queues, end_back),
+            )
             level = max(last, joint_level, end_level)
             if min(last, end_level) >= level - st.TIE * problem.scale:
                 # Both come to the ends of their branches, as alike cells do.
                 break
             movers = with_curved(problem, state, rising, leader, piece, 0.0)
             fold = np.nan
-            if rising.counts[0] > 0 or not is_straight(laws, pieces, leader, piece):
+            if rising.counts[0] > 0 or not risings.is_straight(laws, pieces, leader, piece):
                 fold = first_fold(problem, movers, force, d * level)
             following = d * level if np.isnan(fold) else fold
             place = invert(laws, pieces, leader, piece, following)
-            there = stroke_at(problem, state, rising, following) + place + problem.beta * following
+            there = (
+                risings.stroke_at(problem, state, rising, following)
+                + place
+                + problem.beta * following
+            )
             _name(rising, leader, travel)
             if d * (there - target) > slack:
                 at = places[: len(movers.cell)]
@@ -326,26 +308,29 @@ def advance(
                     break
                 _end_segment(problem, state, rising, logged.MOVE, d, drive)
                 if sign == 2:
-                    rest(problem, state, rising, leader)
+                    risings.rest(problem, state, rising, leader)
                 else:
-                    rise(problem, state, rising, leader, piece + d)
+                    risings.rise(problem, state, rising, leader, piece + d)
                 leader = -1
                 continue
             elif joint_level >= end_level:
-                pass_joint(problem, state, rising, -d)
+                risings.pass_joint(problem, state, rising, -d)
                 continue
             else:
                 i = int(queues.heap[end_back, 0])
-                stops = not is_held(rising, i) and past_end(problem, state, rising, i, -d) == 2
-                if not stops or ties(queues, end_back, st.TIE * problem.scale):
+                stops = (
+                    not risings.is_held(rising, i)
+                    and risings.past_end(problem, state, rising, i, -d) == 2
+                )
+                if not stops or risings.ties(queues, end_back, st.TIE * problem.scale):
                     break
                 _leave_branch(problem, state, rising, i, -d)
                 _end_segment(problem, state, rising, logged.MOVE, d, drive)
-                rest(problem, state, rising, i)
+                risings.rest(problem, state, rising, i)
                 continue
         # It falls on by itself, at a fixed drive.
         _end_segment(problem, state, rising, logged.MOVE, d, drive)
-        set_snap(state.next_snap, leader, d, why)
+        st.set_snap(state.next_snap, leader, d, why)
         if heaviest < 0.0:
             heaviest = heaviest_of(problem)
         travel = float(state.travel[leader])
@@ -353,41 +338,41 @@ def advance(
         decided, floor = floor_of(problem, rising, falling)
         if not decided:
             break
-        rising.sums[STORED] = rising.sums[STORED + 1] = 0.0
-        stroke_at(problem, state, rising, force)
-        before = energy_in(problem, state, rising)
+        rising.sums[risings.STORED] = rising.sums[risings.STORED + 1] = 0.0
+        risings.stroke_at(problem, state, rising, force)
+        before = risings.energy_in(problem, state, rising)
         before += stored(laws, leader, pieces.picked[piece], travel)
         landing = land_after(problem, state, rising, falling, floor, drive)
         if not landing.found:
             break
         _name(rising, leader, travel)
-        stroke_at(problem, state, rising, landing.force)
-        after = energy_in(problem, state, rising)
+        risings.stroke_at(problem, state, rising, landing.force)
+        after = risings.energy_in(problem, state, rising)
         after += stored(laws, leader, pieces.picked[landing.piece], landing.travel)
         # Behind a spring Σ s goes up by β (λ - λ').
         spring = 0.5 * problem.beta * (force - landing.force) * (force + landing.force)
-        soft_there = softness_at(problem, state, rising) + problem.beta
+        soft_there = risings.softness_at(problem, state, rising) + problem.beta
         room = landing.missed / soft_there if landing.missed < np.inf else np.inf
         if room < st.TIE * problem.scale:
-            set_tie(state.tie, leader, leader)
+            st.set_tie(state.tie, leader, leader)
         state.near[0], state.near[1], state.near[2] = room, landing.missed, 0.0
         for q, level in ((end, d * landing.force), (end_back, -d * landing.force)):
             # One more snap would follow where λ comes to the end of the next branch.
-            gap = max(first_key(queues, q) - level, 0.0)
-            set_near(state.near, gap, 1.0 / max(soft_there, 1e-300))
+            gap = max(risings.first_key(queues, q) - level, 0.0)
+            st.set_near(state.near, gap, 1.0 / max(soft_there, 1e-300))
         state.force[0] = force = landing.force
         state.travel[leader], state.piece[leader] = landing.travel, landing.piece
         _end_segment(problem, state, rising, logged.SNAP, d, drive)
         log.segments[log.used[0] - 1, logged.RELEASED] = before - after + spring
         why = logged.FOLD
-        set_snap(state.next_snap, -1, d, why)
+        st.set_snap(state.next_snap, -1, d, why)
         edge = pieces.among[leader, (d + 1) // 2]
         stop = pieces.right[edge] if d > 0 else pieces.left[edge]
         if landing.piece == edge and landing.travel == stop:
-            rest(problem, state, rising, leader)
+            risings.rest(problem, state, rising, leader)
             leader = -1
         elif pieces.sign[landing.piece] > 0:
-            rise(problem, state, rising, leader, landing.piece)
+            risings.rise(problem, state, rising, leader, landing.piece)
             leader = -1
     _stop_here(problem, state, rising, d, drive, status == st.DONE)
     due = leader >= 0 and state.next_snap[st.TRIGGER] == leader and why == logged.FOLD

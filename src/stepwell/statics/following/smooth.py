@@ -11,20 +11,7 @@ from stepwell.statics.following import state as st
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert_near
-from stepwell.statics.following.state import (
-    DrivenChain,
-    Movers,
-    State,
-    begin,
-    drive_of,
-    drive_slack,
-    end_piece,
-    hold,
-    movers_of,
-    set_snap,
-    set_tie,
-    write,
-)
+from stepwell.statics.following.state import DrivenChain, Movers, State
 
 # How the chain can go on: λ moves with the drive, every moving κ > 0; λ moves against it, exactly
 # one κ < 0 and α Σ 1/κ + β < 0; cells of constant force take all the motion; or nothing of the
@@ -84,7 +71,7 @@ def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tu
         if i == leader or (rising and (mode[i] == st.FREE or sense[i] == -direction)):
             goes[i] = 1
             total += problem.alpha * inverse_slope(problem, i, piece[i], state.travel[i])
-    movers = movers_of(problem, state, goes)
+    movers = st.movers_of(problem, state, goes)
     if _turn_here(problem, state, movers.cell):
         level = state.force[0] - direction * BLUNT * problem.scale
         total = compliance(problem, movers, level, level)[1]
@@ -116,13 +103,13 @@ def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
     for i in range(len(goes)):
         if mode[i] != st.HELD and mode[i] != st.FREE:
             if not goes[i]:
-                hold(problem, state, i)
+                st.hold(problem, state, i)
             elif problem.laws.friction[i] == 0.0:
                 mode[i], state.sense[i] = st.FREE, 0
             else:
                 mode[i] = st.SLIDES
     state.next_snap[st.TRIGGER] = -1
-    return movers_of(problem, state, goes)
+    return st.movers_of(problem, state, goes)
 
 
 @leaf
@@ -157,7 +144,7 @@ def share(problem: DrivenChain, state: State, goes: Ints) -> None:
     if two < 0:
         return
     # Nothing but their mobility decides how they share.
-    set_tie(state.tie, one, two)
+    st.set_tie(state.tie, one, two)
     for i in range(len(goes)):
         if rank[i] > first:
             goes[i] = 0
@@ -173,7 +160,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
     """Cells of constant force take the motion, by mobility, until one of them leaves its piece."""
     laws, pieces, alpha = problem.laws, problem.pieces, problem.alpha
     mobility, count = problem.mobility, len(movers.cell)
-    begun = begin(problem, state, direction)
+    begun = st.begin(problem, state, direction)
     # What a cell of mobility 1 goes until the first one arrives.
     room, total = np.inf, 0.0
     for m in range(count):
@@ -192,13 +179,13 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
         arrives = not reached and abs(end - begun.travel[i]) - way <= 1e-15 * laws.full[i]
         state.travel[i] = end if arrives else begun.travel[i] + direction * way
         friction_work += float(laws.friction[i]) * way
-    drive = drive_of(problem, state.travel, begun.force)
-    write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
+    drive = st.drive_of(problem, state.travel, begun.force)
+    st.write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):
         i = movers.cell[m]
         if not reached and state.travel[i] == _end_of(pieces, movers.piece[m], direction):
-            set_snap(state.next_snap, i, direction, KINK)
-            end_piece(problem, state, i, direction)
+            st.set_snap(state.next_snap, i, direction, KINK)
+            st.end_piece(problem, state, i, direction)
     return st.DONE if reached else st.GOES_ON
 
 
@@ -239,7 +226,7 @@ def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[f
             rival = i
     if rival >= 0 and falls:
         # Cells of rising force would share the motion; of these, only one can have it.
-        set_tie(state.tie, first, rival)
+        st.set_tie(state.tie, first, rival)
     return nearest, first
 
 
@@ -286,7 +273,7 @@ def _first_to_arrive(
             else:
                 rival = m
         if rival >= 0:
-            set_tie(state.tie, cell[first], cell[rival])
+            st.set_tie(state.tie, cell[first], cell[rival])
             return _until_end(pieces, movers, first, force, toward), first, True
         return arrival, who, False
     for m in range(len(cell)):
@@ -297,7 +284,7 @@ def _first_to_arrive(
                 rival = m
     if leads < 0 or rival < 0 or _turns_over(ends, pieces, cell[leads], on[leads], direction) != 1:
         return arrival, who, False
-    set_tie(state.tie, cell[leads], cell[rival])
+    st.set_tie(state.tie, cell[leads], cell[rival])
     return arrival, leads, True
 
 
@@ -320,7 +307,7 @@ def _first_event(
         # drive an arrival at a stop is one too: a snap of no size or none at all.
         past = _turns_over(problem.sheets.ends, pieces, arrives, on, heading)
         if past == -1 if toward == direction else past != pieces.sign[on]:
-            set_tie(state.tie, arrives, cell)
+            st.set_tie(state.tie, arrives, cell)
     end = pieces.force_right[on] if heading > 0 else pieces.force_left[on]
     level = end + movers.offset[who] if arrival > 0.0 else force
     return BranchEnd(KINK, level, arrives, heading, who, arrival if company else -1.0)
@@ -381,14 +368,14 @@ def move(problem: DrivenChain, state: State, movers: Movers, direction: int, tar
     # One function: drive, level and places of a step decide what is done after it.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     toward = direction if _leader(pieces, movers) < 0 else -direction
-    begun = begin(problem, state, direction)
+    begun = st.begin(problem, state, direction)
     event = _first_event(problem, state, movers, toward, direction)
     if event.why == _NOTHING:
         if beta == 0.0:
             return st.RUNS_AWAY
         # Nothing is left to happen: the drive only changes the force.
         state.force[0] = (target - alpha * summed(begun.travel)) / beta
-        write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
+        st.write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
         return st.DONE
     count = len(movers.cell)
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
@@ -397,7 +384,7 @@ def move(problem: DrivenChain, state: State, movers: Movers, direction: int, tar
     places = problem.spare.number[st.PLACE, :count]
     _places_at(problem, state, movers, event, toward, places)
     drive = alpha * (movers.held + summed(places)) + beta * level
-    reached = direction * (drive - target) > drive_slack(problem)
+    reached = direction * (drive - target) > st.drive_slack(problem)
     if reached:
         drive = target
         if count == 1 and beta == 0.0:
@@ -416,20 +403,20 @@ def move(problem: DrivenChain, state: State, movers: Movers, direction: int, tar
     state.force[0] = level
     if moves:
         kind = MOVE if count > 0 else HOLD
-        write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
+        st.write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
     if reached:
         return st.DONE
     cell, heading = event.cell, event.heading
     if event.why == FOLD:
-        set_snap(state.next_snap, cell, heading, FOLD)
+        st.set_snap(state.next_snap, cell, heading, FOLD)
         state.next_snap[st.DUE] = 1
     elif event.why == RELEASE:
         state.mode[cell], state.sense[cell] = st.LETS_GO, heading
         state.piece[cell] = find_piece(pieces, cell, state.travel[cell], heading)
-        set_snap(state.next_snap, cell, heading, RELEASE)
+        st.set_snap(state.next_snap, cell, heading, RELEASE)
     else:
-        set_snap(state.next_snap, cell, heading, KINK)
-        end_piece(problem, state, cell, heading)
+        st.set_snap(state.next_snap, cell, heading, KINK)
+        st.end_piece(problem, state, cell, heading)
         if state.mode[cell] == st.HELD:
             state.next_snap[st.TRIGGER], state.next_snap[st.WHY] = -1, FOLD
     return st.GOES_ON

@@ -11,20 +11,7 @@ from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import SnapLine, land, least_pull, note_next_snap, pull_at
 from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD, SNAP
 from stepwell.statics.following.pieces import find_piece, sheet_of, stand_all_on, stand_on
-from stepwell.statics.following.state import (
-    Begin,
-    DrivenChain,
-    State,
-    begin,
-    held_range,
-    jump,
-    set_near,
-    set_snap,
-    set_tie,
-    settle,
-    some_movers,
-    write,
-)
+from stepwell.statics.following.state import Begin, DrivenChain, State
 
 # Accuracies of a step of the flow, as shares of the travel: of a path, and of samples.
 FINE, COARSE = 2e-7, 1e-4
@@ -34,14 +21,14 @@ FINE, COARSE = 2e-7, 1e-4
 def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) -> int:
     """Snap, and write down what moved, what was released, and how near another landing is."""
     # What is left is one run of steps, each of which may end the snap.
-    begun = begin(problem, state, direction)
+    begun = st.begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[st.TRIGGER]
     spare, rubbed = problem.spare, problem.spare.number[st.RUB]
     rubbed[:] = 0.0
     outcome, close = landing.JUMPED, False
     ends = state.next_snap[st.DUE] and state.next_snap[st.WHY] == ENDS
-    if not (ends and jump(problem, state, trigger)):
+    if not (ends and st.jump(problem, state, trigger)):
         outcome, close = along_line(problem, state, direction, rubbed)
     jumped = outcome == landing.JUMPED
     by_flow = jumped or outcome == landing.JOINED
@@ -50,7 +37,7 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
         if not settled:
             return st.NOT_SETTLED
         close = close or closer
-    settle(problem, state)
+    st.settle(problem, state)
     note_next_snap(problem, state)
     # A snap at a prescribed stroke that does not keep it is no answer.
     shift = 0.0
@@ -68,11 +55,11 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
-        set_tie(state.tie, trigger, trigger)
-    movers, heat = some_movers(spare, moved, 0.0), (released - friction_work, friction_work)
-    write(problem, state, SNAP, begun, movers, heat, begun.drive)
+        st.set_tie(state.tie, trigger, trigger)
+    movers, heat = st.some_movers(spare, moved, 0.0), (released - friction_work, friction_work)
+    st.write(problem, state, SNAP, begun, movers, heat, begun.drive)
     state.log.segments[state.log.used[0] - 1, DECIDED] = BY_FLOW if by_flow else BY_LINE
-    set_snap(state.next_snap, -1, direction, FOLD)
+    st.set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[st.DUE] = 0
     return st.GOES_ON
 
@@ -109,7 +96,7 @@ def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
         if i != leader and state.mode[i] != st.HELD and problem.pieces.sign[state.piece[i]] < 0:
-            set_tie(state.tie, leader, i)
+            st.set_tie(state.tie, leader, i)
 
 
 @leaf
@@ -131,7 +118,7 @@ def along_line(
         return landing.JOINED, False
     other = partner if rigid else -1
     forth, back = (trigger, other) if sense > 0 else (other, trigger)
-    low, high = held_range(problem, state)
+    low, high = st.held_range(problem, state)
     # One that ties with the trigger may have been due a little sooner.
     low, high = min(low, state.force[0]), max(high, state.force[0])
     if dead:
@@ -169,7 +156,7 @@ def along_line(
             other_outcome, other_shift, _ = land(problem, line, 1e-3, bias)
             tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != landing.UNDECIDED
     if shift > start * size:
-        set_near(state.near, *least_pull(problem, line, start * size, shift))
+        st.set_near(state.near, *least_pull(problem, line, start * size, shift))
     if outcome == landing.UNDECIDED:
         outcome, shift, level = landing.JOINED, 0.0, line.force
     state.force[0], jumps = level, False
@@ -182,14 +169,14 @@ def along_line(
             near = (end - place if side == HIGH else place - end) <= 1e-15 * laws.full[i]
             state.travel[i], rubbed[i] = end if near else place, shift
             if outcome == landing.STOPPED and state.travel[i] == end:
-                jumps = jump(problem, state, i) or jumps
+                jumps = st.jump(problem, state, i) or jumps
     if jumps:
         return landing.JUMPED, tie
     if outcome == landing.STOPPED and rigid:
         # One of the two has stopped and no longer takes its part of the force: the other
         # may now push a third one off its place, and the snap goes on.
-        settle(problem, state)
-        low, high = held_range(problem, state)
+        st.settle(problem, state)
+        low, high = st.held_range(problem, state)
         slip = 1e-12 * scale
         if low > high + slip or not low - slip <= state.force[0] <= high + slip:
             outcome = landing.JOINED

@@ -7,17 +7,9 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
-from stepwell.statics.following import log as logged
+from stepwell.statics.following import log as logged, pieces as cutting
 from stepwell.statics.following.log import Pair, add_mover, add_row
-from stepwell.statics.following.pieces import (
-    Pieces,
-    find_piece,
-    invert,
-    piece_along,
-    resting_piece,
-    sheet_of,
-    stand_on,
-)
+from stepwell.statics.following.pieces import Pieces
 
 # What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
 # friction; has just reached the force at which it lets go.
@@ -135,7 +127,7 @@ def begin(problem: DrivenChain, state: State, direction: int) -> Begin:
     """The beginning of a segment: where the chain is now."""
     travel, sheet, now = problem.spare.number[WAS], problem.spare.whole[WAS_ON], state.travel
     for i in range(len(now)):
-        travel[i], sheet[i] = now[i], sheet_of(problem.sheets, i)
+        travel[i], sheet[i] = now[i], cutting.sheet_of(problem.sheets, i)
     force = state.force[0]
     return Begin(direction, drive_of(problem, travel, force), force, travel, sheet)
 
@@ -197,7 +189,10 @@ def write(
         before, after = float(begun.travel[i]), float(state.travel[i])
         add_mover(log, i, movers.piece[j], movers.offset[j], before, after)
         mover = log.movers[log.used[1] - 1]
-        mover[logged.SHEET_0], mover[logged.SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
+        mover[logged.SHEET_0], mover[logged.SHEET_1] = (
+            begun.sheet[i],
+            cutting.sheet_of(problem.sheets, i),
+        )
 
 
 @kernel
@@ -216,13 +211,13 @@ def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floa
     for i in range(len(travel)):
         if not follows[i]:
             continue
-        piece = piece_along(pieces, i, resting_piece(pieces, i, travel[i]), force)
+        piece = cutting.piece_along(pieces, i, cutting.resting_piece(pieces, i, travel[i]), force)
         rows[count, logged.CELL], rows[count, logged.PIECE] = (
             i,
             -1 if int(row[logged.KIND]) == logged.SNAP else piece,
         )
         rows[count, logged.TRAVEL_0] = travel[i]
-        rows[count, logged.TRAVEL_1] = invert(problem.laws, pieces, i, piece, force)
+        rows[count, logged.TRAVEL_1] = cutting.invert(problem.laws, pieces, i, piece, force)
         count += 1
     return rows[np.argsort(rows[:, logged.CELL])]
 
@@ -251,7 +246,7 @@ def set_tie(tie: Ints, one: int, two: int) -> None:
 def force_at(problem: DrivenChain, i: int, travel: float) -> float:
     """F of cell i [N]; at the end of a piece the one that is known there."""
     pieces = problem.pieces
-    piece = find_piece(pieces, i, travel, 0)
+    piece = cutting.find_piece(pieces, i, travel, 0)
     if travel == pieces.left[piece]:
         return float(pieces.force_left[piece])
     if travel == pieces.right[piece]:
@@ -293,7 +288,7 @@ def settle(problem: DrivenChain, state: State) -> None:
         inside = ends[i, BEFORE] < state.travel[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
             mode[i], state.sense[i] = FREE, 0
-            piece = resting_piece(pieces, i, state.travel[i])
+            piece = cutting.resting_piece(pieces, i, state.travel[i])
             state.piece[i] = piece
             total += law(laws, i, pieces.picked[piece], state.travel[i])[0]
             free += 1
@@ -331,6 +326,6 @@ def jump(problem: DrivenChain, state: State, cell: int) -> bool:
     to = beyond(sheets, cell, state.travel[cell])
     if to < 0:
         return False
-    stand_on(problem.laws, sheets, problem.pieces, cell, to - int(sheets.table[to, FIRST]))
-    state.piece[cell] = find_piece(problem.pieces, cell, state.travel[cell], 0)
+    cutting.stand_on(problem.laws, sheets, problem.pieces, cell, to - int(sheets.table[to, FIRST]))
+    state.piece[cell] = cutting.find_piece(problem.pieces, cell, state.travel[cell], 0)
     return True

@@ -12,14 +12,8 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.statics.following.state import DrivenChain, force_at
-from stepwell.statics.landings.room import (
-    CLOSE_FORCE,
-    Room,
-    energy_at,
-    energy_slack,
-    forces_within,
-    least_energy,
-)
+from stepwell.statics.landings import room as rooms
+from stepwell.statics.landings.room import Room
 from stepwell.statics.landings.start import Start
 
 # What lies next to the start decides which of two cells is ahead: nodes stand this share of the
@@ -104,9 +98,9 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
             travel = start.travel[i] + widest * nodes[d, k]
             travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
             out[0, at], out[1, at] = travel, force_at(problem, i, travel)
-            out[2, at] = energy_at(problem, start, i, travel)
+            out[2, at] = rooms.energy_at(problem, start, i, travel)
         for k in range(begin[d], begin[d] + count[d]):
-            out[3, k], out[4, k] = forces_within(problem, i, out[0, k], out[0, k + 1])
+            out[3, k], out[4, k] = rooms.forces_within(problem, i, out[0, k], out[0, k + 1])
     return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
 
 
@@ -135,12 +129,15 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         high += node[k + 1]
     if grid.last >= 0:
         a, b = _left(room, grid, low, high)
-        least, most = forces_within(problem, grid.last, a, b)
+        least, most = rooms.forces_within(problem, grid.last, a, b)
         force = least - level, most - level
         tilt = 0.5 * (force[0] + force[1])
-        energy = energy_at(problem, start, grid.last, a), energy_at(problem, start, grid.last, b)
+        energy = (
+            rooms.energy_at(problem, start, grid.last, a),
+            rooms.energy_at(problem, start, grid.last, b),
+        )
         # Σ s is what there is to have.
-        total = tilt * (grid.free - a - low) + least_energy(energy, b - a, force, tilt)
+        total = tilt * (grid.free - a - low) + rooms.least_energy(energy, b - a, force, tilt)
     else:
         stiffness, begun = problem.alpha / problem.beta, 0.0
         for i in grid.cell:
@@ -152,8 +149,8 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         k = int(grid.begin[d] + at[d])
         energy = grid.energy[k], grid.energy[k + 1]
         force = grid.least[k] - level, grid.most[k] - level
-        total += least_energy(energy, node[k + 1] - node[k], force, tilt)
-    return bool(total <= energy_slack(problem))
+        total += rooms.least_energy(energy, node[k + 1] - node[k], force, tilt)
+    return bool(total <= rooms.energy_slack(problem))
 
 
 @kernel
@@ -162,7 +159,7 @@ def _can_leave(
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis."""
     # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities that pull it.
-    node, slip = grid.node, CLOSE_FORCE * problem.scale
+    node, slip = grid.node, rooms.CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
     for d in range(len(at)):
@@ -180,7 +177,7 @@ def _can_leave(
         return level > own - slip if up else level < own + slip
     cell = grid.last
     a, b = _left(room, grid, low, high)
-    least, most = forces_within(problem, cell, a, b)
+    least, most = rooms.forces_within(problem, cell, a, b)
     gap = own - most if up else least - own
     stopped = b >= room.high[cell] if up else a <= room.low[cell]
     pressed = room.stops[cell, int(up)] and stopped
