@@ -15,6 +15,8 @@ import stepwell.statics.sorted_cycle  # noqa: F401
 from facts import refuses
 from stepwell.kernels import entry, fingerprint, kernel, leaf, record
 from stepwell.kernels.machine import machine
+from stepwell.mechanism import ends_of, geometry, phase
+from stepwell.statics.following.follow import follow
 
 LEAVES = sorted(fingerprint.LEAVES, key=lambda one: f"{one.__module__}.{one.__qualname__}")
 MAKERS = {
@@ -45,8 +47,7 @@ def _is_a_number(value: ast.AST) -> bool:
 @pytest.mark.parametrize("one", LEAVES, ids=lambda one: one.__qualname__)
 def test_no_leaf_makes_an_array_or_calls_what_does(one):
     assert not makes_an_array(ast.parse(inspect.getsource(one)))
-    names = fingerprint.names_of(one.__code__) & one.__globals__.keys()
-    for inner in filter(None, (fingerprint.kernel_of(one.__globals__[name]) for name in names)):
+    for inner in filter(None, map(fingerprint.kernel_of, fingerprint.named_by(one).values())):
         assert not makes_an_array(ast.parse(inspect.getsource(inner))), (one, inner)
 
 
@@ -70,8 +71,8 @@ def test_no_kernel_that_counts_references_takes_arrays_from_a_leaf():
         (one.__qualname__, inner.__qualname__)
         for one in counted
         if one.__module__.startswith("stepwell.")
-        for name in fingerprint.names_of(one.__code__) & one.__globals__.keys()
-        if (inner := fingerprint.kernel_of(one.__globals__[name])) in fingerprint.LEAVES
+        for value in fingerprint.named_by(one).values()
+        if (inner := fingerprint.kernel_of(value)) in fingerprint.LEAVES
         and not is_of_numbers(get_type_hints(inner)["return"])
     ]
     assert taken == []
@@ -220,8 +221,7 @@ def test_a_kernel_that_counts_references_makes_no_record():
         one.__qualname__
         for one in fingerprint._KERNELS - fingerprint.LEAVES
         if one.__module__.startswith("stepwell.")
-        for name in fingerprint.names_of(one.__code__) & one.__globals__.keys()
-        if fingerprint.is_record(one.__globals__[name])
+        if any(map(fingerprint.is_record, fingerprint.named_by(one).values()))
     ]
     assert makers == []
 
@@ -230,3 +230,15 @@ def test_whether_a_named_tuple_is_a_record_is_in_a_fingerprint(monkeypatch):
     before = fingerprint.fingerprint(made_anew.function)
     monkeypatch.setattr(fingerprint, "_RECORDS", set())
     assert fingerprint.fingerprint(made_anew.function) != before
+
+
+def test_what_a_kernel_names_by_its_module_is_in_its_fingerprint(monkeypatch):
+    def prints():
+        return [fingerprint.fingerprint(one.function) for one in (ends_of, follow)]
+
+    before = prints()
+    monkeypatch.setattr(phase, "LOW", phase.LOW + 1)
+    assert all(now != then for now, then in zip(prints(), before, strict=True))
+    monkeypatch.undo()
+    monkeypatch.setattr(geometry, "sine_at", geometry.turn_at)
+    assert prints()[0] == before[0] and prints()[1] != before[1]

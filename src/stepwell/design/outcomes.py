@@ -20,7 +20,7 @@ from stepwell.statics import batch, nominal
 Codes = NDArray[np.int32]
 
 # Of a cell in the rows below: the fields of `Simple`, and then this one.
-batch.FRICTION = 6
+FRICTION = 6
 
 
 @record
@@ -137,7 +137,7 @@ def _certified(work: _Work, turned: Ints) -> tuple[bool, bool]:
     cells, force = work.cells, work.force
     lone = False
     for c in turned:
-        if not (cells[c, batch.FRICTION] <= 0.0 and concave.certify(simple_of(cells, c), 0.0)):
+        if not (cells[c, FRICTION] <= 0.0 and concave.certify(simple_of(cells, c), 0.0)):
             return False, lone
         force[0, c], force[1, c], work.full[c] = numbers(cells, c)
         lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
@@ -235,7 +235,7 @@ _SHORT = 12
 # they are.
 _ASIDE = 1e-7 * np.array([0.8, 0.6])
 _BLOCK = 20_000  # designs that one core takes at a time
-_NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": batch.FRICTION}
+_NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": FRICTION}
 
 
 @dataclass(frozen=True, eq=False)
@@ -405,11 +405,11 @@ class Outcomes:
         of_actuator = any(k.cell is None for k in self.parameters)
         if of_actuator or math.isfinite(self.chain.actuator_stiffness):
             return None
-        base = np.empty((len(self.chain), batch.FRICTION + 1))
+        base = np.empty((len(self.chain), FRICTION + 1))
         for i, cell in enumerate(self.chain.cells):
             proved = None if i in self.turned else concave.closed(cell)
             row = self._plain[i] if i in self.turned else proved and (*proved, 0.0)
-            if row is None or row[batch.FRICTION] > 0:
+            if row is None or row[FRICTION] > 0:
                 return None
             base[i] = row
         return base

@@ -66,12 +66,38 @@ def kernel_of(value: Any) -> FunctionType | None:
     return function if isinstance(function, FunctionType) and function in _KERNELS else None
 
 
-def names_of(code: CodeType) -> set[str]:
-    """Every name that a function looks up outside itself, those of its inner functions too."""
+def named_by(function: FunctionType) -> dict[str, Any]:
+    """Every value that a function names outside itself, by its name.
+
+    Values in a module of this package have names such as "geometry.sine_at"; modules in it have
+    none, so that machine code cannot use what is two levels away.
+    """
+    names = _names(function.__code__)
+    found: dict[str, Any] = {}
+    for name in names & function.__globals__.keys():
+        value = function.__globals__[name]
+        if isinstance(value, ModuleType) and _is_ours(value):
+            inside = {one: getattr(value, one) for one in names & vars(value).keys()}
+            found |= {
+                f"{name}.{one}": inner
+                for one, inner in inside.items()
+                if not isinstance(inner, ModuleType)
+            }
+        else:
+            found[name] = value
+    return found
+
+
+def _is_ours(module: ModuleType) -> bool:
+    return module.__name__.partition(".")[0] == __name__.partition(".")[0]
+
+
+def _names(code: CodeType) -> set[str]:
+    """Names and attributes that code looks up, those of its inner functions too."""
     names = set(code.co_names)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
-            names |= names_of(inner)
+            names |= _names(inner)
     return names
 
 
@@ -86,13 +112,12 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
     known = {} if known is None else known
     if function not in known:
         known[function] = "itself"
-        names = names_of(function.__code__)
         # The machine code names the modules of what it was made from.
         parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
         parts += [_code(function.__code__), repr(function.__defaults__)]
         parts.append(f"{function in LEAVES} {function in CALLED}")
-        for name in sorted(names & function.__globals__.keys()):
-            parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
+        named = sorted(named_by(function).items())
+        parts += [f"{name} = {_value(value, known)}" for name, value in named]
         known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
     return known[function]
 
@@ -112,17 +137,14 @@ def _constant(value: Any) -> str:
     return repr(sorted(map(repr, value))) if isinstance(value, frozenset) else repr(value)
 
 
-def _value(value: Any, names: set[str], known: dict[FunctionType, str]) -> str:
+def _value(value: Any, known: dict[FunctionType, str]) -> str:
     function = kernel_of(value)
     if function is not None:
         return fingerprint(function, known)
     if isinstance(value, np.ndarray):
         return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
     if isinstance(value, ModuleType):
-        if value.__name__.partition(".")[0] != __name__.partition(".")[0]:
-            return value.__name__
-        used = sorted(names & vars(value).keys())
-        return str([(name, _value(getattr(value, name), names, known)) for name in used])
+        return value.__name__
     if isinstance(value, type):
         fields = getattr(value, "_fields", "")
         return f"{value.__module__}.{value.__qualname__} {fields} {is_record(value)}"

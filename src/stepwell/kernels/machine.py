@@ -3,7 +3,7 @@
 import builtins
 import hashlib
 import pickle
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numba
@@ -11,7 +11,7 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from stepwell.kernels import compiler, reference, store
-from stepwell.kernels.fingerprint import CALLED, LEAVES, is_record, kernel_of, names_of, stem
+from stepwell.kernels.fingerprint import CALLED, LEAVES, is_record, kernel_of, named_by, stem
 
 _MADE: dict[FunctionType, Any] = {}
 
@@ -26,20 +26,11 @@ def machine(function: FunctionType) -> Any:
 def _dispatcher(function: FunctionType) -> Any:
     """Numba's dispatcher of a kernel, with dispatchers in place of the kernels that it calls."""
     if function not in _MADE:
-        names = names_of(function.__code__) & function.__globals__.keys()
         scope: dict[str, Any] = {"__builtins__": builtins, "__name__": function.__module__}
-        for name in names:
-            value = function.__globals__[name]
-            inner = kernel_of(value)
-            if is_record(value) and function not in LEAVES:
-                raise TypeError(
-                    f"{function.__qualname__} makes the record {name}, which only a leaf may: the "
-                    f"arrays of a kernel that counts references may be gone before the record is."
-                )
-            if is_record(value):
-                scope[name] = reference.maker(value)
-            else:
-                scope[name] = value if inner is None else _dispatcher(inner)
+        for name, value in named_by(function).items():
+            module, _, inside = name.rpartition(".")
+            place = vars(scope.setdefault(module, ModuleType(module))) if module else scope
+            place[inside] = _machine_form(function, value)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
@@ -53,6 +44,19 @@ def _dispatcher(function: FunctionType) -> Any:
             dispatcher._cache = _Kept(function)
         _MADE[function] = dispatcher
     return _MADE[function]
+
+
+def _machine_form(function: FunctionType, value: Any) -> Any:
+    """What stands in a kernel's machine code for a value that the kernel names."""
+    if is_record(value):
+        if function not in LEAVES:
+            raise TypeError(
+                f"{function.__qualname__} makes the record {value.__name__}, which only a leaf "
+                "may: the arrays of a kernel that counts references may be gone before the record."
+            )
+        return reference.maker(value)
+    inner = kernel_of(value)
+    return value if inner is None else _dispatcher(inner)
 
 
 class _Kept:
