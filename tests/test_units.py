@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stepwell
-from stepwell.base import UNITS, Quantity, from_unit, in_names, to_unit, told_in
+from stepwell.base import UNITS, Quantity, display_unit, from_unit, in_names, to_unit
 
 VALUES = st.floats(-1e12, 1e12).filter(lambda value: value == 0.0 or abs(value) > 1e-12)
 
@@ -55,9 +55,9 @@ def test_a_quantity_has_the_factor_of_its_unit():
     for unit in UNITS:
         told = Quantity("x", unit)
         assert (told.si, told.factor) == (UNITS[unit].si, UNITS[unit].per_si)
-    assert told_in("m") == ("mm", 1e3)
-    assert told_in("N/m") == ("N/m", 1.0)
-    assert told_in("Hz") == ("Hz", 1.0)
+    assert display_unit("m") == ("mm", 1e3)
+    assert display_unit("N/m") == ("N/m", 1.0)
+    assert display_unit("Hz") == ("Hz", 1.0)
 
 
 def test_units_are_spelled_for_names_of_keys():

@@ -15,7 +15,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.base import Advised
-from stepwell.base.value import ByValue, ReadOnly, same
+from stepwell.base.value import ByValue, ReadOnly, deep_equal
 from stepwell.design import Impossible, MapView, design, reprogram
 from stepwell.files import DesignError, Presets, loads
 from stepwell.kernels.entry import Entry
@@ -157,7 +157,7 @@ def test_a_sequence_and_its_text_are_one_key():
     ],
 )
 def test_what_holds_arrays_is_compared_number_by_number(a, b, equal):
-    assert same(a, b) == same(b, a) == equal
+    assert deep_equal(a, b) == deep_equal(b, a) == equal
 
 
 def refused(kind, ask) -> Exception:
@@ -189,4 +189,4 @@ def test_an_error_comes_out_of_a_pickle_with_all_that_it_holds(kind):
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is kind
     assert str(again) == str(error)
-    assert same(vars(again), vars(error))
+    assert deep_equal(vars(again), vars(error))

@@ -40,7 +40,10 @@ def test_a_program_and_a_calibration_keep_to_the_schema_too():
     calibrated = Calibrated("rubber", {"a.csv": "0" * 64}, "linear", ["k = 28.5 N/m"], 0.02)
     found = account(check(chain, program, samples=5), About(chain, calibrated=calibrated))
     assert violations(found.record) == []
-    assert found.record["killer"] is None or found.record["killer"]["becomes"] is None
+    assert (
+        found.record["critical_change"] is None
+        or found.record["critical_change"]["becomes"] is None
+    )
     assert "k = 28.5 N/m" in shown(found) and "k = 28.5 N/m" in page(found)
 
 
@@ -56,13 +59,13 @@ def test_every_form_has_verdict_yield_critical_change_and_actuator_force(works):
 
 
 def test_a_change_of_an_anchor_is_in_mm_and_one_of_a_number_in_percent(works):
-    killer = account(works).record["killer"]
-    percent = killer["parameter"] != "anchor"
-    assert (killer["distance_percent"] is not None) == percent
-    assert (killer["distance_mm"] is not None) == (not percent)
+    critical_change = account(works).record["critical_change"]
+    percent = critical_change["parameter"] != "anchor"
+    assert (critical_change["distance_percent"] is not None) == percent
+    assert (critical_change["distance_mm"] is not None) == (not percent)
     assert math.isclose(
-        killer["distance_percent" if percent else "distance_mm"],
-        works.killer.distance * (1e2 if percent else 1e3),
+        critical_change["distance_percent" if percent else "distance_mm"],
+        works.critical_change.distance * (1e2 if percent else 1e3),
     )
 
 

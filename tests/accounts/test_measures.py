@@ -16,7 +16,16 @@ from stepwell.accounts.changes import margin_section, margin_words
 from stepwell.accounts.head import Shape
 from stepwell.accounts.parts import RecordTable
 from stepwell.accounts.yields import tolerance_schema
-from stepwell.base import Measure, Quantity, Schema, amount, in_measure, number, record, told_in
+from stepwell.base import (
+    Measure,
+    Quantity,
+    Schema,
+    amount,
+    display_unit,
+    in_measure,
+    number,
+    record,
+)
 from stepwell.design import Run
 
 KEYS = {
@@ -129,10 +138,10 @@ def test_samples_have_units_in_csv_and_the_names_of_the_path_in_xarray(tmp_path,
     data = path.to_xarray()
     stroke, travel, force, stability = KEYS[measure]
     for key, name in ((stroke, "stroke"), (force, "force"), (stability, "stability")):
-        factor = told_in(data[name].attrs["units"])[1]
+        factor = display_unit(data[name].attrs["units"])[1]
         assert held[key] == pytest.approx(getattr(path, name) * factor, rel=1e-11, abs=1e-300)
         assert np.array_equal(data[name], getattr(path, name), equal_nan=True)
-    factor = told_in(measure.travel_unit)[1]
+    factor = display_unit(measure.travel_unit)[1]
     for k, name in enumerate(("soft", "stiff")):
         assert held[travel.format(name)] == pytest.approx(path.travel[:, k] * factor, rel=1e-11)
 
@@ -183,7 +192,7 @@ def test_every_form_has_what_the_record_holds(measure, monkeypatch):
     monkeypatch.setenv("COLUMNS", "1000")
     account_ = run_of(measure)
     found = account_.record
-    unit = Quantity(f"peak_{measure.force}", told_in(measure.force_unit)[0])
+    unit = Quantity(f"peak_{measure.force}", display_unit(measure.force_unit)[0])
     arrivals = [arrival for event in found["events"] for arrival in event["arrivals"]]
     assert len(re.findall(" at [01]", shown(account_))) == len(arrivals)
     for form in forms(account_):

@@ -20,12 +20,12 @@ from stepwell.base import (
     Column,
     Measure,
     Quantity,
+    display_unit,
     headed,
     number,
     plain,
     record,
     shown as shown_columns,
-    told_in,
     write_csv,
 )
 from stepwell.design import MapView, Run
@@ -230,13 +230,13 @@ def test_json_can_hold_what_is_told(value, factor, told):
 
 
 def test_units_are_told_as_the_table_says():
-    assert told_in("m") == ("mm", 1e3)
-    assert told_in("N/m") == ("N/m", 1.0)
-    assert told_in("rad")[1] == math.degrees(1.0)
+    assert display_unit("m") == ("mm", 1e3)
+    assert display_unit("N/m") == ("N/m", 1.0)
+    assert display_unit("rad")[1] == math.degrees(1.0)
     for q in (*SAMPLES, *TRIAL, *cell_schema(Shape())):
         if q.unit in FACTORS:
             assert q.factor == FACTORS[q.unit]
-            assert told_in(q.si) == (q.unit, q.factor)
+            assert display_unit(q.si) == (q.unit, q.factor)
 
 
 def test_a_column_in_words_of_its_own_keeps_its_place():

@@ -49,7 +49,7 @@ def test_the_record_of_every_shape_keeps_to_the_schema(name):
 def test_the_record_has_what_the_program_has_in_the_units_of_its_names(found):
     record = account(found).record
     assert (record["from"], record["target"], record["arrives"]) == ("10", "01", "01")
-    assert record["does_it"] and record["proved"] and record["robust"] is None
+    assert record["meets_target"] and record["proved"] and record["robust"] is None
     assert record["turning_points_mm"] == [point * 1e3 for point in found.turning_points]
     assert record["slack_mm"] == pytest.approx(found.slack * 1e3)
     (turn,) = record["turns"]
@@ -87,7 +87,7 @@ def test_every_snap_on_the_way_has_its_landing():
 
 def test_a_program_that_ends_elsewhere_does_not_do_it(found):
     other = account(replace(found, target="11"))
-    assert (other.record["does_it"], other.record["arrives"]) == (False, "01")
+    assert (other.record["meets_target"], other.record["arrives"]) == (False, "01")
     assert all("ends in 01" in form for form in forms(other))
 
 
@@ -99,7 +99,7 @@ def test_where_there_is_none_the_record_has_the_proof_and_null():
     record = one.record
     assert violations(record) == []
     assert (record["from"], record["target"], record["cells"]) == ("00", "01", ["seal", "lid"])
-    assert (record["does_it"], record["proved"]) == (False, True)
+    assert (record["meets_target"], record["proved"]) == (False, True)
     for key in ("arrives", "turning_points_mm", "turns", "events", "landings", "slack_mm"):
         assert record[key] is None
     for form in forms(one):

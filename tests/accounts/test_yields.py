@@ -111,7 +111,7 @@ def test_the_account_of_a_yield_computes_nothing(loose, monkeypatch):
 
     for name in ("path", "cycle", "margin", "program", "graph", "yields"):
         monkeypatch.setattr(sw.Chain, name, refuse)
-    monkeypatch.setattr("stepwell.design.tolerances.tally.Tally.count", refuse)
+    monkeypatch.setattr("stepwell.design.tolerances.tally.OutcomeCounter.count", refuse)
     monkeypatch.setattr("stepwell.design.tolerances.draws.Draws.sample", refuse)
     found = account(loose)
     assert found.record and all(_forms(found))

@@ -15,7 +15,7 @@ from stepwell.accounts import card_of
 from stepwell.accounts.kinds import ACCOUNTS as _CARDS
 from stepwell.base import Drawn, InputError, Shown, brief, headed
 from stepwell.figures.common.sheet import PageFigure
-from stepwell.figures.usual import _USUAL
+from stepwell.figures.defaults import _USUAL
 
 ROOMS = "mechanism", "statics", "sequences", "design", "lab", "robot", "simulation"
 # What is given, and what is told as a part of something else: these show what they print.
@@ -24,7 +24,7 @@ PARTS = {
     *("Body", "Boundary", "Candidate", "CellReading", "Change", "Choice"),
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),
-    *("Elsewhere", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
+    *("OtherLanding", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
     *("Foot", "ForceLaw", "Forgetting", "Goal", "History", "Hysteresis"),
     *(
         "InertialLanding",
@@ -50,7 +50,7 @@ PARTS = {
         "Rig",
     ),
     *("Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
-    *("Sheet", "SnapPrediction", "Sorted", "Step", "Stock", "Table", "Tie"),
+    *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
 }
 VOID = {"img", "br"}

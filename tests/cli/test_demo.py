@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 pytest.importorskip("mujoco", reason="the demo's robots need MuJoCo")
 
 
-class Told(NamedTuple):
+class AxisQuantity(NamedTuple):
     folder: Path
     words: str
     page: str
@@ -66,14 +66,14 @@ class Seen(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory) -> Told:
+def told(tmp_path_factory) -> AxisQuantity:
     """One demo, told once for all that is asked of it."""
     folder = tmp_path_factory.mktemp("demo") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("COLUMNS", "80")
         result = CliRunner().invoke(app, ["demo", "--out", str(folder)], prog_name="stepwell")
     assert result.exit_code == 0, result.output
-    return Told(folder, result.stdout, (folder / "index.html").read_text("utf-8"))
+    return AxisQuantity(folder, result.stdout, (folder / "index.html").read_text("utf-8"))
 
 
 @pytest.fixture

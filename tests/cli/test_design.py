@@ -9,7 +9,7 @@ import stepwell as sw
 from cli.folders import written
 from stepwell.cli.design import between, elements_of, stock, stocks, wish
 from stepwell.cli.ranges import Range, span
-from stepwell.design import Stock, Tolerances, yields
+from stepwell.design import BandType, Tolerances, yields
 
 BACK = "00>01>11>10>00"
 FEW = ("--samples", 2000)
@@ -109,14 +109,14 @@ def test_a_target_is_a_cycle_a_list_of_states_or_all_of_them():
 
 
 def test_a_band_is_named_or_measured():
-    assert stock("paper") == Stock(28.5, 0.010, name="paper")
-    assert stock("30:12") == Stock(30.0, 0.012)
-    assert stock("30:12:7") == Stock(30.0, 0.012, 0.07)
+    assert stock("paper") == BandType(28.5, 0.010, name="paper")
+    assert stock("30:12") == BandType(30.0, 0.012)
+    assert stock("30:12:7") == BandType(30.0, 0.012, 0.07)
 
 
 def test_the_bands_of_a_design_file_can_be_had_measured_ones_too(tmp_path):
     assert stocks("paper") == [stock("paper")]
-    assert stocks("preset:paper-forward") == [Stock(28.5, 0.010)]
+    assert stocks("preset:paper-forward") == [BandType(28.5, 0.010)]
     file = tmp_path / "rubber.toml"
     file.write_text(
         "[chain]\nband = { rest_length_mm = 10, table_mm_N = [[0, 0], [10, 0.2], [40, 1.1]] }\n"

@@ -39,7 +39,7 @@ def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
     result = stepwell(*arguments, "--json")
     record = json.loads(result.stdout)
     assert result.exit_code == 3
-    assert not record["does_it"]
+    assert not record["meets_target"]
     assert record["proved"]
     assert record["arrives"] is record["turning_points_mm"] is None
 
@@ -79,7 +79,7 @@ def test_a_program_that_does_not_arrive_ends_in_code_3(stepwell, tmp_path):
     result = stepwell("program", "wrong.toml", "--json")
     assert result.exit_code == 3
     record = json.loads(result.stdout)
-    assert (record["does_it"], record["target"], record["arrives"]) == (False, "01", "10")
+    assert (record["meets_target"], record["target"], record["arrives"]) == (False, "01", "10")
 
 
 def test_a_program_without_a_target_arrives_where_it_ends(stepwell, tmp_path):
@@ -88,7 +88,7 @@ def test_a_program_without_a_target_arrives_where_it_ends(stepwell, tmp_path):
     result = stepwell("program", "half.toml", "--json")
     assert result.exit_code == 0
     record = json.loads(result.stdout)
-    assert (record["does_it"], record["strokes"], record["arrives"]) == (True, 1, "1-")
+    assert (record["meets_target"], record["strokes"], record["arrives"]) == (True, 1, "1-")
 
 
 def test_the_slack_of_a_turn_off_the_middle_is_to_the_nearer_end(stepwell, tmp_path):
@@ -151,11 +151,11 @@ def test_a_robust_program_is_found_or_proved_to_be_none(stepwell, race):
     refused = stepwell(*arguments, "111", "--json")
     assert refused.exit_code == 3
     record = json.loads(refused.stdout)
-    assert (record["robust"], record["does_it"], record["proved"]) == (10.0, False, True)
+    assert (record["robust"], record["meets_target"], record["proved"]) == (10.0, False, True)
     found = stepwell(*arguments, "010", "--json")
     assert found.exit_code == 0
     record = json.loads(found.stdout)
-    assert (record["robust"], record["does_it"]) == (10.0, True)
+    assert (record["robust"], record["meets_target"]) == (10.0, True)
     record = json.loads(stepwell("program", "race.toml", "--target", "010", "--json").stdout)
     assert record["robust"] is None
 
@@ -167,7 +167,7 @@ def test_the_designs_own_program_is_asked_too(stepwell, race):
     assert stepwell("program", "race.toml").exit_code == 0
     refused = stepwell("program", "race.toml", "--robust", 10, "--json")
     assert refused.exit_code == 3
-    assert not json.loads(refused.stdout)["does_it"]
+    assert not json.loads(refused.stdout)["meets_target"]
 
 
 def test_a_ratio_below_one_is_refused(stepwell):

@@ -13,7 +13,7 @@ from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
 from stepwell.design.checks import _left, judged
-from stepwell.design.tolerances.yields import parts_of, with_known
+from stepwell.design.tolerances.yields import parts_of, with_tightened_tolerance
 from stepwell.files import presets
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -37,9 +37,9 @@ CHAINS = [name for name in presets() if not name.startswith("robot-")]
     ],
 )
 def test_the_rule_holds_at_its_bounds(low, high, verdict):
-    assert judged(does_it=True, tied=False, interval=(low, high)) is verdict
-    assert judged(does_it=False, tied=False, interval=(low, high)) is Verdict.WONT
-    tied = judged(does_it=True, tied=True, interval=(low, high))
+    assert judged(meets_target=True, tied=False, interval=(low, high)) is verdict
+    assert judged(meets_target=False, tied=False, interval=(low, high)) is Verdict.WONT
+    tied = judged(meets_target=True, tied=True, interval=(low, high))
     assert tied is not Verdict.WORKS
 
 
@@ -49,7 +49,7 @@ def test_two_bands_in_one_hole_are_odd_once():
     chain = sw.Chain(
         [sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), 60.0, 0.025)), sw.Cell([band, band])]
     )
-    told = sw.check(chain, samples=60).oddities
+    told = sw.check(chain, samples=60).warnings
     assert len(told) == len(set(told)) == 1
 
 
@@ -75,30 +75,32 @@ def random_chains(count: int) -> list[Chain]:
 def test_the_killer_breaks_it_and_a_tenth_less_does_not():
     for chain in random_chains(examples(4, full=120)):
         found = check(chain, samples=300)
-        killer = found.killer
-        if killer is None:
+        critical_change = found.critical_change
+        if critical_change is None:
             continue
         wanted = str(chain.cycle().sequence)
         assert wanted == found.target
-        broken, spared = (moved(killer, by) for by in (1.01, 0.9))
+        broken, spared = (moved(critical_change, by) for by in (1.01, 0.9))
         assert str(broken.cycle().sequence) != wanted
         assert str(spared.cycle().sequence) == wanted
 
 
-def moved(killer, by: float) -> Chain:
+def moved(critical_change, by: float) -> Chain:
     """The drawing with so much of a change, by a hand of its own."""
-    chain, cell = killer.chain, killer.chain.cells[killer.cell]
+    chain, cell = critical_change.chain, critical_change.chain.cells[critical_change.cell]
     (band,) = cell.bands
-    if killer.parameter == "anchor":
-        dx, dy = (by * one for one in killer.move)
+    if critical_change.parameter == "anchor":
+        dx, dy = (by * one for one in critical_change.move)
         band = replace(band, q=(band.q[0] + dx, band.q[1] + dy))
         cell = replace(cell, band=band)
-    elif killer.parameter == "stiffness":
-        cell = replace(cell, band=replace(band, stiffness=band.stiffness * (1 + by * killer.move)))
+    elif critical_change.parameter == "stiffness":
+        cell = replace(
+            cell, band=replace(band, stiffness=band.stiffness * (1 + by * critical_change.move))
+        )
     else:
-        raise AssertionError(killer.parameter)
+        raise AssertionError(critical_change.parameter)
     cells = list(chain.cells)
-    cells[killer.cell] = cell
+    cells[critical_change.cell] = cell
     return replace(chain, cells=tuple(cells))
 
 
@@ -121,7 +123,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
         found = check(chain, None, tolerances, samples=4000)
         counted = yields(chain, tolerances, samples=4000, target=found.target)
         each = {
-            name: with_known(counted, name, _left(tolerances, part.tolerance), 4000)
+            name: with_tightened_tolerance(counted, name, _left(tolerances, part.tolerance), 4000)
             for name, part in parts_of(counted).items()
         }
         best = max(each.values(), default=counted.successes)
@@ -138,7 +140,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
 def test_every_design_gets_a_verdict(name):
     found = check(sw.load(f"preset:{name}"), samples=20)
     assert isinstance(found, Check) and found.reason
-    assert found.does_it and math.isfinite(found.peak_force)
+    assert found.meets_target and math.isfinite(found.peak_force)
     assert found.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
 
 
@@ -147,15 +149,15 @@ def test_a_program_is_checked_by_where_it_ends():
     hand = sw.load("preset:finger-selector")
     program = hand.program("00100")
     found = check(hand, program, samples=60)
-    assert found.target == "00000 to 00100" and found.does_it
-    assert found.killer is not None
-    broken = found.killer.design
+    assert found.target == "00000 to 00100" and found.meets_target
+    assert found.critical_change is not None
+    broken = found.critical_change.design
     assert broken is not None
 
 
 def test_what_the_drawing_does_not_do_it_wont():
     found = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
-    assert found.verdict is Verdict.WONT and found.killer is None
+    assert found.verdict is Verdict.WONT and found.critical_change is None
     says(found.reason, "drawing", "00>10>11>01>00")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses
-from stepwell.design import AnchorBox, Impossible, Stock
+from stepwell.design import AnchorBox, BandType, Impossible
 from stepwell.design.synthesis.candidates import Kind
 
 CYCLE = "00>10>11>01>00"
@@ -82,7 +82,7 @@ def rubber() -> sw.Band:
 
 def test_what_a_bent_law_gives_is_what_its_cells_do():
     band = rubber()
-    kind = Kind(Stock.of(band), 0.014, math.pi / 4)
+    kind = Kind(BandType.of(band), 0.014, math.pi / 4)
     rng = np.random.default_rng(0)
     d = rng.uniform((0.01, -0.015), (0.03, 0.015), (20, 2))
     force, slope = kind.ends(d)
@@ -107,14 +107,14 @@ def test_what_a_bent_law_gives_is_what_its_cells_do():
 
 
 def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
-    kind = Kind(Stock(), 0.014, math.pi / 4)
+    kind = Kind(BandType(), 0.014, math.pi / 4)
 
     class Bent(Kind):
         @property
         def bends(self):
             return True
 
-    bent = Bent(Stock(), 0.014, math.pi / 4)
+    bent = Bent(BandType(), 0.014, math.pi / 4)
     d = np.random.default_rng(1).uniform((0.01, -0.015), (0.03, 0.015), (40, 2))
     for closed, looked in zip(
         (*kind.ends(d), *kind.by_sizes(d)), (*bent.ends(d), *bent.by_sizes(d)), strict=True
@@ -125,7 +125,7 @@ def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
 @pytest.mark.slow
 @pytest.mark.parametrize("holes", [None, HOLES])
 def test_measured_bands_are_placed_and_the_engine_decides(holes):
-    found = sw.design(THREE, bands=[Stock.of(rubber(), 0.04)], holes=holes, samples=20)
+    found = sw.design(THREE, bands=[BandType.of(rubber(), 0.04)], holes=holes, samples=20)
     assert found.chain.cycle().sequence == THREE
     assert not found.proved
     assert "no proof" in found.assumptions
@@ -140,11 +140,15 @@ def test_nothing_is_called_impossible_of_measured_bands_but_what_the_engine_has_
     box = AnchorBox(0.009, 0.011, -0.001, 0.001)
     with pytest.raises(Impossible) as why:
         sw.design(
-            "00>10>11>10>00", bands=[Stock.of(rubber())], within=box, holes=0.010, most_force=1e-3
+            "00>10>11>10>00",
+            bands=[BandType.of(rubber())],
+            within=box,
+            holes=0.010,
+            most_force=1e-3,
         )
     assert "no closed form" in str(why.value) or not why.value.proved
 
 
 def test_the_worst_case_is_refused_of_a_bent_law():
     with refuses(ValueError, "objective = 'worst'", "Hooke's law", "'yield'"):
-        sw.design(CYCLE, bands=[Stock.of(rubber())], objective="worst")
+        sw.design(CYCLE, bands=[BandType.of(rubber())], objective="worst")

@@ -19,7 +19,7 @@ from stepwell.design.synthesis.region import (
     PAPER_BOX,
     AnchorBox,
     AnchorPolygon,
-    Stock,
+    BandType,
     lattice,
     usual_box,
 )
@@ -27,10 +27,10 @@ from stepwell.design.tolerances.draws import Tolerances
 from stepwell.statics import StaticsError
 
 ISSUE = "000>001>011>111>011>010>000"
-LONG = Stock(28.5, 0.020)
+LONG = BandType(28.5, 0.020)
 
 
-def cell(band: Stock, q: tuple[float, float]) -> sw.Cell | None:
+def cell(band: BandType, q: tuple[float, float]) -> sw.Cell | None:
     try:
         return sw.Cell(sw.Band((-0.010, 0.0), q, band.stiffness, band.rest_length))
     except ValueError:
@@ -69,7 +69,7 @@ def random_case(rng: np.random.Generator, cells: int):
     wide, tall = [(1, 1), (2, 1), (1, 2)][rng.integers(3)]
     left, bottom = rng.uniform(-0.020, 0.006), rng.uniform(-0.014, 0.008)
     box = AnchorBox(left, left + wide * pitch, bottom, bottom + tall * pitch)
-    band = Stock(rng.uniform(15, 60), float(rng.choice([0.004, 0.008, 0.012])))
+    band = BandType(rng.uniform(15, 60), float(rng.choice([0.004, 0.008, 0.012])))
     orders = [rng.permutation(cells).tolist() for _ in range(2)]
     return box, pitch, band, cycle(*orders)
 
@@ -195,12 +195,12 @@ def test_cells_that_are_not_concave_do_move_together():
 
 @pytest.mark.parametrize("region", [PAPER_BOX, AnchorPolygon(((0, 0), (0.02, 0), (0, 0.01)))])
 def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
-    def rule(band: Stock) -> Rule:
+    def rule(band: BandType) -> Rule:
         kind = Kind(band, PAPER_LEVER, math.pi / 4)
         return Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, False, region.bounds)
 
     assert outline.all_proved(rule(PAPER_BAND), region)
-    assert not outline.all_proved(rule(Stock(28.5, 0.030)), region)
+    assert not outline.all_proved(rule(BandType(28.5, 0.030)), region)
 
 
 def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():

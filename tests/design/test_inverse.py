@@ -23,7 +23,7 @@ from stepwell.design.synthesis.region import (
     PAPER_BOX,
     AnchorBox,
     AnchorPolygon,
-    Stock,
+    BandType,
     lattice,
 )
 from stepwell.design.tolerances.draws import Tolerances
@@ -610,13 +610,13 @@ def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
 
 @pytest.mark.slow
 def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
-    loose, tight = Stock(28.5, 0.010, 0.10, "loose"), Stock(28.5, 0.010, 0.01, "tight")
+    loose, tight = BandType(28.5, 0.010, 0.10, "loose"), BandType(28.5, 0.010, 0.01, "tight")
     made = design(NESTED, bands=(loose, tight), samples=FEW)
     assert made.yield_.tolerances.stiffness == 0.01
     # With bands of other strength there is more to choose from.
     nested = cycle(range(8), range(8))
-    one = design(nested, bands=(Stock(),), tolerances=ROUGH, samples=5000)
-    three = tuple(Stock(k) for k in (15.0, 28.5, 60.0))
+    one = design(nested, bands=(BandType(),), tolerances=ROUGH, samples=5000)
+    three = tuple(BandType(k) for k in (15.0, 28.5, 60.0))
     several = design(nested, bands=three, tolerances=ROUGH, samples=5000)
     assert {cell.bands[0].stiffness for cell in several.chain.levers} <= {15.0, 28.5, 60.0}
     assert several.yield_.share > one.yield_.share + 0.1
@@ -737,7 +737,7 @@ def test_progress_never_goes_back_and_arrives():
         ({"sequence": NESTED, "within": (PAPER_BOX,) * 2}, "2 regions for 3 cells"),
         ({"sequence": NESTED, "holes": 0.0}, "pitch = 0.0 m: must be > 0"),
         ({"sequence": NESTED, "holes": 1e-9, "unusual": True}, "must make at most"),
-        ({"sequence": NESTED, "bands": ()}, "must be one Stock or more"),
+        ({"sequence": NESTED, "bands": ()}, "must be one BandType or more"),
         ({"sequence": NESTED, "lever": -0.01}, "must be > 0"),
         ({"sequence": NESTED, "lever": ()}, "must be > 0"),
         ({"sequence": NESTED, "limit": 1.6}, "between 0 and π/2"),
@@ -765,9 +765,9 @@ def test_a_wish_that_makes_no_sense_is_refused_with_advice(how, words):
         lambda: AnchorPolygon(((0, 0), (0, 0), (1, 0), (0, 1))),
         lambda: AnchorPolygon(((0, 0), (1, 0), (0, math.nan))),
         lambda: AnchorPolygon((1, 2, 3)),  # pyright: ignore[reportArgumentType]
-        lambda: Stock(0.0),
-        lambda: Stock(28.5, -0.01),
-        lambda: Stock(28.5, 0.01, 0.5),
+        lambda: BandType(0.0),
+        lambda: BandType(28.5, -0.01),
+        lambda: BandType(28.5, 0.01, 0.5),
     ],
 )
 def test_regions_and_bands_that_cannot_be_are_refused(make):
@@ -779,5 +779,5 @@ def test_regions_and_bands_print_in_millimetres():
     assert repr(PAPER_BOX) == "AnchorBox(x 0..20, y -15..15 mm)"
     triangle = AnchorPolygon(((0, 0), (0.02, 0), (0, 0.01)))
     assert repr(triangle) == "AnchorPolygon((0, 0), (20, 0), (0, 10) mm)"
-    named = Stock(28.5, 0.010, 0.05, "No. 8")
-    assert repr(named) == "Stock('No. 8', k=28.5 N/m, ℓ0=10 mm, ±5 %)"
+    named = BandType(28.5, 0.010, 0.05, "No. 8")
+    assert repr(named) == "BandType('No. 8', k=28.5 N/m, ℓ0=10 mm, ±5 %)"

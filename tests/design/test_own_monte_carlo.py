@@ -15,7 +15,7 @@ from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import design
-from stepwell.design.synthesis.region import AnchorBox, Stock
+from stepwell.design.synthesis.region import AnchorBox, BandType
 from stepwell.design.tolerances.draws import Tolerances
 
 LIMIT = math.pi / 4
@@ -93,7 +93,7 @@ def random_wish(rng: np.random.Generator) -> dict:
         ),
         "holes": 0.002 if rng.random() < 0.3 else None,
         "bands": tuple(
-            Stock(rng.uniform(15, 60), rng.uniform(0.002, 0.010))
+            BandType(rng.uniform(15, 60), rng.uniform(0.002, 0.010))
             for _ in range(int(rng.integers(1, 3)))
         ),
         "tolerances": Tolerances(

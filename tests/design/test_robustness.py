@@ -15,7 +15,7 @@ from stepwell.design.margins.robustness import AnchorProof, Robustness, farthest
 from stepwell.design.parameters import of_cell
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Kind
-from stepwell.design.synthesis.region import Stock
+from stepwell.design.synthesis.region import BandType
 
 R, LIMIT = 0.010 * math.sqrt(2.0), math.pi / 4
 
@@ -174,7 +174,7 @@ def test_end_forces_on_a_disc_are_extreme_where_they_were_followed_to():
 
 def test_the_room_of_a_proof_is_the_radius_of_its_disc():
     box = Box(0.005, 0.030, -0.015, 0.015)
-    cell = Kind(Stock(), R, LIMIT).cell
+    cell = Kind(BandType(), R, LIMIT).cell
     proof = AnchorProof(cell, box)
     rng = np.random.default_rng(4)
     checked = 0

@@ -13,7 +13,7 @@ from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import design
-from stepwell.design.synthesis.region import AnchorBox, Stock
+from stepwell.design.synthesis.region import AnchorBox, BandType
 from stepwell.design.targets import reached
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -25,14 +25,14 @@ CROSSING = (
     AnchorBox(0.0064, 0.0074, -0.0069, -0.0059),
     AnchorBox(0.0265, 0.0275, 0.0009, 0.0019),
 )
-STOCKS = (Stock(26.3, 0.0006), Stock(48.7, 0.0084), Stock(50.8, 0.013))
+STOCKS = (BandType(26.3, 0.0006), BandType(48.7, 0.0084), BandType(50.8, 0.013))
 # Much like these, but some places in them do it.
 PARTLY = (
     AnchorBox(0.0077, 0.0081, -0.0060, -0.0056),
     AnchorBox(0.0062, 0.0066, -0.0054, -0.0050),
     AnchorBox(0.0290, 0.0294, 0.0, 0.0004),
 )
-OTHERS = (Stock(22.2, 0.0008), Stock(47.4, 0.0078), Stock(45.8, 0.0124))
+OTHERS = (BandType(22.2, 0.0008), BandType(47.4, 0.0078), BandType(45.8, 0.0124))
 FINE = Tolerances(anchor=0.0001, stiffness=0.01)
 
 

@@ -8,7 +8,16 @@ import pytest
 
 from facts import refuses
 from sizes import SIZE
-from stepwell.files import DesignError, Given, loads, parameters, preset, preset_text, presets, vary
+from stepwell.files import (
+    DesignError,
+    RobotParameter,
+    loads,
+    parameters,
+    preset,
+    preset_text,
+    presets,
+    vary,
+)
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table
 from stepwell.robot import Leg, Robot
 
@@ -32,11 +41,11 @@ def answer(values: dict) -> str:
 
 def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
     listed = parameters(FORWARD)
-    assert Given("foot.link_mm", (35.0,), "mm", "authors' notes") in listed
-    assert Given("body.mass_g", (FORWARD.body.mass * 1e3,), "g", "assumed") in listed
+    assert RobotParameter("foot.link_mm", (35.0,), "mm", "authors' notes") in listed
+    assert RobotParameter("body.mass_g", (FORWARD.body.mass * 1e3,), "g", "assumed") in listed
     lever = next(p for p in listed if p.path == "leg.left.chain.cell.inner.lever_mm")
     assert (lever.values[0], lever.unit) == (pytest.approx(10 * math.sqrt(2)), "mm")
-    friction = Given("leg.right.chain.cell.outer.friction_N", (0.0,), "N", "assumed")
+    friction = RobotParameter("leg.right.chain.cell.outer.friction_N", (0.0,), "N", "assumed")
     assert friction in listed
     assert str(friction) == "leg.right.chain.cell.outer.friction_N = 0 N (assumed)"
     units = {p.path.split(".")[-1].split("[")[0]: p.unit for p in parameters(EXPLORER)}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stepwell.statics.inertial
-import stepwell.statics.landed
+import stepwell.statics.landing_robustness
 import stepwell.statics.run
 import stepwell.statics.sorted_cycle  # noqa: F401
 from facts import refuses

@@ -188,16 +188,16 @@ def test_the_table_is_tidy_and_names_its_units(tmp_path):
 def test_what_is_odd_about_a_recording_is_told():
     up = there(0.020)
     late = recording("a_1.txt", up[50:], 0.1 * np.ones(len(up) - 50))
-    says(lab.oddities(late), "starts late", "stroke", f"{up[50] * 1e3:.4g}", "mm")
+    says(lab.recording_warnings(late), "starts late", "stroke", f"{up[50] * 1e3:.4g}", "mm")
     bump = 0.5 - 10 * up + np.where(up > 0.0199, 0.7, 0.0)
-    told = lab.oddities(recording("a_1.txt", up, bump))
+    told = lab.recording_warnings(recording("a_1.txt", up, bump))
     assert any("end stop?" in line for line in told)
     slack = unit("a_1.txt", None)
-    says(lab.oddities(slack), "slack", "jam")
+    says(lab.recording_warnings(slack), "slack", "jam")
     still = recording("a_1.txt", np.zeros(100), np.zeros(100))
-    says(lab.oddities(still), "stroke", "never changes")
+    says(lab.recording_warnings(still), "stroke", "never changes")
     plain = recording("a_1.txt", up, 0.5 - 10 * up)
-    assert lab.oddities(plain) == ()
+    assert lab.recording_warnings(plain) == ()
 
 
 def test_what_is_odd_beside_the_other_runs_is_told():
@@ -205,7 +205,7 @@ def test_what_is_odd_beside_the_other_runs_is_told():
     runs = [recording(f"d/a_{k}.txt", up, 0.1 + up) for k in (1, 2, 3, 5)]
     runs.append(recording("d/a_6.txt", up, 0.3 + up))
     runs.append(recording("d/a_7.txt", up[:400], 0.1 + up[:400]))
-    told = lab.batch_oddities(runs)
+    told = lab.batch_warnings(runs)
     (gap,) = told["d/a_5.txt"]
     says(gap, "4", "missing")
     (off,) = told["d/a_6.txt"]

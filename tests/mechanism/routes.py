@@ -32,7 +32,7 @@ from stepwell.design.margins.reprogramming import Resistance
 from stepwell.design.margins.robustness import robustness
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Kind, Rule
-from stepwell.design.synthesis.region import Stock
+from stepwell.design.synthesis.region import BandType
 from stepwell.robot import rounds as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
@@ -267,7 +267,7 @@ def _():
 
 @cache
 def _candidates():
-    band = Stock(28.5, 0.010)
+    band = BandType(28.5, 0.010)
     kind = Kind(band, INNER.lever, INNER.limit)
     box = Box(0.005, 0.02, -0.01, 0.01)
     sizes = sw.Tolerances(anchor=1e-4, stiffness=0.02, rest_length=0.02, lever=1e-4)

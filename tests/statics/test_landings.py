@@ -11,7 +11,7 @@ import stepwell as sw
 from chains import any_cell, any_chain, contest
 from facts import says
 from sizes import examples
-from stepwell.statics import Elsewhere, EventKind, Landing, Proof
+from stepwell.statics import EventKind, Landing, OtherLanding, Proof
 from stepwell.statics.following.snap import COARSE
 from stepwell.statics.landings.proofs import goes_one_way
 from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
@@ -256,7 +256,7 @@ def test_a_landing_of_five_per_cent_is_within_the_bound_nineteen_times_in_twenty
 def claim(elsewhere: int) -> Landing:
     """A landing that 59 samples found, of which some lead elsewhere."""
     event = snaps(RACE.cycle().path)[-1]
-    there = Elsewhere((1.0, 1.0, 2.0), (0.0, 0.0, 0.0), (0, 0, 0), "00-", elsewhere / 59)
+    there = OtherLanding((1.0, 1.0, 2.0), (0.0, 0.0, 0.0), (0, 0, 0), "00-", elsewhere / 59)
     return Landing(event, 4.5, None, 6, 59, (there,) if elsewhere else ())
 
 

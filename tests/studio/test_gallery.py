@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.base import ExtraError, told_in
+from stepwell.base import ExtraError, display_unit
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -119,7 +119,7 @@ def test_every_snap_of_the_path_is_seen(name: str):
     header, blocks = motions()[name]
     snaps = [event for event in path.events if event.kind is EventKind.SNAP]
     assert len(header["events"]) == len(snaps)
-    unit = told_in(chain.measure.travel_unit)[1]
+    unit = display_unit(chain.measure.travel_unit)[1]
     for one, snap in zip(header["events"], snaps, strict=True):
         for k, travels in ((one["sample"], snap.before), (one["sample"] + 1, snap.after)):
             found = blocks["travel"][k, list(snap.cells)]

@@ -182,7 +182,7 @@ def wish(page: Page, *states: str) -> None:
 
 
 def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Page):
-    opened_tab(page, "Wish")
+    opened_tab(page, "TargetOrders")
     wish(page, "00", "01", "11", "10", "00")
     expect(output(page, "sequence found")).to_have_text(WHOLE)
     found = sw.design(WHOLE)
@@ -212,7 +212,7 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
 
 
 def test_a_set_of_states_is_wished_and_reached(page: Page):
-    opened_tab(page, "Wish")
+    opened_tab(page, "TargetOrders")
     page.get_by_role("button", name="A set of states").click()
     page.get_by_role("button", name="2 cells").click()
     wish(page, "10", "11")
@@ -228,7 +228,7 @@ def test_a_set_of_states_is_wished_and_reached(page: Page):
 
 
 def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
-    opened_tab(page, "Wish")
+    opened_tab(page, "TargetOrders")
     page.get_by_role("spinbutton", name="Largest force in N").fill("0.01")
     page.get_by_role("spinbutton", name="Largest force in N").press("Enter")
     wish(page)
@@ -239,7 +239,7 @@ def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
 
 
 def test_a_wish_of_five_cells_is_typed(page: Page):
-    opened_tab(page, "Wish")
+    opened_tab(page, "TargetOrders")
     text = page.get_by_role("textbox", name="Cycle")
     text.fill("00000>10000>11000")
     text.press("Enter")

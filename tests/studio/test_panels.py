@@ -271,7 +271,7 @@ def test_the_program_to_a_state_is_pythons():
     program = sw.preset("paper-forward").program("01")
     assert header["turning_points_mm"] == [x * 1e3 for x in program.turning_points]
     assert header["states"] == list(program.sequence.states)
-    assert header["does_it"] and header["proved"] is program.shortest
+    assert header["meets_target"] and header["proved"] is program.shortest
     assert blocks["drive"][-1] == program.turning_points[-1] * 1e3
     again, _ = ask("program", FORWARD, turning_points_mm=header["turning_points_mm"])
     assert again["arrives"] == "01"

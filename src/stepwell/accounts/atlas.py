@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from stepwell.accounts.head import About, keys, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.study import VARIED
-from stepwell.base import Quantity, Schema, amount, counted, number, read_off, told_in
+from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, read_off
 from stepwell.design import parameter
 from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
@@ -55,7 +55,7 @@ def _space(found: Atlas) -> list[Varied]:
 def _told(found: Atlas, name: str) -> tuple[str, float]:
     """The unit in which a parameter is reported, and how many of it make one in SI."""
     unit = parameter(found.chain, name).unit
-    return ("", 1.0) if unit == "1" else told_in(unit)
+    return ("", 1.0) if unit == "1" else display_unit(unit)
 
 
 def _share(name: str, read: str) -> Schema:

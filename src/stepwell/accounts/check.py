@@ -26,11 +26,11 @@ def check_schema(shape: Shape) -> base.Schema:
     return (
         *yields.CHAIN,
         Quantity("verdict", read=lambda found: str(found.verdict)),
-        *keys(reason=str, target=str, does=str, does_it=bool),
+        *keys(reason=str, target=str, does=str, meets_target=bool),
         *base.read_off(yields.counted_schema(shape), "yield_"),
-        Quantity("killer", holds=changes.change_schema(shape), missing=True),
+        Quantity("critical_change", holds=changes.change_schema(shape), missing=True),
         *base.in_measure(keys(peak_force="N", dissipated="mJ"), shape.measure),
-        *keys(pull=("g", _mass), oddities=[str]),
+        *keys(pull=("g", _mass), warnings=[str]),
         Quantity("measure", holds=measured, missing=True),
         *keys(ties=([str], lambda found: tie_notes(found.path.degenerate, found.chain))),
         CALIBRATED,
@@ -64,16 +64,16 @@ def _tolerance(when: str, unit: str) -> Quantity:
 def check_account(found: Check, about: About) -> Account:
     """What is reported of a verdict."""
     chain, sampled = found.chain, found.yield_
-    broken = "no single change within reach breaks it" if found.does_it else ""
-    if found.killer is not None:
-        broken = changes.critical_words(found.killer)
+    broken = "no single change within reach breaks it" if found.meets_target else ""
+    if found.critical_change is not None:
+        broken = changes.critical_words(found.critical_change)
     # The largest force is one in grams too where it is a force.
     mass, unit = _mass(found), chain.measure.force_unit
     grams = "" if mass is None else f" ({base.amount(mass, 'kg', 3)})"
     force, lost = base.amount(abs(found.peak_force), unit, 3), base.amount(found.dissipated, "J", 3)
     facts = (
         Fact("Target", found.target),
-        Fact("Reproduces", "" if found.does_it else found.does),
+        Fact("Reproduces", "" if found.meets_target else found.does),
         Fact("Yield", yields.yield_words(sampled)),
         Fact("Samples", yields.sample_words(sampled)),
         Fact("Critical change", broken),
@@ -82,7 +82,7 @@ def check_account(found: Check, about: About) -> Account:
     )
     title, answer = chain.title or "A design", f"{found.verdict}: {found.reason}"
     origin, seed = f"{cells_of(chain)}.", sampled.seed
-    odd = Warned("Out of the ordinary", "", found.oddities)
+    odd = Warned("Out of the ordinary", "", found.warnings)
     warned = (odd, degenerate(found.path.degenerate, chain))
     sections = {
         "Outcomes of the samples": yields.PICTURES,

@@ -132,7 +132,7 @@ def reprogram_schema(shape: Shape) -> Schema:
     """What is reported of a reprogramming; what is in another unit than the change has null."""
     force = shape.measure.force_unit
     anchors = _change_schema("mm", "m", [float])
-    scales = (*_change_schema("", "1"), *_change_schema(base.told_in(force)[0], force))
+    scales = (*_change_schema("", "1"), *_change_schema(base.display_unit(force)[0], force))
     resistance = keys(largest_force=("N", "largest"), work_at_0=("mJ", "work_0"))
     return (
         *keys(title=(str, "chain.title"), by=str, target=str | None, possible=(bool, _possible)),
@@ -210,7 +210,7 @@ def _change_facts(found: Reprogramming) -> tuple[Fact, ...]:
     """The change, and what resists it."""
     past, by, place = Fact("Sequence past it", found.after), found.displacement, found.place
     if not (isinstance(by, tuple) and isinstance(place, tuple)):
-        sign = signed(float(by) * base.told_in(found.unit)[1])  # type: ignore[arg-type]
+        sign = signed(float(by) * base.display_unit(found.unit)[1])  # type: ignore[arg-type]
         return past, Fact("Change", f"{found.by} to {_number(found, place)} ({sign})")
     move = ", ".join(signed(to_unit(one, "mm")) for one in by)
     to = ", ".join(number(to_unit(one, "mm")) for one in place)
@@ -225,7 +225,7 @@ def _change_facts(found: Reprogramming) -> tuple[Fact, ...]:
 
 
 def _number(found: Reprogramming, value: Any) -> str:
-    unit, factor = base.told_in(found.unit)
+    unit, factor = base.display_unit(found.unit)
     return f"{number(value * factor)} {Quantity('', unit).sign}".removesuffix(" 1")
 
 

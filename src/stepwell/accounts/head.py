@@ -8,7 +8,16 @@ from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import Measure, Quantity, Schema, __version__, keys, record, told_in, versions
+from stepwell.base import (
+    Measure,
+    Quantity,
+    Schema,
+    __version__,
+    display_unit,
+    keys,
+    record,
+    versions,
+)
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
@@ -122,7 +131,7 @@ class Shape(NamedTuple):
     def drive(self) -> str:
         """The unit of the drive in records."""
         measure = self.measure
-        return told_in(measure.force_unit if self.force_driven else measure.travel_unit)[0]
+        return display_unit(measure.force_unit if self.force_driven else measure.travel_unit)[0]
 
     @classmethod
     def of(cls, chain: Chain) -> Shape:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.accounts.head import About, Row, keys
 from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Text
-from stepwell.base import Column, Quantity, Schema, counted, number, percent, record, told_in
+from stepwell.base import Column, Quantity, Schema, counted, display_unit, number, percent, record
 from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
@@ -39,14 +39,14 @@ def _in_unit(at: Callable[[_Axis], Any]) -> Any:
 
     def read(axis: _Axis) -> float | None:
         value = at(axis)
-        return None if value is None else float(value) * told_in(axis.values.attrs["units"])[1]
+        return None if value is None else float(value) * display_unit(axis.values.attrs["units"])[1]
 
     return read
 
 
 _AXIS: Schema = (
     Quantity("parameter", read=lambda axis: str(axis.values.attrs["long_name"])),
-    Quantity("unit", read=lambda axis: told_in(str(axis.values.attrs["units"]))[0]),
+    Quantity("unit", read=lambda axis: display_unit(str(axis.values.attrs["units"]))[0]),
     Quantity("from", read=_in_unit(lambda axis: axis.values[0]), holds=float),
     Quantity("to", read=_in_unit(lambda axis: axis.values[-1]), holds=float),
     Quantity("count", read=lambda axis: len(axis.values), holds=int),

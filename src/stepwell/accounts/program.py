@@ -29,7 +29,7 @@ def program_schema(shape: Shape) -> Schema:
         *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([str], "chain.names")),
         Quantity("from", read="start"),
-        *keys(target=str, does_it=(bool, does_it), proved=(bool, _proved), robust=float),
+        *keys(target=str, meets_target=(bool, meets_target), proved=(bool, _proved), robust=float),
         Quantity("reason", read=lambda one: one.reason if isinstance(one, Program) else str(one)),
         *of_class(Program, found),
     )
@@ -39,7 +39,7 @@ def _proved(value: Program | Unreachable) -> bool:
     return value.shortest if isinstance(value, Program) else value.proved
 
 
-def does_it(value: Program | Unreachable) -> bool:
+def meets_target(value: Program | Unreachable) -> bool:
     """Whether a program ends in the state that it is meant to end in."""
     return isinstance(value, Program) and value.arrives == value.target and value.hangs is None
 
@@ -56,7 +56,7 @@ def unreachable_account(value: Unreachable, about: About) -> Account:
 def program_account(program: Program, about: About) -> Account:
     """What is reported of a program."""
     chain, path = program.chain, program.path
-    works, landings = does_it(program), path.checked_landings
+    works, landings = meets_target(program), path.checked_landings
     strokes = counted(program.strokes, "stroke")
     ends = strokes if works else f"ends in {program.arrives} after {strokes}"
     spelled = str(program.sequence) if len(chain) <= words.LONGEST_IN_A_LINE else ""

@@ -142,7 +142,7 @@ def _samples(run: Run, tied: bool) -> str:
     found = run.built
     if found is None:
         return "Not computed here: the command stepwell yield counts samples."
-    verdict = judged(does_it=True, tied=tied, interval=found.interval)
+    verdict = judged(meets_target=True, tied=tied, interval=found.interval)
     return f"{verdict}: {yield_words(found)}, of {sample_words(found)}"
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
-from stepwell.base import Measure, Quantity, amount, counted, few, number, told_in
+from stepwell.base import Measure, Quantity, amount, counted, display_unit, few, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def listed(items: Sequence[str]) -> str:
 
 def turning_points(points: Sequence[float], chain: Chain) -> str:
     """Turning points of the drive, in SI, in a line."""
-    unit, factor = told_in(chain.drive_unit)
+    unit, factor = display_unit(chain.drive_unit)
     shown = " → ".join(number(point * factor) for point in points[:LONGEST_IN_A_LINE])
     left = len(points) - LONGEST_IN_A_LINE
     return f"{shown} {Quantity('', unit).sign}" + f" and {left} more" * (left > 0)
@@ -190,7 +190,7 @@ def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:
 
 
 def _note(group: list[Tie], chain: Chain | None) -> str:
-    unit, factor = told_in(chain.drive_unit if chain else "m")
+    unit, factor = display_unit(chain.drive_unit if chain else "m")
     # A rounding error is no other place, and has no sign.
     drives = dict.fromkeys(f"{round(tie.drive * factor, 6) + 0.0:.6g}" for tie in group)
     others = list(drives)[1:]

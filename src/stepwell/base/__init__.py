@@ -54,8 +54,16 @@ from stepwell.base.quantities import (
     write_csv,
 )
 from stepwell.base.shown import Drawn, Shown, brief, of_kind
-from stepwell.base.units import GRAVITY, UNITS, from_unit, in_names, spellings, to_unit, told_in
-from stepwell.base.value import ByValue, ReadOnly, same
+from stepwell.base.units import (
+    GRAVITY,
+    UNITS,
+    display_unit,
+    from_unit,
+    in_names,
+    spellings,
+    to_unit,
+)
+from stepwell.base.value import ByValue, ReadOnly, deep_equal
 from stepwell.base.version import __version__, versions
 from stepwell.base.write import (
     csv_text,

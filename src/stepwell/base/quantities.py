@@ -10,7 +10,7 @@ from operator import attrgetter
 from types import UnionType
 from typing import Any, TypeVar
 
-from stepwell.base.units import UNITS, in_names, told_in
+from stepwell.base.units import UNITS, display_unit, in_names
 from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
@@ -23,8 +23,8 @@ _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 class Measure(Enum):
     """What travel and force are in a chain: the words and SI units of a conjugate pair.
 
-    Everything said of travel and force holds for the other pairs too; `Quantity` and `told_in` say
-    in which units people are told.
+    All statements on travel and force hold for the other pairs too; `Quantity` and `display_unit`
+    have the units in which results are reported.
 
     Attributes:
         travel, force: what a cell gives and what it resists with, in a word.
@@ -53,7 +53,7 @@ class Measure(Enum):
     def units(self) -> tuple[str, str, str]:
         """In which units people are told travel, force and stiffness."""
         travel, force, stiffness = self.travel_unit, self.force_unit, self.stiffness_unit
-        return told_in(travel)[0], told_in(force)[0], told_in(stiffness)[0]
+        return display_unit(travel)[0], display_unit(force)[0], display_unit(stiffness)[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,7 +325,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 def amount(value: float, unit: str, digits: int = 4) -> str:
     """A number in SI for people, with the unit in which they are told."""
-    told, factor = told_in(unit)
+    told, factor = display_unit(unit)
     return f"{number(value * factor, digits)} {Quantity('', told).sign}"
 
 

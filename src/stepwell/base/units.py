@@ -142,7 +142,7 @@ def in_names(unit: str) -> str:
     return spelled.removeprefix("1_")
 
 
-def told_in(unit: str) -> tuple[str, float]:
+def display_unit(unit: str) -> tuple[str, float]:
     """The unit in which users read a number in SI, and how many of it make one."""
     shown = _SHOWN.get(unit, unit)
     return shown, UNITS[shown].per_si if shown in UNITS else 1.0

@@ -26,7 +26,7 @@ class ByValue(Shown):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return self is other or same(_held(self), _held(other))
+        return self is other or deep_equal(_held(self), _held(other))
 
     def __hash__(self) -> int:
         return hash((type(self).__qualname__, _digest(_held(self, hashed=True))))
@@ -56,7 +56,7 @@ class ReadOnly(Mapping[str, Any]):
         return repr(self._held)
 
 
-def same(a: Any, b: Any) -> bool:
+def deep_equal(a: Any, b: Any) -> bool:
     """Whether two values of any kind are equal, arrays and what holds them included."""
     if a is b:
         return True
@@ -65,13 +65,13 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, Mapping) and isinstance(b, Mapping):
-        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+        return a.keys() == b.keys() and all(deep_equal(a[key], b[key]) for key in a)
     if type(a) is not type(b):
         return bool(a == b)
     if isinstance(a, tuple | list):
-        return len(a) == len(b) and all(map(same, a, b))
+        return len(a) == len(b) and all(map(deep_equal, a, b))
     if is_dataclass(a) and not isinstance(a, ByValue):
-        return same(_held(a), _held(b))
+        return deep_equal(_held(a), _held(b))
     return bool(a == b)
 
 
@@ -87,7 +87,7 @@ def _same_arrays(a: Any, b: Any) -> bool:
     if a.shape != b.shape or a.dtype.kind != b.dtype.kind:
         return False
     if a.dtype.kind == "O":
-        return all(map(same, a.ravel(), b.ravel()))
+        return all(map(deep_equal, a.ravel(), b.ravel()))
     import numpy as np
 
     return np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")

@@ -60,7 +60,7 @@ def paper(
 
     Example: stepwell paper
     """
-    output.free("paper")
+    output.check_output_folder("paper")
     with screen.progress("claims") as tell:
         found = sw.paper.run(tell, everything=everything, data=data)
     output.report(found, how={"everything": everything})

@@ -105,7 +105,7 @@ def show(store: _There = None, *, within: parts.BandTolerances, output: Output) 
 
     Example: stepwell atlas show
     """
-    output.free("atlas show")
+    output.check_output_folder("atlas show")
     study = _opened(store)
     _show(study, _charted(study, within), output)
 

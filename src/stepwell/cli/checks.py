@@ -4,7 +4,7 @@ from typing import Any
 
 import stepwell as sw
 from stepwell.cli import tolerances as given
-from stepwell.cli.driving import own
+from stepwell.cli.driving import program_in_file
 from stepwell.cli.options import Design, Group, Output, Robust, flag, option, read_chain
 from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
@@ -36,12 +36,12 @@ def check(
 
     text, chain = read_chain(design)
     spread = within.tolerances(chain.measure)
-    output.free("check", design=text)
+    output.check_output_folder("check", design=text)
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     file = sw.files.loads(text, design)
-    wanted = own(file) if target is None and file.program else target
+    wanted = program_in_file(file) if target is None and file.program else target
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, **vars(sampling), progress=tell)
     output.report(found, text, design, calibrated)
@@ -90,12 +90,12 @@ def yield_(
 
     text, chain = read_chain(design)
     spread = within.tolerances(chain.measure)
-    output.free("yield", design=text)
+    output.check_output_folder("yield", design=text)
     counted.refuse_two()
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
-    played = own(sw.files.loads(text, design)) if counted.program else None
+    played = program_in_file(sw.files.loads(text, design)) if counted.program else None
     target = counted.target
     states = target.split(",") if target and "," in target else target
     with usable(design), progress("yield") as tell:

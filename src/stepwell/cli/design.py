@@ -17,7 +17,7 @@ from stepwell.cli.ranges import Range, span
 from stepwell.cli.screen import answered, progress, report, usable, wrong
 
 if TYPE_CHECKING:
-    from stepwell.design import Stock
+    from stepwell.design import BandType
 
 # Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
@@ -172,7 +172,7 @@ def design(
     from stepwell.design import Impossible, design
 
     wanted, spread, allowed = wish(target), within.tolerances(), parts.allowed()
-    output.free("design")
+    output.check_output_folder("design")
     aims = {
         "objective": aim.objective.value,
         "most_force": math.inf if aim.force_limit is None else aim.force_limit,
@@ -254,7 +254,7 @@ def reprogram(
     if way.one_way and way.line is None:
         raise wrong("--one-way", "needs --along X:Y, the way to go.")
     text, chain = read_chain(design)
-    output.free("reprogram")
+    output.check_output_folder("reprogram")
     with usable(design), progress("search") as tell:
         found = reprogram(
             chain,
@@ -299,24 +299,24 @@ def elements_of(text: str) -> "tuple[sw.Element, ...]":
     return chain.elements
 
 
-def stocks(text: str) -> "list[Stock]":
+def stocks(text: str) -> "list[BandType]":
     """What `stock` reads, or the bands of a design file."""
-    from stepwell.design import Stock
+    from stepwell.design import BandType
 
     if not text.endswith(".toml") and not text.startswith("preset:"):
         return [stock(text)]
     _, chain = read_chain(text)
     cells = [cell for cell in chain.cells if isinstance(cell, sw.Cell)]
-    return list(dict.fromkeys(Stock.of(band) for cell in cells for band in cell.bands))
+    return list(dict.fromkeys(BandType.of(band) for cell in cells for band in cell.bands))
 
 
-def stock(text: str) -> "Stock":
+def stock(text: str) -> "BandType":
     """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
-    from stepwell.design import Stock
+    from stepwell.design import BandType
 
     if text in BANDS:
         k, length = BANDS[text]
-        return Stock(k, from_unit(length, "mm"), name=text)
+        return BandType(k, from_unit(length, "mm"), name=text)
     try:
         k, length, *spread = map(float, text.split(":"))
         (part,) = spread or (None,)
@@ -328,4 +328,4 @@ def stock(text: str) -> "Stock":
         ) from None
     share = None if part is None else from_unit(part, "percent")
     with usable("--band"):
-        return Stock(k, from_unit(length, "mm"), share)
+        return BandType(k, from_unit(length, "mm"), share)

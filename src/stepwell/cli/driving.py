@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 import stepwell as sw
-from stepwell.base import told_in
+from stepwell.base import display_unit
 from stepwell.cli.screen import progress, usable, wrong
 
 
@@ -42,7 +42,7 @@ NewDrive = Annotated[str | None, _option("N/m", "the stroke")]
 
 def drive_of(drive: str | float | None, chain: sw.Chain) -> str | float | None:
     """Such a drive as `Chain.graph` takes it: a stiffness in SI."""
-    _, factor = told_in(chain.measure.stiffness_unit)
+    _, factor = display_unit(chain.measure.stiffness_unit)
     return drive / factor if isinstance(drive, float) else drive
 
 
@@ -83,7 +83,7 @@ def _is_state(state: str, last: str) -> bool:
     return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 
-def own(file: sw.files.DesignFile) -> sw.Program:
+def program_in_file(file: sw.files.DesignFile) -> sw.Program:
     """The program that stands in a design file, on its chain."""
     chain = file.chain
     if file.program is None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import stepwell as sw
-from stepwell.base import told_in
+from stepwell.base import display_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.options import Design, Group, Output, argument, command, flag, option, read_chain
 from stepwell.cli.ranges import window as read_window
@@ -40,7 +40,7 @@ def read(
 
     Example: stepwell lab read recordings --out tidy
     """
-    output.free("lab read")
+    output.check_output_folder("lab read")
     with progress("reading") as tell:
         batch = sw.lab.read_all(files, progress=tell)
     if not batch.recordings:
@@ -100,7 +100,7 @@ def band(
 
     Example: stepwell lab band recordings --window-mm 5:35
     """
-    output.free("lab band")
+    output.check_output_folder("lab band")
     known = [one.name for one in sw.lab.LAWS]
     # Before all of them are fitted.
     if law is not None and law not in known:
@@ -179,7 +179,7 @@ def compare(
 
     Example: stepwell lab compare recordings --out verdicts
     """
-    output.free("lab compare")
+    output.check_output_folder("lab compare")
     given = recordings_in([data])
     designed = {design: sw.files.text_of(design) for design in designs or ()}
     comparison = sw.lab.compare(
@@ -213,7 +213,7 @@ def calibrate(
 
     Example: stepwell lab calibrate recordings
     """
-    output.free("lab calibrate")
+    output.check_output_folder("lab calibrate")
     given = recordings_in([data])
     found = sw.lab.sort_series(given, baseline=friction.read())
     prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
@@ -292,9 +292,12 @@ def as_built(
 
     Example: stepwell lab as-built preset:paper-forward --seen '00>01>11>10>00'
     """
-    output.free("lab as-built")
+    output.check_output_folder("lab as-built")
     text, chain = read_chain(design)
-    (_, driven), (_, forced) = told_in(chain.drive_unit), told_in(chain.measure.force_unit)
+    (_, driven), (_, forced) = (
+        display_unit(chain.drive_unit),
+        display_unit(chain.measure.force_unit),
+    )
     peak = abs(chain.cycle().peak_force)
     with usable("what was seen"):
         pulls = _read(observed.pulls, chain)
@@ -339,7 +342,10 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
 def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
     if text is None:
         return ()
-    stroke, force = told_in(chain.measure.travel_unit)[1], told_in(chain.measure.force_unit)[1]
+    stroke, force = (
+        display_unit(chain.measure.travel_unit)[1],
+        display_unit(chain.measure.force_unit)[1],
+    )
     try:
         pairs = [tuple(map(float, one.split(":"))) for one in text.split(",")]
         return tuple(sw.lab.Pull(1, u / stroke, f / force) for u, f in pairs)

@@ -11,7 +11,7 @@ import typer
 
 import stepwell as sw
 from stepwell.cli import options, screen
-from stepwell.cli.driving import Drive, From, Target, drive_of, own, planned
+from stepwell.cli.driving import Drive, From, Target, drive_of, planned, program_in_file
 from stepwell.cli.options import flag, option
 from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
 
@@ -36,7 +36,7 @@ def run(
     from stepwell.design import Run, margin
 
     text, chain = options.read_chain(design)
-    output.free("run", design=text)
+    output.check_output_folder("run", design=text)
     with screen.progress("following") as tell:
         path = (cycle := chain.cycle(progress=tell)).path
     with screen.usable("--mobility-ratio"), screen.progress("landings"):
@@ -115,15 +115,15 @@ def program(
     Example: stepwell program preset:paper-forward --target 01
     """
     text, chain = options.read_chain(design)
-    output.free("program")
+    output.check_output_folder("program")
     try:
         if start or target:
             found = planned(chain, start, target, robust)
         else:
-            found = replace(own(sw.files.loads(text, design)), robust=robust)
+            found = replace(program_in_file(sw.files.loads(text, design)), robust=robust)
     except sw.Unreachable as why:
         found, output = why, replace(output, out=None)
-    screen.answered(output.report(found, text, design).record["does_it"])
+    screen.answered(output.report(found, text, design).record["meets_target"])
 
 
 class MotionOptions(options.Group):
@@ -144,7 +144,7 @@ class MotionOptions(options.Group):
             return sw.files.load(design).chain.cycle()
         if self.start or self.target:
             return planned(sw.files.load(design).chain, self.start, self.target)
-        return own(sw.files.load(design))
+        return program_in_file(sw.files.load(design))
 
 
 def animate(
@@ -230,7 +230,7 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
     )
 
     text, chain = options.read_chain(design)
-    output.free("map")
+    output.check_output_folder("map")
     with screen.usable(design):
         both = plane.parameters()
         if both is None:
@@ -256,7 +256,7 @@ def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
     from stepwell.design import parameter
 
     one = parameter(chain, given.name)
-    values = one.values(given.values(sw.base.told_in(one.unit)[1]), 2)
+    values = one.values(given.values(sw.base.display_unit(one.unit)[1]), 2)
     here = one.value(chain)
     assert not isinstance(here, tuple)
     return (given.name, values), here
@@ -278,12 +278,12 @@ def cell_of(chain: Chain, text: str) -> int:
 
 def marks(chain: Chain, cell: int) -> dict[str, tuple[float, float]]:
     """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
-    own = chain.cells[cell]
-    if isinstance(own, sw.Element):
+    program_in_file = chain.cells[cell]
+    if isinstance(program_in_file, sw.Element):
         raise screen.wrong(
             "--cell",
             f"{chain.names[cell]} is an element and has no anchor: pass --across "
             f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",
         )
-    anchors = {band.q for band in own.bands}
+    anchors = {band.q for band in program_in_file.bands}
     return {"this design": anchors.pop()} if len(anchors) == 1 else {}

@@ -198,9 +198,9 @@ class Output(Group):
     force: Force = False
     as_json: Json = False
 
-    def free(self, command: str, **texts: str) -> None:
+    def check_output_folder(self, command: str, **texts: str) -> None:
         """Refuse a folder where the results of a command may not be written, see `free`."""
-        free(self.out, command, self.force, **texts)
+        check_output_folder(self.out, command, self.force, **texts)
 
     def report(
         self, found: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
@@ -285,7 +285,7 @@ def _by_name(design: str) -> tuple[str, str]:
     return sw.files.text_of(design), design
 
 
-def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
+def check_output_folder(out: Path | None, command: str, force: bool, **texts: str) -> None:
     """Refuse a folder where results would replace others' work, or cannot be written here.
 
     `texts` are those of files whose content is known, by their names without .toml.

@@ -34,7 +34,7 @@ def show(robot: options.Robot, output: options.Output) -> None:
     Example: stepwell robot show robot-forward
     """
     text, design = options.read_robot(robot)
-    output.free("robot show", robot=text)
+    output.check_output_folder("robot show", robot=text)
     output.report(design.predict(), text, robot)
 
 
@@ -62,7 +62,7 @@ def sweep(
     Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
     text, design = options.read_robot(robot)
-    output.free("robot sweep")
+    output.check_output_folder("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
@@ -181,7 +181,7 @@ def walk(
     Example: stepwell walk robot-forward --cycles 4
     """
     text, design = options.read_robot(robot)
-    output.free("walk", robot=text)
+    output.check_output_folder("walk", robot=text)
     with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.walk(design, cycles, progress=tell)
     output.report(result, text, robot)
@@ -259,7 +259,7 @@ def maze(
     text, given = options.read_robot(robot)
     design = control.of(given)
     seeds = {"start_seed": course.start_seed, "layout_seed": course.layout_seed}
-    output.free("maze")
+    output.check_output_folder("maze")
     place = course.read()
     with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.maze(design, place, limit=course.limit, progress=tell)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import stepwell as sw
 from stepwell.cli import options, screen
-from stepwell.cli.driving import own
+from stepwell.cli.driving import program_in_file
 from stepwell.cli.options import argument, flag, option
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def figure(
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     file = sw.files.load(design)
-    program = own(file) if file.program else None
+    program = program_in_file(file) if file.program else None
     with screen.usable("--panels"):
         return sw.reports.figure(file.subject, _rows(panels), program=program, **how)
 
@@ -194,7 +194,7 @@ def replay(
             if value is not None:
                 raise screen.wrong(option, "is for a robot: this is a chain.")
         file = sw.files.loads(text, design)
-        result = own(file) if file.program else found
+        result = program_in_file(file) if file.program else found
         with screen.progress("margin") as tell:
             content = sw.studio.replay(result, progress=tell)
     else:
@@ -283,7 +283,7 @@ def demo(
 
     Example: stepwell demo --no-open
     """
-    options.free(out, "demo", force)
+    options.check_output_folder(out, "demo", force)
     left_out = [telling for telling in sw.reports.STEPS if not telling.can_be_told]
     screen.show_text(sw.reports.OPENING)
     if left_out:

@@ -310,7 +310,7 @@ def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
 
     Example: stepwell sweep report store --out report
     """
-    output.free("sweep report")
+    output.check_output_folder("sweep report")
     found = sw.studies.status(store)
     if not partial:
         found.study.require_whole()
@@ -390,7 +390,7 @@ def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[sw.st
         if not one.start < one.stop:
             raise typer.BadParameter(f"{text!r}: must rise, as {example} does.")
         unit = sw.studies.unit_in(subject, one.name)
-        factor = 1.0 if isinstance(subject, sw.Robot) else sw.base.told_in(unit)[1]
+        factor = 1.0 if isinstance(subject, sw.Robot) else sw.base.display_unit(unit)[1]
         ends = one.start / factor, one.stop / factor
         found.append(sw.studies.Axis(one.name, *ends, one.count or 2, one.log))
     return tuple(found)

@@ -77,7 +77,7 @@ class BandTolerances(Group):
         """The same in SI; friction is in the unit in which forces of the measure are shown."""
         from stepwell.design import Tolerances
 
-        _, factor = base.told_in(measure.force_unit)
+        _, factor = base.display_unit(measure.force_unit)
         with usable("tolerances"):
             return Tolerances(
                 base.from_unit(self.anchor, "mm"),

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
         PAPER_LEVER,
         AnchorBox,
         AnchorPolygon,
-        Stock,
+        BandType,
         usual_box,
     )
     from stepwell.design.targets import Reached
@@ -64,7 +64,7 @@ __all__ = [
     "Sensitivities",
     "Run",
     "Share",
-    "Stock",
+    "BandType",
     "Survival",
     "Tolerances",
     "Verdict",
@@ -112,7 +112,7 @@ _LATE = {
         "PAPER_BAND",
         "PAPER_BOX",
         "PAPER_LEVER",
-        "Stock",
+        "BandType",
         "usual_box",
     ),
     "targets": ("Reached",),

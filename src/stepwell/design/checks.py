@@ -17,7 +17,7 @@ from stepwell.design.plane import Method
 from stepwell.design.synthesis.region import usual_box
 from stepwell.design.tolerances.draws import USUAL, Tolerances
 from stepwell.design.tolerances.survival import Survival, ends_right, survival
-from stepwell.design.tolerances.yields import Yield, parts_of, with_known, yields
+from stepwell.design.tolerances.yields import Yield, parts_of, with_tightened_tolerance, yields
 from stepwell.mechanism import Band, Cell, Chain, Element, sizes
 from stepwell.sequences import Program, cycle
 from stepwell.statics import Path, StaticsError
@@ -34,7 +34,7 @@ class Verdict(StrEnum):
     WONT = "won't"
 
 
-def judged(*, does_it: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
+def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
     `WONT` where the drawing, which may be a tie, does not do what is wanted, or the 95 % confidence
@@ -42,7 +42,7 @@ def judged(*, does_it: bool, tied: bool, interval: tuple[float, float]) -> Verdi
     without a tie, and the interval begins at 95 % or above; else `FRAGILE`.
     """
     low, high = interval
-    if not does_it or high < HALF:
+    if not meets_target or high < HALF:
         return Verdict.WONT
     return Verdict.WORKS if low >= SURE and not tied else Verdict.FRAGILE
 
@@ -56,7 +56,7 @@ _ANGLES = 91  # at which a band is measured, its ends and the middle included
 _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
 
-def _oddities(chain: Chain, path: Path) -> Iterator[str]:
+def _warnings(chain: Chain, path: Path) -> Iterator[str]:
     """What is out of the ordinary, a sentence each; none where all is usual."""
     unit, most = chain.measure.force_unit, PULLS[chain.measure]
     pull = abs(path.peak_force)
@@ -131,8 +131,8 @@ def measurement(found: Yield | Survival) -> Measurement | None:
         return None
     quickly = isinstance(found, Yield) and not found.by_engine
     n = min(found.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
-    best = max(worth, key=lambda name: with_known(found, name, left[name], n))
-    after = with_known(found, best, left[best], found.samples) / found.samples
+    best = max(worth, key=lambda name: with_tightened_tolerance(found, name, left[name], n))
+    after = with_tightened_tolerance(found, best, left[best], found.samples) / found.samples
     if after < found.share + _GAIN:
         return None
     cell, what, tolerance, _ = parts[best]
@@ -164,14 +164,14 @@ class ProgramChange(Change):
         return ""
 
 
-def killer_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
+def critical_change_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
     """The change of a margin that is fewest tolerances away; None where there is none."""
     changes = margin(chain).changes
     near = min(changes, key=lambda one: one.distance / _size(one.parameter, tolerances))
     return None if math.isinf(near.distance) else near
 
 
-def killer_of_program(program: Program, tolerances: Tolerances) -> Change | None:
+def critical_change_of_program(program: Program, tolerances: Tolerances) -> Change | None:
     """The same of a program that ends where it should; None where nothing within reach breaks it.
 
     Anchors are moved along x and y, numbers made more and less: of each the amounts tried are a
@@ -232,12 +232,13 @@ class Check(base.ByValue):
         chain: the design.
         verdict, reason: whether the real one will do what is wanted, and why, in a sentence.
         target: the full cycle that counts; or where its program begins and where it shall end.
-        does, does_it: what the drawing does, and whether that is what is wanted.
+        does, meets_target: what the drawing does, and whether that is what is wanted.
         path: what the actuator does with the drawing, with forces, energy and ties.
         yield_: how many of those built within tolerances do it.
-        killer: the smallest change of one thing after which the drawing does something else, in
-            tolerances; None where there is none within reach, or it does not do it as it is.
-        oddities: what is out of the ordinary, a sentence each.
+        critical_change: the smallest change of one parameter, in tolerances, after which the
+            nominal design does something else; None where none is within reach, or where the
+            nominal design misses the target.
+        warnings: what is out of the ordinary, a sentence each.
         measure: the one measurement after which it is surest to work; None where none is worth it.
     """
 
@@ -246,11 +247,11 @@ class Check(base.ByValue):
     reason: str
     target: str
     does: str
-    does_it: bool
+    meets_target: bool
     path: Path = field(repr=False)
     yield_: Yield | Survival
-    killer: Change | None
-    oddities: tuple[str, ...]
+    critical_change: Change | None
+    warnings: tuple[str, ...]
     measure: Measurement | None
 
     @property
@@ -302,27 +303,32 @@ def check(
     path, does = motion.path, str(motion.sequence)
     sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
     found = yields(chain, tolerances, target=sequence, **counted)
-    killer = killer_of_cycle(chain, tolerances) if does == sequence else None
-    return _told(path, sequence, does, does == sequence, found, killer)
+    critical_change = critical_change_of_cycle(chain, tolerances) if does == sequence else None
+    return _told(path, sequence, does, does == sequence, found, critical_change)
 
 
 def _of_program(program: Program, tolerances: Tolerances, counted: dict[str, Any]) -> Check:
     chain, points = program.chain, program.turning_points
     start, target = program.start, program.target
     found = survival(chain, points, target, tolerances, start=start, **counted)
-    does_it = ends_right(chain, points, start, target)
-    killer = killer_of_program(program, tolerances) if does_it else None
-    does = f"{start} to {target if does_it else program.arrives}"
-    return _told(program.path, f"{start} to {target}", does, does_it, found, killer)
+    meets_target = ends_right(chain, points, start, target)
+    critical_change = critical_change_of_program(program, tolerances) if meets_target else None
+    does = f"{start} to {target if meets_target else program.arrives}"
+    return _told(program.path, f"{start} to {target}", does, meets_target, found, critical_change)
 
 
 def _told(
-    path: Path, target: str, does: str, does_it: bool, made: Yield | Survival, killer: Change | None
+    path: Path,
+    target: str,
+    does: str,
+    meets_target: bool,
+    made: Yield | Survival,
+    critical_change: Change | None,
 ) -> Check:
     tied = bool(path.degenerate)
-    verdict = judged(does_it=does_it, tied=tied, interval=made.interval)
+    verdict = judged(meets_target=meets_target, tied=tied, interval=made.interval)
     low, high = map(base.percent, made.interval)
-    if not does_it:
+    if not meets_target:
         reason = f"the drawing itself does {short(does)}"
     elif verdict is Verdict.WORKS:
         reason = f"the drawing does it, and so do at least {low} of those built"
@@ -334,11 +340,13 @@ def _told(
         reason = f"too few were made to be sure: {low} to {high} of those built do it"
     else:
         reason = f"the drawing does it, but only {low} to {high} of those built do"
-    if killer is not None and len(made.chain) <= LONGEST_FOLLOWED:
+    if critical_change is not None and len(made.chain) <= LONGEST_FOLLOWED:
         # Found here, once: reports only read it.
-        _ = killer.becomes
-    worth = measurement(made) if does_it and not tied else None
+        _ = critical_change.becomes
+    worth = measurement(made) if meets_target and not tied else None
     chain = made.chain
     # Two bands in one hole are odd once.
-    odd = tuple(dict.fromkeys(_oddities(chain, path)))
-    return Check(chain, verdict, reason, target, does, does_it, path, made, killer, odd, worth)
+    odd = tuple(dict.fromkeys(_warnings(chain, path)))
+    return Check(
+        chain, verdict, reason, target, does, meets_target, path, made, critical_change, odd, worth
+    )

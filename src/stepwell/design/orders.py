@@ -157,7 +157,7 @@ def of_sequence(text: str) -> Orders:
 
 
 @dataclass(frozen=True)
-class Wish:
+class TargetOrders:
     """Orders that do what is wanted."""
 
     orders: tuple[Orders, ...]  # different ones; any will do
@@ -173,7 +173,7 @@ class Wish:
         return len(self.orders[0]) if self.orders else len(next(iter(self.states or ("",))))
 
 
-def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wish:
+def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> TargetOrders:
     """Orders for which exactly these states, or "all", can be reached from all cells at 0.
 
     What two orders tell that can be reached are the order ideals of i < j where F0_i < F0_j and
@@ -194,11 +194,11 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
                 f"{state} is not among the wanted states, but a chain has all its cells at {name} "
                 f"in every full cycle: add it"
             )
-            return Wish((), states=listed, why=why, never=True)
+            return TargetOrders((), states=listed, why=why, never=True)
     try:
         return _realised(_partial_order(target, n), alike, listed)
     except NoOrders as reason:
-        return Wish((), states=listed, why=str(reason), stepwise=_stepwise(target, n))
+        return TargetOrders((), states=listed, why=str(reason), stepwise=_stepwise(target, n))
 
 
 def _stepwise(target: set[str], n: int) -> bool:
@@ -209,7 +209,7 @@ def _stepwise(target: set[str], n: int) -> bool:
     return bool(front)
 
 
-def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wish:
+def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> TargetOrders:
     clash = _clash(below)
     if clash is not None:
         a, b = clash
@@ -225,8 +225,8 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wis
         if alike and antichain:
             break  # all others have the same pattern
         if len(found) == _TRIED or looked_at == _LOOKED_AT:
-            return Wish(tuple(found.values()), False, states)
-    return Wish(tuple(found.values()), True, states)
+            return TargetOrders(tuple(found.values()), False, states)
+    return TargetOrders(tuple(found.values()), True, states)
 
 
 def _listed(given: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:

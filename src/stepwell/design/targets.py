@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from stepwell.base import ByValue, few
 from stepwell.concave import one_travel, proved_cells, relays
-from stepwell.design.orders import Orders, Wish, by_cells_at_1, short
+from stepwell.design.orders import Orders, TargetOrders, by_cells_at_1, short
 from stepwell.mechanism import Chain
 from stepwell.sequences import Branches, Sequence, cycle
 from stepwell.statics import Landing, StaticsError, Tie
@@ -126,7 +126,7 @@ class Target:
     """A cycle, or a set of states that shall be in reach and no others."""
 
     text: str  # what is wanted
-    wish: Wish  # the orders of concave cells that do it
+    wish: TargetOrders  # the orders of concave cells that do it
     by_states: bool
 
     @cached_property

@@ -16,6 +16,7 @@ from stepwell.figures.cells.labelled import labelled_cell, labelled_chain
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.common.write import PRINT_DPI, save, svg
 from stepwell.figures.composing import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
+from stepwell.figures.defaults import plot
 from stepwell.figures.graphs import machines, transition_graph
 from stepwell.figures.maps import transition_map
 from stepwell.figures.measured import (
@@ -38,7 +39,6 @@ from stepwell.figures.robots.trajectory import trajectories, trajectory
 from stepwell.figures.robots.walks import contacts, gait
 from stepwell.figures.robustness import margins, tornado, yield_bars
 from stepwell.figures.studies import influences, outcomes
-from stepwell.figures.usual import plot
 
 __all__ = [
     "JOURNAL_WIDTHS",

@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.base import Bools, Floats, Quantity, told_in
+from stepwell.base import Bools, Floats, Quantity, display_unit
 from stepwell.design import Boundary
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, sequence_words
@@ -201,7 +201,7 @@ class _Curves(NamedTuple):
 def _axis(dataset: Dataset, name: str) -> _Axis:
     coordinate = dataset[name]
     values = coordinate.to_numpy().astype(float)
-    unit, scale = told_in(str(coordinate.attrs["units"]))
+    unit, scale = display_unit(str(coordinate.attrs["units"]))
     # A bare number has no unit to be told.
     unit = f" [{Quantity('', unit).sign}]" if unit not in ("", "1") else ""
     cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")

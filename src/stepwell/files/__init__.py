@@ -40,7 +40,13 @@ if TYPE_CHECKING:
         loads_arena_tables,
     )
     from stepwell.files.known import columns_of, known_keys, new_cells
-    from stepwell.files.robot_parameters import Given, key_unit, parameters, provenance, vary
+    from stepwell.files.robot_parameters import (
+        RobotParameter,
+        key_unit,
+        parameters,
+        provenance,
+        vary,
+    )
     from stepwell.files.write import dumps, loads_rig, rig_toml, save, with_program
 
 __all__ = [
@@ -49,7 +55,7 @@ __all__ = [
     "DesignError",
     "DesignFile",
     "Presets",
-    "Given",
+    "RobotParameter",
     "IncompleteError",
     "OverwriteError",
     "WrittenProgram",
@@ -98,7 +104,7 @@ _LATE = {
         "loads_arena_tables",
     ),
     "known": ("columns_of", "known_keys", "new_cells"),
-    "robot_parameters": ("Given", "key_unit", "parameters", "provenance", "vary"),
+    "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
     "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),
 }
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from stepwell import mechanism
-from stepwell.base import Floats, InputError, Measure, StepwellError, told_in
+from stepwell.base import Floats, InputError, Measure, StepwellError, display_unit
 from stepwell.files.schema import chain as chain_schema, elements as element_schema
 from stepwell.files.schema.keys import field_of, fields, key_of, si, slip_text, written
 from stepwell.files.text import Written, array, inline, lines, parsed, value_text
@@ -119,7 +119,7 @@ def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
 
 def _refuse_lost(element: mechanism.Element) -> None:
     """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
-    unit, factor = told_in(element.measure.travel_unit)
+    unit, factor = display_unit(element.measure.travel_unit)
     sheets = element.sheets
     for k, sheet in enumerate(sheets):
         ends = ("below", sheet.begin, sheet.below), ("above", sheet.end, sheet.above)

@@ -7,7 +7,7 @@ from decimal import Decimal
 from operator import lt
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue, to_unit, told_in
+from stepwell.base import ByValue, display_unit, to_unit
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.keys import si, written
 from stepwell.files.text import array, quoted, toml, value_text
@@ -91,7 +91,7 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
         if _near_nothing(points, chain) and not keys.unusual:
             meant = array(toml(point * 1000) for point in drives)
             fits = to_unit(max(points), "mm") <= (1 + _SAME) * chain.full_stroke
-            unit, factor = told_in(chain.measure.travel_unit)
+            unit, factor = display_unit(chain.measure.travel_unit)
             share = max(map(abs, points)) / chain.full_stroke
             problems.append(
                 f"program.{key} = {value_text(drives)}: stays within {share:.2g} of the chain's "
@@ -131,7 +131,7 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
         sum(cell.low if cell.stopped[0] else -math.inf for cell in chain.cells),
         sum(cell.high if cell.stopped[1] else math.inf for cell in chain.cells),
     ]
-    unit, factor = told_in(chain.measure.travel_unit)
+    unit, factor = display_unit(chain.measure.travel_unit)
     found: list[str] = []
     for i, point in enumerate(points):
         place = f"program.{_key(chain)}[{i}] = {point * factor:.12g}"

@@ -19,7 +19,7 @@ _SEVERAL = (re.compile(rf"^leg{_ITEM}"), re.compile(rf"(?<=chain\.cell){_ITEM}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Given(ByValue):
+class RobotParameter(ByValue):
     """A number of a robot, or several that belong together, and where they come from.
 
     Attributes:
@@ -41,11 +41,11 @@ class Given(ByValue):
         return f"{self.path} = {numbers}{unit} ({self.source})"
 
 
-def parameters(robot: Robot) -> tuple[Given, ...]:
+def parameters(robot: Robot) -> tuple[RobotParameter, ...]:
     """Every number of a robot by itself, also those that its file leaves out, in its order."""
     of, _ = sources(robot, _lists(robot))
     return tuple(
-        Given(spelled(steps), (float(value),), _unit(steps), of[steps])
+        RobotParameter(spelled(steps), (float(value),), _unit(steps), of[steps])
         for steps, value in leaves(tree_of(robot))
         if is_number(value) and steps in of
     )
@@ -164,7 +164,7 @@ def _of_file(value: Any) -> Any:
         raise InputError(f"{value_text(value)} is no number.") from None
 
 
-def provenance(robot: Robot) -> tuple[Given, ...]:
+def provenance(robot: Robot) -> tuple[RobotParameter, ...]:
     """Every number of a robot with its source, in the order of a design file.
 
     Coordinates stand together, and what legs and cells share stands once, with `*` in its path.
@@ -175,9 +175,9 @@ def provenance(robot: Robot) -> tuple[Given, ...]:
     return tuple(found)
 
 
-def _by_list(numbers: Iterable[Given]) -> list[Given]:
+def _by_list(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
     lists = grouped((re.sub(r"(?:\[\d+\])+$", "", one.path), one) for one in numbers)
-    found: list[Given] = []
+    found: list[RobotParameter] = []
     for path, items in lists.items():
         if len({(item.unit, item.source) for item in items}) == 1:
             values = tuple(item.values[0] for item in items)
@@ -187,11 +187,11 @@ def _by_list(numbers: Iterable[Given]) -> list[Given]:
     return found
 
 
-def _shared(numbers: list[Given], several: re.Pattern[str]) -> list[Given]:
+def _shared(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[RobotParameter]:
     """Numbers that are alike in every leg or cell, once."""
     alike = grouped((several.sub(_any, one.path), one) for one in numbers)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
-    found: list[Given] = []
+    found: list[RobotParameter] = []
     for number in numbers:
         path = several.sub(_any, number.path)
         items = alike[path]

@@ -22,9 +22,9 @@ from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
-from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.read import Batch, hashes, read, read_all, read_bytes, table, to_csv
 from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
 from stepwell.lab.series import Series, Sorted, sort_series
 from stepwell.lab.snaps import MeasuredSnap, find_snaps
@@ -77,7 +77,7 @@ __all__ = [
     "as_built",
     "band_table",
     "band_test",
-    "batch_oddities",
+    "batch_warnings",
     "calibrate",
     "calibrated_table",
     "choose_law",
@@ -88,7 +88,7 @@ __all__ = [
     "hashes",
     "hysteresis",
     "mean_curve",
-    "oddities",
+    "recording_warnings",
     "prepare",
     "pulls_of",
     "read",

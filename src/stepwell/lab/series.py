@@ -14,9 +14,9 @@ import numpy as np
 from stepwell.base import Bools, ByValue, Floats, counted, grouped, to_unit
 from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
-from stepwell.lab.recordings.oddities import missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import LabError, Recording, Setup
+from stepwell.lab.recordings.recording_warnings import missing, recording_warnings, unlike, unusable
 from stepwell.lab.rig import judged, path_of, predicted_force, quiet_zones
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.statics import Path
@@ -486,6 +486,6 @@ def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     told = grouped(
         (line, run.name)
         for run in repeats
-        for line in (*oddities(run), *beside.get(run.source, ()))
+        for line in (*recording_warnings(run), *beside.get(run.source, ()))
     )
     return [f"{', '.join(names)}: {line}" for line, names in told.items()]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, told_in
+from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, display_unit
 from stepwell.mechanism import cubics, element_curves
 from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
 
@@ -327,7 +327,7 @@ class Element(ByValue, Drawn):
         far |= (travel < chosen.begin - slip) & (not opens[0])
         far |= (travel > chosen.end + slip) & (not opens[1])
         if far.any():
-            unit, factor = told_in(self.measure.travel_unit)
+            unit, factor = display_unit(self.measure.travel_unit)
             worst = float(np.ravel(travel)[np.argmax(np.ravel(far))])
             raise InputError(
                 f"travel = {worst * factor:.6g} {unit}: must be between "
@@ -338,7 +338,7 @@ class Element(ByValue, Drawn):
         return chosen.extended(opens, force), travel
 
     def __repr__(self):
-        unit, factor = told_in(self.measure.travel_unit)
+        unit, factor = display_unit(self.measure.travel_unit)
         name = f"{self.name!r}, " if self.name else ""
         ends = {(True, True): "stops", (False, False): "open"}.get(self.stopped, "one stop")
         folds = f", {len(self.sheets)} sheets" if len(self.sheets) > 1 else ""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Measure, check, require, told_in
+from stepwell.base import Floats, InputError, Measure, check, display_unit, require
 from stepwell.mechanism import cubics
 from stepwell.mechanism.phase import Sheet
 
@@ -30,7 +30,7 @@ def checked(
     x, y = pairs(travel, force, measure, least)
     steps = np.diff(x)
     if np.any(steps <= 0.0):
-        unit, factor = told_in(measure.travel_unit)
+        unit, factor = display_unit(measure.travel_unit)
         at = int(np.argmax(steps <= 0.0))
         back = "falls back" if steps[at] < 0 else "stays"
         raise InputError(
@@ -82,7 +82,7 @@ def smoothed(x: Floats, y: Floats, noise: float, measure: Measure) -> Floats:
     drops = [forces[a] - forces[b] for a, b in pairwise(turns)]
     least = min((drop for drop in drops if drop > 0.0), default=np.inf)
     if least < 2.0 * noise:
-        unit, factor = told_in(measure.force_unit)
+        unit, factor = display_unit(measure.force_unit)
         raise InputError(
             f"noise = {noise * factor:.4g} {unit}: a snap of the smoothed curve drops by "
             f"{least * factor:.4g} {unit} only, less than twice that, so nothing tells it "
@@ -103,7 +103,7 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
         if number:
             unstable += _turn(x, y, a)
             if unstable < 0:
-                unit, factor = told_in(measure.travel_unit)
+                unit, factor = display_unit(measure.travel_unit)
                 raise InputError(
                     f"at travel {x[a] * factor:.6g} {unit} the curve folds counterclockwise (force "
                     f"over {measure.travel}), which ends an instability that it never had: it "
@@ -149,7 +149,7 @@ def _landing(
         stable, _, rows, end = stretches[j]
         if stable and rows[0, 0] <= at <= end and float(cubics.integral(rows, np.array(at))) < here:
             return sum(one.stable for one in stretches[:j])
-    unit, factor = told_in(measure.travel_unit)
+    unit, factor = display_unit(measure.travel_unit)
     raise InputError(
         f"at travel {at * factor:.6g} {unit} a stable stretch of the curve ends, and no stable one "
         f"of less energy that follows along the arc holds that travel: there is nowhere to land. "
@@ -160,7 +160,7 @@ def _landing(
 def _refuse_standing(x: Floats, measure: Measure) -> None:
     still = np.flatnonzero(np.diff(x) == 0.0)
     if len(still):
-        unit, factor = told_in(measure.travel_unit)
+        unit, factor = display_unit(measure.travel_unit)
         at = int(still[0])
         raise InputError(
             f"travel[{at + 1}] = {x[at + 1] * factor:.6g} {unit}, as the point before: "
@@ -189,7 +189,7 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
         low, below = _end(place, parts, 0, stops)
         high, above = _end(place, parts, 1, stops)
         if not low < high:
-            unit, factor = told_in(elements[0].measure.travel_unit)
+            unit, factor = display_unit(elements[0].measure.travel_unit)
             raise InputError(
                 f"elements share no travel where they should stand side by side: one begins at "
                 f"{low * factor:.6g} {unit}, where another has ended at {high * factor:.6g} {unit}."

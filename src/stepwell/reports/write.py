@@ -148,7 +148,7 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a map as CSV: curve, kind and both parameters, a row for every point."""
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
-        units = [base.told_in(unit) for unit in boundary.units]
+        units = [base.display_unit(unit) for unit in boundary.units]
         named = zip(boundary.parameters, units, strict=True)
         keys = (base.Quantity(name, "" if unit == "1" else unit).key for name, (unit, _) in named)
         head, (across, up) = ["curve", "kind", *keys], (factor for _, factor in units)

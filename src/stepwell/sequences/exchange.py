@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stepwell.base import InputError, Quantity, grouped, plain, told_in
+from stepwell.base import InputError, Quantity, display_unit, grouped, plain
 from stepwell.sequences.nodes import Node, Transition, TransitionKind
 from stepwell.sequences.transition_graph import TransitionGraph, measure_of
 from stepwell.statics import Tie
@@ -32,7 +32,7 @@ def endings(unit: str) -> Endings:
 
 def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> str:
     """Drives as people read them, in mm, N and such, or bare."""
-    told, factor = told_in(unit)
+    told, factor = display_unit(unit)
     sign = Quantity("drive", told).sign
     return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {sign}".rstrip()
 

@@ -12,7 +12,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, Floats, Ints, number, same
+from stepwell.base import ByValue, Floats, Ints, deep_equal, number
 
 
 class TransitionKind(Enum):
@@ -156,7 +156,7 @@ class Nodes(Sequence[Node]):
             return NotImplemented
         if not (np.array_equal(self.low, other.low) and np.array_equal(self.high, other.high)):
             return False
-        return all(map(same, self, other))
+        return all(map(deep_equal, self, other))
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -13,7 +13,7 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, checked_state
 from stepwell.sequences.passages import Order, SmoothRun, order_kept, passages_of, state_of
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
-from stepwell.statics import Configuration, Landing, StaticsError, a_ratio, path
+from stepwell.statics import Configuration, Landing, StaticsError, checked_ratio, path
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
@@ -137,7 +137,7 @@ def program(
     """
     start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "target", target)
-    robust = None if robust is None else a_ratio("robust", robust)
+    robust = None if robust is None else checked_ratio("robust", robust)
     try:
         return _planned(chain, start, target, robust, progress)
     except Unreachable as why:

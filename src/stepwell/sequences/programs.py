@@ -209,11 +209,14 @@ class Program(base.ByValue, base.Drawn):
             *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
             ("end", self.end, self.low, self.high),
         ]
-        schema = base.Quantity("what"), *turn_schema(base.told_in(self.chain.drive_unit)[0])[:3]
+        schema = (
+            base.Quantity("what"),
+            *turn_schema(base.display_unit(self.chain.drive_unit)[0])[:3],
+        )
         base.write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
 
     def __str__(self):
-        told, factor = base.told_in(self.chain.drive_unit)
+        told, factor = base.display_unit(self.chain.drive_unit)
         unit = base.Quantity("drive", told).sign
         # A billionth of the way is rounding, and no place to stand.
         least = 1e-9 * max(map(abs, self.turning_points))

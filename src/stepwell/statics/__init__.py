@@ -23,7 +23,7 @@ from stepwell.statics.batch import Designs, full_cycles, nominal
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import History, InertialLanding
-from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
+from stepwell.statics.landing_robustness import Landing, OtherLanding, Proof, checked_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.places import (
@@ -40,7 +40,7 @@ from stepwell.statics.run import full_cycle, path
 __all__ = [
     "Cause",
     "Decided",
-    "Elsewhere",
+    "OtherLanding",
     "Event",
     "EventKind",
     "History",

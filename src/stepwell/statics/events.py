@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, grouped, number, to_unit, told_in
+from stepwell.base import ByValue, Floats, Measure, display_unit, grouped, number, to_unit
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged, state
 
@@ -84,7 +84,7 @@ class Event(ByValue):
     decided: Decided | None = None
 
     def __repr__(self):
-        unit, factor = told_in(self.measure.travel_unit)
+        unit, factor = display_unit(self.measure.travel_unit)
         moves = ", ".join(
             f"cell {c + 1} {a * factor:.4g}→{b * factor:.4g} {unit}"
             for c, a, b in zip(self.cells, self.before, self.after, strict=True)

@@ -14,7 +14,7 @@ from stepwell.statics import outcome, ride
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
 from stepwell.statics.following.state import DrivenChain
-from stepwell.statics.landed import Place, same_place, state_of
+from stepwell.statics.landing_robustness import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
 
 # The push on the leader that sets it off, as a share of the largest force.

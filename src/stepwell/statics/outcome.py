@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from stepwell.base import Floats, StepwellError, few, to_unit, told_in
+from stepwell.base import Floats, StepwellError, display_unit, few, to_unit
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics.following.certificate import ENERGY, EQUILIBRIUM, STABILITY, STROKE
 from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, RUNS_AWAY, STALLED
@@ -39,8 +39,8 @@ def refuse_failure(
     status: int, chain: Chain, travels: Floats, force: float, involved: Sequence[int]
 ) -> NoReturn:
     """Raise StaticsError with the advice that belongs to `status` and to the cells involved."""
-    measure, (unit, factor) = chain.measure, told_in(chain.measure.travel_unit)
-    pull, by = told_in(measure.force_unit)
+    measure, (unit, factor) = chain.measure, display_unit(chain.measure.travel_unit)
+    pull, by = display_unit(measure.force_unit)
     inside = ", ".join(
         f"{name} {s * factor:.4g} {unit}"
         for name, s in zip(chain.names[:8], travels[:8], strict=True)
@@ -144,7 +144,7 @@ def advice_on_tie(
 
 
 def _drive(chain: Chain, drive: float) -> str:
-    unit, factor = told_in(chain.drive_unit)
+    unit, factor = display_unit(chain.drive_unit)
     return f"drive {drive * factor:.6g} {unit}"
 
 
@@ -156,7 +156,7 @@ def _nudge(chain: Chain, index: int) -> str:
 
 def _friction(chain: Chain, index: int) -> str:
     """A friction that sets the forces of a cell one percent of their largest apart."""
-    pull, by = told_in(chain.measure.force_unit)
+    pull, by = display_unit(chain.measure.force_unit)
     return f"a friction of {0.01 * chain.cells[index].largest_force * by:.2g} {pull}"
 
 

@@ -22,7 +22,7 @@ from stepwell.statics.events import (
 )
 from stepwell.statics.following import certificate, log as logged, state
 from stepwell.statics.inertial import InertialLanding, inertial_landing
-from stepwell.statics.landed import Landing, a_ratio, landings, samples_for
+from stepwell.statics.landing_robustness import Landing, checked_ratio, landings, samples_for
 from stepwell.statics.landings.start import Snap, snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration, drive_weights, problem_of
@@ -196,7 +196,7 @@ class Path(base.ByValue, base.Drawn):
             ValueError: a ratio, a bound or a seed that is not allowed.
         """
         snaps = [event for event in self.events if event.kind is EventKind.SNAP]
-        tried = a_ratio("ratio", ratio), samples_for(bound), base.check.whole("seed", seed, 0)
+        tried = checked_ratio("ratio", ratio), samples_for(bound), base.check.whole("seed", seed, 0)
         return tuple(landings(self.chain, self._problem, self._snaps(), snaps, tried))
 
     def _snaps(self) -> Iterator[Snap]:
@@ -368,7 +368,7 @@ class Path(base.ByValue, base.Drawn):
         folds = any(len(element.laws) > 1 for element in self.chain.elements)
         each = "on which sheet of its curve each cell is"
         sheet = base.Quantity("sheet", doc=each, dims=("cell",))
-        drive = base.told_in(self.chain.drive_unit)[0]
+        drive = base.display_unit(self.chain.drive_unit)[0]
         schema = (
             base.Quantity("drive", drive, doc="actuator coordinate"),
             base.Quantity("stroke", "mm", doc=outermost),
@@ -385,7 +385,7 @@ class Path(base.ByValue, base.Drawn):
 
     def __repr__(self):
         snaps = int(np.sum(self._log.segments[:, logged.KIND] == logged.SNAP))
-        drive = base.Quantity("drive", base.told_in(self.chain.drive_unit)[0])
+        drive = base.Quantity("drive", base.display_unit(self.chain.drive_unit)[0])
         turns = " → ".join(f"{t * drive.factor:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
         return (

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell import mechanism as mech
-from stepwell.base import Floats, InputError, Ints, told_in
+from stepwell.base import Floats, InputError, Ints, display_unit
 from stepwell.kernels import UNLIMITED, entry, leaf
 from stepwell.mechanism import Cell, Chain, Laws, Sheets, Stretch
 from stepwell.statics.following import log as logged, pieces as cutting, state as st
@@ -236,7 +236,7 @@ def travel_in(problem: DrivenChain, cell: int, stretch: Stretch, force: float) -
 
 
 def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:
-    unit, factor = told_in(chain.drive_unit)
+    unit, factor = display_unit(chain.drive_unit)
     raise InputError(
         f"turning_points[0] = {drive * factor:.9g} {unit}: in the state {state} the chain stands "
         f"from {low * factor:.9g} to {high * factor:.9g} {unit}; begin "
@@ -265,7 +265,7 @@ def starting_configuration(
     travels = np.asarray(given, float)
     if travels.shape != (len(chain),):
         raise InputError(f"start has shape {travels.shape}: must be ({len(chain)},) travels [m].")
-    laws, (unit, factor) = problem.laws, told_in(chain.measure.travel_unit)
+    laws, (unit, factor) = problem.laws, display_unit(chain.measure.travel_unit)
     counts = [1 if isinstance(cell, Cell) else len(cell.sheets) for cell in chain.cells]
     named = len(sheets) == len(chain)
     if not named or any(not 0 <= k < n for k, n in zip(sheets, counts, strict=True)):
@@ -298,7 +298,7 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
     state = st.blank_state(travels, logged.empty_log(0, 0))
     stroke = float(np.sum(travels))
     if beta == 0 and abs(stroke - drive) > 1e-9 * full:
-        unit, factor = told_in(chain.measure.travel_unit)
+        unit, factor = display_unit(chain.measure.travel_unit)
         raise InputError(
             f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "
             f"{chain.measure.stroke} of {stroke * factor:.9g} {unit}; begin there, or pass "
@@ -371,8 +371,8 @@ def stand_at(
 
 def _unbalanced(chain: Chain, problem: DrivenChain, state: State, force: float) -> str:
     laws, ends, forces = problem.laws, problem.sheets.ends, state.at_rest
-    unit, factor = told_in(chain.measure.travel_unit)
-    of_force, size = told_in(chain.measure.force_unit)
+    unit, factor = display_unit(chain.measure.travel_unit)
+    of_force, size = display_unit(chain.measure.force_unit)
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]

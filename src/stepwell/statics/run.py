@@ -6,7 +6,7 @@ from time import process_time
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Measure, told_in
+from stepwell.base import Floats, InputError, Measure, display_unit
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics import outcome, places, sorted_cycle
@@ -195,7 +195,7 @@ def _reached_turns(chain: Chain, problem: DrivenChain, points: Floats) -> Floats
     outside = (points < least - slip) | (points > most + slip)
     if outside.any():
         worst, measure = float(points[outside][0]), chain.measure
-        unit, factor = told_in(measure.travel_unit)
+        unit, factor = display_unit(measure.travel_unit)
         what = "all travels" if measure is Measure.TRAVEL else f"every {measure.travel}"
         raise InputError(
             f"turning_points: {worst * factor:.6g} {unit} is out of reach: must be between "

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Quantity, check, told_in, write_csv
+from stepwell.base import ByValue, Floats, InputError, Quantity, check, display_unit, write_csv
 from stepwell.design import Draws, Tolerances, parameter
 from stepwell.files import key_unit, vary
 from stepwell.mechanism import Cell, Chain
@@ -309,7 +309,7 @@ class ListedDesigns(ByValue):
         """Write the list as `read_table` reads it; an `OSError` where it cannot be written."""
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), range(self.count))]
         for name, values in zip(self.columns, self.rows.T, strict=True):
-            unit = told_in(unit_in(subject, name))[0] if isinstance(subject, Chain) else ""
+            unit = display_unit(unit_in(subject, name))[0] if isinstance(subject, Chain) else ""
             columns.append((Quantity(name, "" if unit == "1" else unit), values))
         write_csv(file, columns)
 
@@ -415,7 +415,7 @@ def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:
         except ValueError as error:
             problem = problem or error
             continue
-        told, factor = told_in(unit) if isinstance(subject, Chain) else (unit, 1.0)
+        told, factor = display_unit(unit) if isinstance(subject, Chain) else (unit, 1.0)
         # With the unit in which a table tells it, or without.
         if head in (name, Quantity(name, "" if told == "1" else told).key):
             return name, factor

@@ -146,7 +146,7 @@ class Study(base.ByValue):
         unit = self.columns[name]
         if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, robot.Robot)):
             return "", 1.0
-        return base.told_in(unit)
+        return base.display_unit(unit)
 
     @cached_property
     def work(self) -> Work:

@@ -21,7 +21,7 @@ ENGINES = CPU, WARP = ("cpu", "warp")
 # is one of those that are computed in any case, one of `ONE_OF` by lot.
 SCREENED, ONE_OF = "screened", 10
 SCREEN_COLUMNS = {SCREENED: TEXT, "again": "1", "lot": "1"}
-Given = Mapping[str, Any]
+RobotParameter = Mapping[str, Any]
 
 
 class Screen(NamedTuple):
@@ -41,7 +41,7 @@ class Work(NamedTuple):
     screen: Screen | None = None  # what chooses the designs that are computed, else all
 
 
-def work_of(what: str, given: Given, subject: Subject) -> Work:
+def work_of(what: str, given: RobotParameter, subject: Subject) -> Work:
     """What is computed under a name, one of `WORKS`, of a design; "atlas" takes blocks of designs.
 
     Besides the design there is `given` by name: of a program `start` and `target`; of a walk
@@ -267,7 +267,11 @@ def _atlas(subject: Chain, drive: str = "stroke") -> Work:
 
 
 def _call(
-    subject: Subject, file: str = "", name: str = "", sha256: str = "", units: Given | None = None
+    subject: Subject,
+    file: str = "",
+    name: str = "",
+    sha256: str = "",
+    units: RobotParameter | None = None,
 ) -> Work:
     function, digest = _loaded(file, name)
     if digest != sha256:

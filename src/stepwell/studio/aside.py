@@ -21,7 +21,7 @@ _USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize",
 _EVERY = 0.1
 
 
-class Aside:
+class WorkerProcess:
     """One process at a time; it starts with the first work and stays warm for the next."""
 
     def __init__(self) -> None:

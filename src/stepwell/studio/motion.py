@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from stepwell.accounts import assumptions
-from stepwell.base import Floats, Ints, __version__, plain, told_in
+from stepwell.base import Floats, Ints, __version__, display_unit, plain
 from stepwell.design import Change, Margin, margin
 from stepwell.mechanism import Cell, Chain, Element, phase_at
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.ask import View
 
-MM, MJ = told_in("m")[1], told_in("J")[1]
+MM, MJ = display_unit("m")[1], display_unit("J")[1]
 # A picture needs no more samples than this on all smooth segments together, nor on one of them;
 # and so many on a segment that takes the whole range of the drive.
 _ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
@@ -30,7 +30,7 @@ def units_of(chain: Chain) -> dict[str, str]:
 def _told(chain: Chain) -> list[tuple[str, float]]:
     """Units of travel, force and drive, and how many of each make one in SI."""
     units = chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit
-    return [told_in(unit) for unit in units]
+    return [display_unit(unit) for unit in units]
 
 
 def drawn(path: Path) -> Path:
@@ -72,7 +72,7 @@ def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     for i, cell in enumerate(chain.cells):
         if isinstance(cell, Cell) or len(cell.laws) == 1:
             energy[:, i] = cell.energy_at(travel[:, i])
-    factor = told_in(chain.measure.travel_unit)[1]
+    factor = display_unit(chain.measure.travel_unit)[1]
     return {"landscape_travel": travel * factor, "landscape_energy": energy * MJ}
 
 
@@ -82,7 +82,10 @@ def cells_of(chain: Chain) -> list[dict[str, Any]]:
 
 
 def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
-    travel, force = told_in(cell.measure.travel_unit)[1], told_in(cell.measure.force_unit)[1]
+    travel, force = (
+        display_unit(cell.measure.travel_unit)[1],
+        display_unit(cell.measure.force_unit)[1],
+    )
     ends = cell.phases[0].force_high, cell.phases[-1].force_low
     told: dict[str, Any] = {
         "name": name,
@@ -138,7 +141,7 @@ def path_told(path: Path, few: Path) -> dict[str, Any]:
         "units": units_of(chain),
         "cells": cells_of(chain),
         "events": events_of(path.events, few),
-        "peak_force_N": path.peak_force * told_in(chain.measure.force_unit)[1],
+        "peak_force_N": path.peak_force * display_unit(chain.measure.force_unit)[1],
         "dissipated_mJ": path.dissipated * MJ,
     }
 
@@ -193,12 +196,12 @@ def _change(change: Change) -> dict[str, Any]:
 
 def program_told(found: Program) -> dict[str, Any]:
     """What a program does, its drives in the unit of `units_of`."""
-    drive = told_in(found.chain.drive_unit)[1]
+    drive = display_unit(found.chain.drive_unit)[1]
     return {
         "start": found.start,
         "target": found.target,
         "arrives": found.arrives,
-        "does_it": found.arrives == found.target and found.hangs is None,
+        "meets_target": found.arrives == found.target and found.hangs is None,
         "proved": found.shortest,
         "reason": found.reason,
         "turning_points_mm": [point * drive for point in found.turning_points],

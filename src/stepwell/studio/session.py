@@ -10,7 +10,7 @@ from typing import Any
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
 from stepwell.studio.answering import LONG, answered, tell, types
-from stepwell.studio.aside import Aside, prepare
+from stepwell.studio.aside import WorkerProcess, prepare
 from stepwell.studio.ask import View
 from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
 
@@ -114,7 +114,7 @@ class LongWork:
     """Long work of one type, in a process of its own."""
 
     def __init__(self, send: Send):
-        self.waiting, self.aside = Waiting(), Aside()
+        self.waiting, self.aside = Waiting(), WorkerProcess()
         self.running: Message | None = None
         self._send = send
         self._told: list[asyncio.Future[None]] = []

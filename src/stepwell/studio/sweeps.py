@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stepwell import files, mechanism, robot
-from stepwell.base import InputError, to_unit, told_in
+from stepwell.base import InputError, display_unit, to_unit
 from stepwell.design import parameter
 from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
 from stepwell.studio.ask import Ask, PageDesign
@@ -131,7 +131,7 @@ def _words_of(study: Study) -> list[str]:
     gridded, words = designs.how is How.GRID, list[str]()
     for axis in designs.axes:
         of_chain = isinstance(study.subject, mechanism.Chain)
-        factor = told_in(study.varied[axis.name])[1] if of_chain else 1.0
+        factor = display_unit(study.varied[axis.name])[1] if of_chain else 1.0
         ends = ":".join(f"{value * factor:.12g}" for value in (axis.low, axis.high))
         count = f":{axis.count}" * gridded
         words += ["--vary", f"{axis.name}={ends}{count}{':log' * axis.log}"]

@@ -37,7 +37,7 @@ def _in_unit(name: str, head: str, read: str) -> Quantity:
     """A number of a parameter, in the unit of this parameter."""
 
     def told(one: Known) -> float:
-        return getattr(one, read) * base.told_in(one.parameter.unit)[1]
+        return getattr(one, read) * base.display_unit(one.parameter.unit)[1]
 
     return Quantity(name, head=head, left=False, read=told, holds=float)
 
@@ -49,7 +49,7 @@ _KNOWN: Schema = (
     _in_unit("doubt", "±", "doubt"),
     _in_unit("doubt_before", "± before", "before"),
     Quantity(
-        "unit", "", "unit", lambda one: Quantity("", base.told_in(one.parameter.unit)[0]).sign
+        "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
     ),
     Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
 )

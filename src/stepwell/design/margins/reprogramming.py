@@ -234,7 +234,7 @@ class Reprogramming(base.ByValue):
         else:
             place = self.place
             assert not isinstance(place, tuple)
-            unit, factor = base.told_in(self.unit)
+            unit, factor = base.display_unit(self.unit)
             values = f"{place * factor:.4g} ({self.displacement * factor:+.4g})"
             lines = [f"set {self.by} to {values}{f' {unit}' * (unit != '1')}: {becomes}"]
         if self.resolution:

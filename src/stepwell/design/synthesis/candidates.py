@@ -11,7 +11,7 @@ from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
 from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, farthest
 from stepwell.design.plane import Box
-from stepwell.design.synthesis.region import Region, Stock
+from stepwell.design.synthesis.region import BandType, Region
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.mechanism import Cell, Linear, geometry
 
@@ -50,7 +50,7 @@ def differences(table: Candidates) -> Floats:
 class Kind:
     """A band on a lever, the limit in rad; `unusual` if odd sizes are meant."""
 
-    band: Stock
+    band: BandType
     lever: float
     limit: float
     unusual: bool = False

@@ -7,7 +7,16 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, Measure, Shown, StepwellError, to_unit, told_in
+from stepwell.base import (
+    ByValue,
+    Drawn,
+    Floats,
+    Measure,
+    Shown,
+    StepwellError,
+    display_unit,
+    to_unit,
+)
 from stepwell.concave import TIED, SortedChain
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
@@ -102,7 +111,7 @@ class Design(ByValue, Drawn):
         surely = "" if self.reached.whole else " surely"
         lines = [f"{short(self.sequence)}, {self.reached.count} states{surely} in reach"]
         placed = len({cell.bands[0].p for cell in levers_of(self.chain)}) > 1
-        force, factor = told_in(self.chain.measure.force_unit)
+        force, factor = display_unit(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
             if isinstance(cell, Element):
                 scales = f"force scale {cell.force_scale:.4g}, travel scale {cell.travel_scale:.4g}"

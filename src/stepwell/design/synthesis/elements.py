@@ -7,8 +7,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Ints, Progress, bisected, told_in, tracked
-from stepwell.design.orders import Wish, checked_cycle, of_states, orders_of, short
+from stepwell.base import Floats, InputError, Ints, Progress, bisected, display_unit, tracked
+from stepwell.design.orders import TargetOrders, checked_cycle, of_states, orders_of, short
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.targets import searched, unlike
@@ -133,7 +133,7 @@ class ElementTarget:
                 )
             return cls(text, last, (orders,), True, text, None)
         target = states if isinstance(states, str) else tuple(states or ())
-        wish: Wish = of_states(target, cells, True)
+        wish: TargetOrders = of_states(target, cells, True)
         listed = wish.states or frozenset(wish.orders[0].states)
         text = f"states {' '.join(target)}" if target != "all" else f"all states of {cells} cells"
         last = "1" * wish.cells
@@ -342,7 +342,7 @@ def _impossible(
     if not proved:
         why += "; random choices of elements and scales were followed by the engine, and none does"
     measure = elements[0].measure
-    unit, factor = told_in(measure.force_unit)
+    unit, factor = display_unit(measure.force_unit)
     largest = max(one.largest_force for one in elements) * scale[1]
     needed, gap = LEAST * largest, math.nan
     if math.isfinite(closest):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress
-from stepwell.design.orders import Wish, by_cells_at_1, of_sequence, of_states, short
+from stepwell.design.orders import TargetOrders, by_cells_at_1, of_sequence, of_states, short
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt
@@ -19,8 +19,8 @@ from stepwell.design.synthesis.region import (
     PAPER_LEVER,
     AnchorBox,
     AnchorPolygon,
+    BandType,
     Region,
-    Stock,
     usual_box,
 )
 from stepwell.design.synthesis.tries import Placed, Tries
@@ -47,7 +47,7 @@ def design(
     p: tuple[float, float] = (-0.010, 0.0),
     q: tuple[float, float] = (0.010, 0.0),
     free: str = "q",
-    bands: Sequence[Stock] = (PAPER_BAND,),
+    bands: Sequence[BandType] = (PAPER_BAND,),
     lever: Levers = PAPER_LEVER,
     limit: float = math.pi / 4,
     equal_levers: bool = True,
@@ -214,7 +214,7 @@ def _wanted(
     alike = len(set(some)) == 1
     if states is None:
         orders = of_sequence(str(sequence))
-        target = Target(short(str(orders.sequence)), Wish((orders,)), by_states=False)
+        target = Target(short(str(orders.sequence)), TargetOrders((orders,)), by_states=False)
     else:
         states = states if isinstance(states, str) else tuple(states)
         every = f"all states of {cells} cells"
@@ -262,9 +262,11 @@ def _refuse_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -
         raise InputError(f"free = {free!r}: must be one of {_FREE}.")
 
 
-def _refuse_sizes(bands: Sequence[Stock], levers: Sequence[float], limit: float) -> None:
-    if not bands or not all(isinstance(band, Stock) for band in bands):
-        raise InputError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
+def _refuse_sizes(bands: Sequence[BandType], levers: Sequence[float], limit: float) -> None:
+    if not bands or not all(isinstance(band, BandType) for band in bands):
+        raise InputError(
+            f"bands = {bands!r}: must be one BandType or more, as (BandType(28.5, 0.010),)."
+        )
     if not levers or not all(0 < r < math.inf for r in levers):
         raise InputError(f"lever = {levers}: must be > 0 and finite [m].")
     if not 0 < limit < math.pi / 2:
@@ -272,7 +274,7 @@ def _refuse_sizes(bands: Sequence[Stock], levers: Sequence[float], limit: float)
 
 
 def _refuse_aims(
-    tolerances: Tolerances, objective: str, bands: Sequence[Stock], most_force: float
+    tolerances: Tolerances, objective: str, bands: Sequence[BandType], most_force: float
 ) -> None:
     if not isinstance(tolerances, Tolerances):
         raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
@@ -318,7 +320,7 @@ def _round(regions: tuple[Region, ...]) -> Box:
 
 
 def _widest(
-    found: Attempt | None, chain: Chain, bands: Sequence[Stock], tolerances: Tolerances
+    found: Attempt | None, chain: Chain, bands: Sequence[BandType], tolerances: Tolerances
 ) -> Tolerances:
     if found is not None and found.best is not None:
         spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]

@@ -14,7 +14,7 @@ _HOOKE = Linear()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stock(ByValue):
+class BandType(ByValue):
     """A kind of band from a catalogue; ValueError for a value out of its range.
 
     Args:
@@ -34,7 +34,7 @@ class Stock(ByValue):
     law: Law = _HOOKE
 
     @classmethod
-    def of(cls, band: Band, spread: float | None = None, name: str = "") -> "Stock":
+    def of(cls, band: Band, spread: float | None = None, name: str = "") -> "BandType":
         """A band that there is, measured or of another design; its anchors are not looked at."""
         return cls(band.stiffness, band.rest_length, spread, name, band.law)
 
@@ -58,12 +58,12 @@ class Stock(ByValue):
         spread = "" if self.spread is None else f", ±{self.spread * 100:.3g} %"
         law = "" if isinstance(self.law, Linear) else f", {type(self.law).__name__}"
         return (
-            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={to_unit(self.rest_length, 'mm'):.4g} mm"
-            f"{spread}{law})"
+            f"BandType({name}k={self.stiffness:.4g} N/m, "
+            f"ℓ0={to_unit(self.rest_length, 'mm'):.4g} mm{spread}{law})"
         )
 
 
-PAPER_BAND = Stock()
+PAPER_BAND = BandType()
 
 
 # Half a micrometre: a hole this far outside is on the edge, and rounding put it there.

@@ -127,7 +127,7 @@ def frictionless(tolerances: Tolerances, chain: Chain) -> str:
         return ""
     least = float(np.min(np.abs(switching_forces(chain)), initial=math.inf))
     if chain.elements:
-        unit, factor = base.told_in(chain.measure.force_unit)
+        unit, factor = base.display_unit(chain.measure.force_unit)
         beside = f"switching forces of {least * factor:.3g} {unit}"
     else:
         beside = f"forces F0 and F1 of {base.to_unit(least, 'mN'):.3g} mN"

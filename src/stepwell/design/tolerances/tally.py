@@ -182,7 +182,7 @@ def landings_on_the_way(
     return () if relay_cycle(made) is not None else cycle(made).path.landings(ratio)
 
 
-class Tally:
+class OutcomeCounter:
     """What the first n mechanisms of some draws do, counted against what is wanted."""
 
     def __init__(

@@ -15,7 +15,14 @@ from stepwell.design.targets import reached, unsearchable
 from stepwell.design.tolerances import draws, survival
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import HANGS, Counted, RelayJudge, Tally, varied, why_none
+from stepwell.design.tolerances.tally import (
+    HANGS,
+    Counted,
+    OutcomeCounter,
+    RelayJudge,
+    varied,
+    why_none,
+)
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -194,11 +201,11 @@ def yields(
     All else as for `Chain.yields`.
     """
     _refuse(chain, tolerances, base.ONE_BY_ONE if samples is None else samples, seed)
-    robust = None if robust is None else statics.a_ratio("robust", robust)
+    robust = None if robust is None else statics.checked_ratio("robust", robust)
     states = _states(chain, tolerances, target)
     drawing = sequences.cycle(chain) if target is None or states is not None else None
     sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
-    tally = Tally(Draws(chain, tolerances, seed), sequence, states, robust)
+    tally = OutcomeCounter(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
         raise base.InputError(
             f"sensitivity = True: neighbours in an order are compared, and {short(sequence)} has "
@@ -263,7 +270,7 @@ def _refuse(chain: Chain, tolerances: draws.Tolerances, samples: int, seed: int)
     draws.meet(tolerances, chain)
 
 
-def _advice(tally: Tally, target: str) -> str:
+def _advice(tally: OutcomeCounter, target: str) -> str:
     if tally.successes:
         return ""
     if tally.outcomes().get(HANGS):
@@ -277,7 +284,7 @@ def _advice(tally: Tally, target: str) -> str:
     return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
 
 
-def _sensitivities(tally: Tally, n: int) -> Sensitivities:
+def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
     draws, judge, orders = tally.draws, tally.judge, tally.orders
     if judge is not None:
         return sensitivities(draws, lambda rows: judge(rows).gap)
@@ -289,7 +296,7 @@ def _sensitivities(tally: Tally, n: int) -> Sensitivities:
     return replace(found, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
 
 
-def _critical(tally: Tally) -> Critical | None:
+def _critical(tally: OutcomeCounter) -> Critical | None:
     """The pair most often in the other order; of several, the one most often the nearest."""
     if not tally.judged or tally.orders is None or not tally.wrong.size:
         return None
@@ -307,7 +314,7 @@ def _critical(tally: Tally) -> Critical | None:
     return Critical(cell[first], cell[second], pair, way, *shares, by[side])
 
 
-def _assumptions(tally: Tally, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:
+def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:
     if tally.states is not None:
         how = (
             f"{tally.by_engine} followed along every branch by the general engine"
@@ -349,7 +356,9 @@ def parts_of(found: Yield | survival.Survival) -> dict[str, draws.Part]:
     return Draws(found.chain, found.tolerances, found.seed).parts
 
 
-def with_known(found: Yield | survival.Survival, part: str, left: float, n: int) -> int:
+def with_tightened_tolerance(
+    found: Yield | survival.Survival, part: str, left: float, n: int
+) -> int:
     """How many of the first n mechanisms work where one part has the share `left` of its tolerance.
 
     The same mechanisms are made with the same luck; only that part, named as in `parts_of`, is
@@ -359,6 +368,6 @@ def with_known(found: Yield | survival.Survival, part: str, left: float, n: int)
     if isinstance(found, survival.Survival):
         return survival.count_ends(draws, found.turning_points, found.start, found.target, n)
     states = None if found.states is None else frozenset(found.states)
-    tally = Tally(draws, found.target, states, found.robust)
+    tally = OutcomeCounter(draws, found.target, states, found.robust)
     tally.count(n, None)
     return tally.successes

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from matplotlib.font_manager import FontProperties, findfont, fontManager
 from matplotlib.ft2font import FT2Font
 
-from stepwell.base import Measure, Quantity, printable, told_in
+from stepwell.base import Measure, Quantity, display_unit, printable
 from stepwell.mechanism import Chain
 
 
@@ -114,7 +114,7 @@ _SYMBOLS = {
 }
 
 
-class Told(NamedTuple):
+class AxisQuantity(NamedTuple):
     """A quantity as it is drawn: how many of its unit make one in SI is its factor."""
 
     word: str
@@ -137,27 +137,27 @@ class Told(NamedTuple):
         return minus(f"{told:.3g}" if abs(told) < 1000.0 else f"{told:.0f}")
 
 
-def stroke(measure: Measure) -> Told:
+def stroke(measure: Measure) -> AxisQuantity:
     """What all cells of a chain give together."""
     return _told(measure.stroke, _SYMBOLS[measure][0], measure.travel_unit)
 
 
-def travel(measure: Measure) -> Told:
+def travel(measure: Measure) -> AxisQuantity:
     """What one cell gives."""
     return _told(measure.travel, _SYMBOLS[measure][1], measure.travel_unit)
 
 
-def force(measure: Measure) -> Told:
+def force(measure: Measure) -> AxisQuantity:
     """What a cell resists with, and so the actuator."""
     return _told(measure.force, _SYMBOLS[measure][2], measure.force_unit)
 
 
-def actuator(measure: Measure) -> Told:
+def actuator(measure: Measure) -> AxisQuantity:
     """The force of the actuator, by its name alone."""
     return force(measure)._replace(word=f"Actuator {measure.force}", symbol="")
 
 
-def drive(chain: Chain) -> Told:
+def drive(chain: Chain) -> AxisQuantity:
     """What the actuator prescribes."""
     if chain.actuator_stiffness == 0:
         return actuator(chain.measure)
@@ -166,6 +166,6 @@ def drive(chain: Chain) -> Told:
     return stroke(chain.measure)._replace(word="Actuator", symbol="")
 
 
-def _told(word: str, symbol: str, unit: str) -> Told:
-    told, factor = told_in(unit)
-    return Told(word.capitalize(), symbol, Quantity(word, told).sign, factor)
+def _told(word: str, symbol: str, unit: str) -> AxisQuantity:
+    told, factor = display_unit(unit)
+    return AxisQuantity(word.capitalize(), symbol, Quantity(word, told).sign, factor)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, NoReturn
 
 from pydantic import PlainValidator, model_validator
 
-from stepwell.base import Measure, short, told_in
+from stepwell.base import Measure, display_unit, short
 from stepwell.files.schema import keys
 from stepwell.files.schema.keys import refuse
 from stepwell.mechanism import MOBILITIES
@@ -109,7 +109,7 @@ _MOST_SI = "1e60"
 
 def key_in(word: str, unit: str) -> str:
     """The key of a quantity in the unit in which files tell it: force and N as force_N."""
-    return f"{word}_{told_in(unit)[0]}"
+    return f"{word}_{display_unit(unit)[0]}"
 
 
 # The columns of a curve, travel first, by what they are.

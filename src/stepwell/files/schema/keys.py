@@ -26,7 +26,7 @@ def refuse(problem: str, key: str = "") -> NoReturn:
     raise PydanticCustomError("design", "{problem}", {"problem": problem, "key": key})
 
 
-def few(name: str, value: Any) -> Any:
+def require_at_most(name: str, value: Any) -> Any:
     """`value`, refused if it is a list of more than is allowed."""
     if isinstance(value, list) and len(value) > limits.most(name):
         refuse(limits.problem(name, len(value)))
@@ -35,14 +35,14 @@ def few(name: str, value: Any) -> Any:
 
 def at_most(name: str) -> BeforeValidator:
     """A list as a tuple, looked at only where it is no longer than the limit of that name."""
-    return BeforeValidator(lambda v: tuple(few(name, v)) if isinstance(v, list) else v)
+    return BeforeValidator(lambda v: tuple(require_at_most(name, v)) if isinstance(v, list) else v)
 
 
 def listed(name: str, value: Any, least: int, problem: str) -> list[Any]:
     """`value`, refused if it is no list, of too few or of more than is allowed."""
     if not isinstance(value, list) or len(value) < least:
         refuse(problem)
-    return few(name, value)
+    return require_at_most(name, value)
 
 
 def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:

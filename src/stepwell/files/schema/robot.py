@@ -44,7 +44,7 @@ def _cell(value: Any) -> int | str:
 def _paths(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(path, str) for path in value):
         keys.refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
-    return tuple(keys.few("sources", value))
+    return tuple(keys.require_at_most("sources", value))
 
 
 Size = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]

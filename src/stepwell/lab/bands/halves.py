@@ -11,9 +11,9 @@ import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, few, grouped, to_unit
 from stepwell.lab.recordings import recording as recorded
-from stepwell.lab.recordings.oddities import batch_oddities
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings.recording_warnings import batch_warnings
 
 CONFIDENCE = 0.95
 T = TypeVar("T")
@@ -117,7 +117,7 @@ def loops_of(
     told: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
     numbers: dict[str, int | None] = {}
-    odd = batch_oddities(recordings)
+    odd = batch_warnings(recordings)
     for recording, sample, number in _sorted(recordings, per_sample):
         if recorded.is_baseline(recording.name):
             told.append(f"{recording.source}: left out, its name says that no band was on")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, content_of, to_unit, told_in
+from stepwell.base import ByValue, Floats, InputError, Measure, content_of, display_unit, to_unit
 from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
 from stepwell.lab.recordings.text import parse_pair
 
@@ -114,7 +114,7 @@ class MeasuredCurve(ByValue):
         if half not in (None, "loading", "unloading"):
             raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None.")
         turns = turns_of(self.travel)
-        unit, factor = told_in(self.measure.travel_unit)
+        unit, factor = display_unit(self.measure.travel_unit)
         if half is None and turns:
             at = turns[0]
             raise LabError(

@@ -13,8 +13,8 @@ import numpy as np
 
 from stepwell import base
 from stepwell.base import ByValue, Ints, Quantity, Schema
-from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.recordings.text import parse
 
 if TYPE_CHECKING:
@@ -99,8 +99,10 @@ class Batch(ByValue):
     @cached_property
     def odd(self) -> tuple[tuple[str, ...], ...]:
         """What is odd in each recording, by itself and beside the others, a line for each thing."""
-        beside = batch_oddities(self.recordings)
-        return tuple((*oddities(one), *beside.get(one.source, ())) for one in self.recordings)
+        beside = batch_warnings(self.recordings)
+        return tuple(
+            (*recording_warnings(one), *beside.get(one.source, ())) for one in self.recordings
+        )
 
     def __repr__(self):
         return f"Batch({len(self.recordings)} recordings, {len(self.refused)} refused)"

@@ -11,11 +11,11 @@ from stepwell.base import __version__, notify, write_atomic
 from stepwell.files import staged_folder
 from stepwell.reports.story.steps import OPENING, Progress, StoryPiece, StoryStep, Telling
 
-Told = Sequence[tuple[Telling, StoryStep]]
+AxisQuantity = Sequence[tuple[Telling, StoryStep]]
 
 
 def write_story(
-    told: Told,
+    told: AxisQuantity,
     folder: str | os.PathLike[str],
     *,
     left_out: Sequence[Telling] = (),
@@ -48,7 +48,7 @@ def write_story(
     return tuple(sorted(contents))
 
 
-def _page(told: Told, left_out: Sequence[Telling]) -> str:
+def _page(told: AxisQuantity, left_out: Sequence[Telling]) -> str:
     page = Template((resources("stepwell.reports.story") / "story.html").read_text("utf-8"))
     numbered = enumerate(told, 1)
     return page.substitute(

@@ -8,10 +8,17 @@ from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import stand_all_on
 from stepwell.statics.following.snap import along_line
 from stepwell.statics.following.state import DrivenChain, State
+from stepwell.statics.landings.reachability import boxes_of, grid_of, keeps_off
+from stepwell.statics.landings.reachable_box import (
+    ReachableBox,
+    energy_of,
+    leads_on,
+    narrow,
+    room_of,
+    whole_room,
+)
 from stepwell.statics.landings.rests import places_of_rest
-from stepwell.statics.landings.room import Room, energy_of, leads_on, narrow, room_of, whole_room
 from stepwell.statics.landings.start import Start, room_for, stand_before
-from stepwell.statics.landings.ways import boxes_of, grid_of, keeps_off
 
 # Landings this share of the travel apart are one.
 _ALIKE = 1e-9
@@ -61,7 +68,7 @@ _COARSE, _FINE = 1500, 6000
 
 @kernel
 def lands_only_at(
-    problem: DrivenChain, start: Start, room: Room, landing: Floats, ratio: float
+    problem: DrivenChain, start: Start, room: ReachableBox, landing: Floats, ratio: float
 ) -> bool:
     """Whether a landing alone is reached for mobilities within `ratio`; inf: by energy alone."""
     laws, n = problem.laws, len(landing)

@@ -15,7 +15,7 @@ from stepwell.mechanism import law
 from stepwell.statics.following.log import Pair
 from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.state import DrivenChain, force_at
-from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room
+from stepwell.statics.landings.reachable_box import CLOSE, CLOSE_FORCE, ReachableBox
 from stepwell.statics.landings.start import Start
 
 # So many choices of branches are looked at, and so many intervals of λ: more are declined.
@@ -51,7 +51,7 @@ def _add(
 
 
 @kernel
-def _branches(problem: DrivenChain, room: Room) -> Stretches:
+def _branches(problem: DrivenChain, room: ReachableBox) -> Stretches:
     # One function: every cell adds to the same seven arrays.
     pieces, n, stops = problem.pieces, len(room.low), room.stops
     count = 4 * n + np.sum(pieces.among[:, 1] - pieces.among[:, 0])
@@ -101,7 +101,13 @@ def _travel_at(problem: DrivenChain, branches: Stretches, i: int, r: int, force:
 
 @kernel
 def _compliance(
-    problem: DrivenChain, room: Room, branches: Stretches, i: int, r: int, low: float, high: float
+    problem: DrivenChain,
+    room: ReachableBox,
+    branches: Stretches,
+    i: int,
+    r: int,
+    low: float,
+    high: float,
 ) -> Pair:
     """Least and largest 1/κ of cell i between two travels of branch r; 0 where a stop holds it."""
     if branches.low[r] == branches.high[r]:
@@ -158,7 +164,7 @@ def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> 
 
 
 @kernel
-def _stability(problem: DrivenChain, room: Room, search: RestSearch) -> Pair:
+def _stability(problem: DrivenChain, room: ReachableBox, search: RestSearch) -> Pair:
     """Least and largest α Σ 1/κ + β in the box."""
     branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
     least, most = problem.beta, problem.beta
@@ -246,7 +252,9 @@ def _one_place(
 
 
 @kernel
-def _places(problem: DrivenChain, room: Room, start: Start, search: RestSearch, ends: Pair) -> bool:
+def _places(
+    problem: DrivenChain, room: ReachableBox, start: Start, search: RestSearch, ends: Pair
+) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
     alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
     counts, lows, highs = search.counts, np.empty(256), np.empty(256)
@@ -286,7 +294,7 @@ def _places(problem: DrivenChain, room: Room, start: Start, search: RestSearch, 
 
 
 @kernel
-def places_of_rest(problem: DrivenChain, room: Room, start: Start, places: Floats) -> int:
+def places_of_rest(problem: DrivenChain, room: ReachableBox, start: Start, places: Floats) -> int:
     """Fill boxes (C, 2, N) that hold all stable places of rest but the start; how many, or -1."""
     branches, n = _branches(problem, room), len(room.low)
     search = RestSearch(

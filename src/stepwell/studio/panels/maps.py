@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stepwell import files
-from stepwell.base import Floats, InputError, Quantity, nearest_word, told_in
+from stepwell.base import Floats, InputError, Quantity, display_unit, nearest_word
 from stepwell.design import (
     Boundary,
     BoundaryKind,
@@ -135,7 +135,7 @@ def key_of(parameter: Parameter) -> str:
 
 def unit_of(parameter: Parameter) -> tuple[str, float]:
     """In which a parameter is told, and how many of it make one in SI."""
-    told, factor = told_in(parameter.unit)
+    told, factor = display_unit(parameter.unit)
     return _PERCENT if told == "1" else (Quantity("", told).sign, factor)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import InputError, StepwellError, told_in
+from stepwell.base import InputError, StepwellError, display_unit
 from stepwell.design import margin, proved_margin
 from stepwell.files import WrittenProgram, columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
@@ -31,7 +31,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
         # A search takes a hundred times as long as all else here: panel `margin` does it aside.
         **motion.margins_of(proved_margin(chain)),
         "names": list(chain.names),
-        "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
+        "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
     }
     return View(header, motion.arrays_of(path) | motion.landscape(chain))
 
@@ -81,8 +81,8 @@ def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     return {
         "cell": of.astype(int),
         "segment": segment.astype(int),
-        "travel": travel * told_in(chain.measure.travel_unit)[1],
-        "force": force * told_in(chain.measure.force_unit)[1],
+        "travel": travel * display_unit(chain.measure.travel_unit)[1],
+        "force": force * display_unit(chain.measure.force_unit)[1],
     }
 
 
@@ -112,7 +112,7 @@ def answer_graph(design: PageDesign, ask: Ask) -> View:
         most = f"at most {_MOST_CELLS} cells are drawn; `stepwell graph` counts them"
         raise InputError(f"the graph of {len(chain)} cells has too many states to be seen: {most}.")
     graph = chain.graph()
-    drive, reached = told_in(chain.drive_unit)[1], graph.reachable()
+    drive, reached = display_unit(chain.drive_unit)[1], graph.reachable()
     nodes = [
         {
             "state": node.state,
@@ -161,7 +161,7 @@ def program_of(chain: Chain, ask: Ask) -> Program:
     """The program that is asked for."""
     start = _state(chain, ask, "start", chain.first_state)
     if ask.has("turning_points_mm"):
-        drive = told_in(chain.drive_unit)[1]
+        drive = display_unit(chain.drive_unit)[1]
         points = ask.numbers("turning_points_mm", _MOST_TURNS, -_FARTHEST, _FARTHEST)
         target = _state(chain, ask, "target") if ask.has("target") else None
         return Program.given(chain, [point / drive for point in points], start=start, target=target)

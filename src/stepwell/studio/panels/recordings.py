@@ -12,11 +12,11 @@ import numpy as np
 
 from stepwell import lab, mechanism, statics
 from stepwell.accounts import account
-from stepwell.base import InputError, Ints, Measure, plain, to_unit, told_in
+from stepwell.base import InputError, Ints, Measure, display_unit, plain, to_unit
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
 
-MM = told_in("m")[1]
+MM = display_unit("m")[1]
 _MOST_FILES = 32
 # Of one file and of all of them, unpacked: a recording of an hour at 50 Hz has 6 MB.
 _MOST_BYTES = 16 << 20

@@ -83,5 +83,5 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
 
 
 def _yield_told(found: Yield, tied: bool) -> dict[str, Any]:
-    verdict = judged(does_it=True, tied=tied, interval=found.interval)
+    verdict = judged(meets_target=True, tied=tied, interval=found.interval)
     return {**accounts.account(found).record, "verdict": verdict}

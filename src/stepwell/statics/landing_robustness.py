@@ -41,7 +41,7 @@ class Proof(Enum):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Elsewhere(ByValue):
+class OtherLanding(ByValue):
     """Another place where a snap lands, with mobilities that lead there; N cells.
 
     Attributes:
@@ -78,7 +78,7 @@ class Landing(ByValue):
     proof: Proof | None
     corners: int
     samples: int
-    elsewhere: tuple[Elsewhere, ...]
+    elsewhere: tuple[OtherLanding, ...]
 
     @property
     def holds(self) -> bool:
@@ -144,7 +144,7 @@ def samples_for(bound: float) -> int:
     return math.ceil(math.log1p(-CONFIDENCE) / math.log1p(-share))
 
 
-def a_ratio(name: str, value: float) -> float:
+def checked_ratio(name: str, value: float) -> float:
     """A ratio of mobilities as a float; raises ValueError unless it is from 1 to a thousand."""
     ratio = check.finite(name, value, "1")
     if not 1.0 <= ratio <= _MOST_RATIO:
@@ -192,7 +192,7 @@ def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
 
 def _sampled(
     chain: Chain, problem: DrivenChain, snap: Snap, corners: Floats, factors: Floats
-) -> tuple[int, int, tuple[Elsewhere, ...]]:
+) -> tuple[int, int, tuple[OtherLanding, ...]]:
     """With how many corners and samples it comes to rest, and every other place where."""
     # Other places are looked for again with a fine flow, and count if found; shares are of samples.
     tried = np.concatenate([corners, factors])
@@ -217,11 +217,11 @@ def _sampled(
         if again is not None:
             extreme, random = extreme + hits[k][0], random + hits[k][1]
             found.append((hits[k][1], *again))
-    elsewhere: list[Elsewhere] = []
+    elsewhere: list[OtherLanding] = []
     for count, mobility, place in sorted(found, key=lambda one: -one[0]):
         where = tuple(place[0].tolist()), tuple(place[1].tolist()), state_of(chain, *place)
         share = count / random if random else 0.0
-        elsewhere.append(Elsewhere(tuple(mobility.tolist()), *where, share))
+        elsewhere.append(OtherLanding(tuple(mobility.tolist()), *where, share))
     return extreme, random, tuple(elsewhere)
 
 

@@ -18,7 +18,7 @@ CLOSE_FORCE, CLOSE = 1e-10, 1e-12
 _ROUNDS = 64
 
 
-class Room(NamedTuple):
+class ReachableBox(NamedTuple):
     """Travels between which every cell stays in the snap; N cells."""
 
     low: Floats  # (N,)
@@ -59,10 +59,12 @@ def _pushed(problem: DrivenChain, i: int, travel: float, level: float, up: bool)
 
 
 @kernel
-def whole_room(problem: DrivenChain, start: Start) -> Room:
+def whole_room(problem: DrivenChain, start: Start) -> ReachableBox:
     """All travels of the sheets on which the cells stand, and all forces."""
     n, ends = len(start.travel), problem.sheets.ends
-    room = Room(ends[:, LOW].copy(), ends[:, HIGH].copy(), np.ones((n, 2), np.int64), np.empty(2))
+    room = ReachableBox(
+        ends[:, LOW].copy(), ends[:, HIGH].copy(), np.ones((n, 2), np.int64), np.empty(2)
+    )
     least, most, below, above = start.force, start.force, 0.0, 0.0
     for i in range(n):
         low, high = forces_within(problem, i, room.low[i], room.high[i])
@@ -78,7 +80,7 @@ def whole_room(problem: DrivenChain, start: Start) -> Room:
 
 
 @kernel
-def leads_on(problem: DrivenChain, room: Room) -> bool:
+def leads_on(problem: DrivenChain, room: ReachableBox) -> bool:
     """Whether some cell can come to where its curve folds back, and jump."""
     ends = problem.sheets.ends
     for i in range(len(room.low)):
@@ -91,13 +93,15 @@ def leads_on(problem: DrivenChain, room: Room) -> bool:
 
 
 @kernel
-def room_of(problem: DrivenChain, start: Start, within: Room) -> Room:
+def room_of(problem: DrivenChain, start: Start, within: ReachableBox) -> ReachableBox:
     """The room of overdamped flow, for all mobilities, within one that it is known not to leave."""
     # λ stays between the forces of the moving cells, friction added, and a cell short of where it
     # holds the largest λ: the smallest room that is closed under both is never left.
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
     n, slip = len(start.travel), CLOSE_FORCE * problem.scale
-    room = Room(within.low.copy(), within.high.copy(), within.stops.copy(), within.force.copy())
+    room = ReachableBox(
+        within.low.copy(), within.high.copy(), within.stops.copy(), within.force.copy()
+    )
     least, most = start.force, start.force
     for turn in range(_ROUNDS):
         if turn == _ROUNDS - 1:
@@ -193,7 +197,7 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 
 
 @kernel
-def narrow(problem: DrivenChain, start: Start, room: Room) -> None:
+def narrow(problem: DrivenChain, start: Start, room: ReachableBox) -> None:
     """Take off a room what the chain cannot come to without more energy than at the start."""
     # Each cell is given the cheapest that all others can do at that drive, in steps that add up.
     # One function: each cell needs the energies of all others, made once.

@@ -18,7 +18,7 @@ BACK = 0.01  # of the steps in time
 LEAP = 0.15  # of the stroke, in one step
 
 
-def oddities(recording: Recording) -> tuple[str, ...]:
+def recording_warnings(recording: Recording) -> tuple[str, ...]:
     """What is odd in one recording, a line for each thing; empty where nothing is."""
     found = (_start, _clock, _spikes, _ends)
     return (*recording.remarks, *chain.from_iterable(look(recording) for look in found))
@@ -46,7 +46,7 @@ def unusable(recording: Recording) -> str:
     return ""
 
 
-def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:
+def batch_warnings(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:
     """What is odd in recordings beside others of the same folder and name, a line for each thing.
 
     Run numbers are the digits at the end of a name; those that are missing are told of the

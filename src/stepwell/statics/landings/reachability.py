@@ -12,8 +12,8 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.statics.following.state import DrivenChain, force_at
-from stepwell.statics.landings import room as rooms
-from stepwell.statics.landings.room import Room
+from stepwell.statics.landings import reachable_box as box
+from stepwell.statics.landings.reachable_box import ReachableBox
 from stepwell.statics.landings.start import Start
 
 # What lies next to the start decides which of two cells is ahead: nodes stand this share of the
@@ -61,7 +61,7 @@ def _nodes(low: float, high: float, far: float, out: Floats) -> int:
 
 
 @kernel
-def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
+def grid_of(problem: DrivenChain, room: ReachableBox, start: Start, most: int) -> Grid:
     """A grid of at most `most` boxes over the room of the cells that move."""
     rigid = problem.beta == 0.0
     width = room.high - room.low
@@ -98,9 +98,9 @@ def grid_of(problem: DrivenChain, room: Room, start: Start, most: int) -> Grid:
             travel = start.travel[i] + widest * nodes[d, k]
             travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
             out[0, at], out[1, at] = travel, force_at(problem, i, travel)
-            out[2, at] = rooms.energy_at(problem, start, i, travel)
+            out[2, at] = box.energy_at(problem, start, i, travel)
         for k in range(begin[d], begin[d] + count[d]):
-            out[3, k], out[4, k] = rooms.forces_within(problem, i, out[0, k], out[0, k + 1])
+            out[3, k], out[4, k] = box.forces_within(problem, i, out[0, k], out[0, k + 1])
     return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
 
 
@@ -111,14 +111,16 @@ def boxes_of(grid: Grid) -> int:
 
 
 @kernel
-def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float]:
+def _left(room: ReachableBox, grid: Grid, low: float, high: float) -> tuple[float, float]:
     """Travels of the last cell where the others have gone from `low` to `high` together."""
     most, least = room.high[grid.last], room.low[grid.last]
     return min(max(grid.free - high, least), most), min(max(grid.free - low, least), most)
 
 
 @kernel
-def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
+def _enough_energy(
+    problem: DrivenChain, room: ReachableBox, start: Start, grid: Grid, at: Ints
+) -> bool:
     """Whether some point of a box takes no more energy than the start."""
     # A force taken off each cell and given to the drive changes no sum; one near λ bounds well.
     node, level = grid.node, start.force
@@ -129,15 +131,15 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         high += node[k + 1]
     if grid.last >= 0:
         a, b = _left(room, grid, low, high)
-        least, most = rooms.forces_within(problem, grid.last, a, b)
+        least, most = box.forces_within(problem, grid.last, a, b)
         force = least - level, most - level
         tilt = 0.5 * (force[0] + force[1])
         energy = (
-            rooms.energy_at(problem, start, grid.last, a),
-            rooms.energy_at(problem, start, grid.last, b),
+            box.energy_at(problem, start, grid.last, a),
+            box.energy_at(problem, start, grid.last, b),
         )
         # Σ s is what there is to have.
-        total = tilt * (grid.free - a - low) + rooms.least_energy(energy, b - a, force, tilt)
+        total = tilt * (grid.free - a - low) + box.least_energy(energy, b - a, force, tilt)
     else:
         stiffness, begun = problem.alpha / problem.beta, 0.0
         for i in grid.cell:
@@ -149,17 +151,23 @@ def _enough_energy(problem: DrivenChain, room: Room, start: Start, grid: Grid, a
         k = int(grid.begin[d] + at[d])
         energy = grid.energy[k], grid.energy[k + 1]
         force = grid.least[k] - level, grid.most[k] - level
-        total += rooms.least_energy(energy, node[k + 1] - node[k], force, tilt)
-    return bool(total <= rooms.energy_slack(problem))
+        total += box.least_energy(energy, node[k + 1] - node[k], force, tilt)
+    return bool(total <= box.energy_slack(problem))
 
 
 @kernel
 def _can_leave(
-    problem: DrivenChain, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
+    problem: DrivenChain,
+    room: ReachableBox,
+    grid: Grid,
+    at: Ints,
+    axis: int,
+    up: bool,
+    ratio: float,
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis."""
     # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities that pull it.
-    node, slip = grid.node, rooms.CLOSE_FORCE * problem.scale
+    node, slip = grid.node, box.CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
     for d in range(len(at)):
@@ -177,7 +185,7 @@ def _can_leave(
         return level > own - slip if up else level < own + slip
     cell = grid.last
     a, b = _left(room, grid, low, high)
-    least, most = rooms.forces_within(problem, cell, a, b)
+    least, most = box.forces_within(problem, cell, a, b)
     gap = own - most if up else least - own
     stopped = b >= room.high[cell] if up else a <= room.low[cell]
     pressed = room.stops[cell, int(up)] and stopped
@@ -194,7 +202,13 @@ def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
 
 @kernel
 def _mark(
-    problem: DrivenChain, room: Room, grid: Grid, low: Floats, high: Floats, value: int, out: Ints
+    problem: DrivenChain,
+    room: ReachableBox,
+    grid: Grid,
+    low: Floats,
+    high: Floats,
+    value: int,
+    out: Ints,
 ) -> None:
     """Mark all boxes that hold a point between travels `low` and `high`."""
     dims = len(grid.cell)
@@ -221,7 +235,7 @@ def _mark(
 
 
 @kernel
-def _exists(problem: DrivenChain, room: Room, grid: Grid, at: Ints) -> bool:
+def _exists(problem: DrivenChain, room: ReachableBox, grid: Grid, at: Ints) -> bool:
     """Whether a box holds points at which the last cell has what the others leave."""
     if grid.last < 0:
         return True
@@ -240,7 +254,7 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 
 @kernel
 def keeps_off(
-    problem: DrivenChain, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
+    problem: DrivenChain, room: ReachableBox, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
     """Whether no way leads to (C, 2, N) places for mobilities within a ratio; inf: by energy."""
     # One function: boxes wait in one list, and marks are in one array.
