@@ -15,7 +15,7 @@ from PIL import Image
 import docs.antennas_found as antennas
 import docs.larger_atlases as larger
 import stepwell as sw
-from docs.house import page as house_page, picture
+from docs.architecture import page as architecture_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
 from docs.what_decides import PAGE, PICTURES, commands, drawn, records, written
@@ -24,7 +24,7 @@ from sizes import SIZE
 PAGES = [
     *("README.md", "docs/index.md", "docs/tutorial.md", "docs/gallery.md"),
     *("docs/theory.md", "docs/robot-theory.md", "docs/limits.md"),
-    *("docs/lessons.md", "docs/words.md"),
+    *("docs/lessons.md", "docs/glossary.md"),
 ]
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
@@ -58,7 +58,7 @@ QUICK = ("README.md", "docs/index.md", "docs/how-to/read-a-result.md")
 def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = run(page, read(page))
-    assert done > 0 or page in ("docs/index.md", "docs/words.md")
+    assert done > 0 or page in ("docs/index.md", "docs/glossary.md")
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_the_pictures_are_those_of_the_model(tmp_path):
     shown = [file.name for kind in ("*.png", "*.svg") for file in home.glob(kind)]
     # These are drawn elsewhere, and compared there.
     elsewhere = {
-        "house.svg",
+        "architecture.svg",
         "antennas-found.svg",
         "atlas.svg",
         "many-designs.svg",
@@ -204,20 +204,20 @@ def test_what_the_moving_picture_says_is_so():
 
 
 def test_the_house_on_its_page_is_the_house():
-    text = read("docs/house.md")
-    assert house_page(text) == text, "run `python tests/docs/house.py`"
-    assert read("docs/img/house.svg") == picture(), "run `python tests/docs/house.py`"
+    text = read("docs/architecture.md")
+    assert architecture_page(text) == text, "run `python tests/docs/architecture.py`"
+    assert read("docs/img/architecture.svg") == picture(), "run `python tests/docs/architecture.py`"
 
 
 def test_the_page_of_the_house_names_files_that_exist():
-    named = re.findall(r"`((?:\w+/)+(?:\w+\.(?:py|md))?)`", read("docs/house.md"))
+    named = re.findall(r"`((?:\w+/)+(?:\w+\.(?:py|md))?)`", read("docs/architecture.md"))
     assert len(named) > 20
     roots = (ROOT, ROOT / "src" / "stepwell")
     assert [name for name in named if not any((root / name).exists() for root in roots)] == []
 
 
 def test_what_the_page_of_the_house_names_in_a_row_stands_in_the_files_of_that_row():
-    text = read("docs/house.md").partition("## To change something")[2]
+    text = read("docs/architecture.md").partition("## To change something")[2]
     roots = (ROOT, ROOT / "src" / "stepwell")
     lost, looked = [], 0
     for row in re.findall(r"^\| (?!to change)\w.* \|$", text, re.M):

@@ -1,4 +1,4 @@
-"""The rooms on the page "The house", table and picture: `python tests/docs/house.py` writes both.
+"""The rooms on the page "The house", table and picture: `python tests/docs/architecture.py` writes both.
 
 They are made of the first line of every room's `__init__` and of the contract in pyproject.toml.
 """
@@ -11,8 +11,8 @@ from pathlib import Path
 from stepwell.paper.claims import replaced
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, PICTURE = ROOT / "docs" / "house.md", ROOT / "docs" / "img" / "house.svg"
-BEGIN = "<!-- rooms: written by `python tests/docs/house.py`, not by hand -->"
+PAGE, PICTURE = ROOT / "docs" / "architecture.md", ROOT / "docs" / "img" / "architecture.svg"
+BEGIN = "<!-- rooms: written by `python tests/docs/architecture.py`, not by hand -->"
 END = "<!-- end of rooms -->"
 # What a visitor comes for, and the rooms that answer: storeys of one colour (Okabe and Ito 2008).
 STOREYS = {
