@@ -1,4 +1,6 @@
-"""The rooms on the page "The house", table and picture: `python tests/docs/architecture.py` writes both.
+"""Table and picture of the packages on the page "Architecture".
+
+`python tests/docs/architecture.py` writes both.
 
 They are made of the first line of every room's `__init__` and of the contract in pyproject.toml.
 """
@@ -14,14 +16,14 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE, PICTURE = ROOT / "docs" / "architecture.md", ROOT / "docs" / "img" / "architecture.svg"
 BEGIN = "<!-- rooms: written by `python tests/docs/architecture.py`, not by hand -->"
 END = "<!-- end of rooms -->"
-# What a visitor comes for, and the rooms that answer: storeys of one colour (Okabe and Ito 2008).
+# Questions of users, and the packages that answer them, one colour each (Okabe and Ito 2008).
 STOREYS = {
-    "the ground": ("#999999", ("crash", "base", "kernels")),
+    "basis": ("#999999", ("crash", "base", "kernels")),
     "what will it do?": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
     "where do the bands go?": ("#009e73", ("design",)),
     "will the real one?": ("#cc79a7", ("lab",)),
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),
-    "in and out": (
+    "input and output": (
         "#e69f00",
         ("files", "studies", "accounts", "figures", "paper", "reports", "studio", "cli"),
     ),
@@ -29,7 +31,7 @@ STOREYS = {
 
 
 def rooms() -> list[tuple[str, str, list[str]]]:
-    """Every room from the ground up: its name, what it is for, and its folders."""
+    """Every package from the lowest layer: its name, its purpose and its folders."""
     told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     layers = told["tool"]["importlinter"]["contracts"][0]["layers"]
     found = []
@@ -42,32 +44,29 @@ def rooms() -> list[tuple[str, str, list[str]]]:
 
 
 def table() -> str:
-    """The rooms as a table of the page."""
+    """The packages as a table of the page."""
     rows = (
         f"| `{name}` | {what} | {', '.join(f'`{folder}`' for folder in folders)} |"
         for name, what, folders in rooms()
     )
-    return "\n".join(["| room | what lives there | its folders |", "|---|---|---|", *rows])
+    return "\n".join(["| package | contents | folders |", "|---|---|---|", *rows])
 
 
 def picture() -> str:
-    """The house with one storey a room, the ground at the bottom, as SVG."""
+    """The packages as layers, the lowest at the bottom, as SVG."""
     colour = {room: shade for shade, held in STOREYS.values() for room in held}
     asked = {held[-1]: (words, len(held)) for words, (_, held) in STOREYS.items()}
     storey, wide, left = 26, 830, 40
-    house = rooms()
-    top = 70
-    tall = top + storey * len(house) + 30
+    packages = rooms()
+    top = 10
+    tall = top + storey * len(packages) + 30
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {tall}" '
         'font-family="sans-serif" font-size="13">',
-        "<title>The rooms of Stepwell, from the ground up</title>",
+        "<title>The packages of Stepwell, from the lowest layer</title>",
         f'<rect width="{wide}" height="{tall}" fill="white"/>',
-        f'<path d="M{left - 14} {top} L{left + 295} 14 L{left + 604} {top} Z" fill="#f2f2f2" '
-        'stroke="#333"/>',
-        f'<text x="{left + 295}" y="{top - 14}" text-anchor="middle" fill="#222">Stepwell</text>',
     ]
-    for number, (name, _, folders) in enumerate(reversed(house)):
+    for number, (name, _, folders) in enumerate(reversed(packages)):
         y = top + storey * number
         lines += [
             f'<rect x="{left}" y="{y}" width="590" height="{storey}" fill="{colour[name]}" '
@@ -85,13 +84,13 @@ def picture() -> str:
                 f'stroke="{colour[name]}" stroke-width="2"/>',
                 f'<text x="{left + 610}" y="{middle + 4.5}" fill="#222">{escape(words)}</text>',
             ]
-    ground = top + storey * len(house)
+    ground = top + storey * len(packages)
     lines += [f'<path d="M10 {ground} H{wide - 10}" stroke="#333" stroke-width="2"/>', "</svg>"]
     return "\n".join(lines) + "\n"
 
 
 def page(text: str) -> str:
-    """The page with its table as it should be."""
+    """The page with its table updated."""
     return replaced(text, table(), BEGIN, END, "rooms")
 
 

@@ -23,16 +23,16 @@ def short(record: dict[str, Any]) -> str:
     }
     assert sum(count.values()) == len(claims)
     return (
-        f"`make paper` computes {len(claims)} claims of the paper anew: {count['agrees']} agree, "
-        f"{count['differs']} differ, {count['undetermined']} hang on what the paper does not say, "
+        f"`make paper` recomputes {len(claims)} claims of the paper: {count['agrees']} agree, "
+        f"{count['differs']} differ, {count['undetermined']} cannot be decided from the paper, "
         f"and {count['needs data']} need recordings that are not part of Stepwell. "
-        f"[All of them](docs/claims.md), with tolerances and the reasons; "
-        f"[how those with recordings come out](docs/measured.md)."
+        f"[List of claims](docs/claims.md), with tolerances and reasons; "
+        f"[results with the recordings](docs/measured.md)."
     )
 
 
 def replaced(page: str, sentence: str) -> str:
-    """The page with its sentence written anew."""
+    """The page with its sentence replaced."""
     return between(page, sentence, BEGIN, END)
 
 

@@ -203,24 +203,24 @@ def test_what_the_moving_picture_says_is_so():
     assert np.degrees(walk.yaw[-1]) > 45.0
 
 
-def test_the_house_on_its_page_is_the_house():
+def test_the_architecture_page_shows_the_packages():
     text = read("docs/architecture.md")
     assert architecture_page(text) == text, "run `python tests/docs/architecture.py`"
     assert read("docs/img/architecture.svg") == picture(), "run `python tests/docs/architecture.py`"
 
 
-def test_the_page_of_the_house_names_files_that_exist():
+def test_the_architecture_page_names_files_that_exist():
     named = re.findall(r"`((?:\w+/)+(?:\w+\.(?:py|md))?)`", read("docs/architecture.md"))
     assert len(named) > 20
     roots = (ROOT, ROOT / "src" / "stepwell")
     assert [name for name in named if not any((root / name).exists() for root in roots)] == []
 
 
-def test_what_the_page_of_the_house_names_in_a_row_stands_in_the_files_of_that_row():
-    text = read("docs/architecture.md").partition("## To change something")[2]
+def test_names_in_a_row_of_the_architecture_page_are_in_the_files_of_that_row():
+    text = read("docs/architecture.md").partition("## Where to change what")[2]
     roots = (ROOT, ROOT / "src" / "stepwell")
     lost, looked = [], 0
-    for row in re.findall(r"^\| (?!to change)\w.* \|$", text, re.M):
+    for row in re.findall(r"^\| (?!change \|)\w.* \|$", text, re.M):
         terms = re.findall(r"`([^`]+)`", row)
         places = [root / term for root in roots for term in terms if "/" in term]
         files = {file for place in places for file in [place, *place.glob("*.*")] if file.is_file()}
