@@ -35,7 +35,7 @@ _THIN = '<mspace width="0.167em" />'
 
 # Who searches wants to do a thing first, then to know why it is so, then why it was built so.
 BOOST = {
-    "words": 4.0,
+    "glossary": 4.0,
     "tutorial": 2.5,
     "how-to/": 2.0,
     "lessons": 2.0,
