@@ -75,7 +75,7 @@ def records() -> list[dict[str, Any]]:
 def tables(found: list[dict[str, Any]]) -> str:
     """Both tables, as Markdown."""
     lines = [
-        "| cells | designs | told in closed form | graphs | cycles | another graph, at 95 % | "
+        "| cells | designs | decided in closed form | graphs | cycles | another graph, at 95 % | "
         "of these the engine agrees on |",
         "|---|---|---|---|---|---|---|",
     ]
@@ -109,7 +109,7 @@ def others(found: list[dict[str, Any]]) -> str:
                 f"of {one['cells']} cells {left:,} designs, and of a sample of {sampled['asked']} "
                 f"of these the engine finds {new} that the others have not"
             )
-    return f"What closed form does not tell: {'; '.join(parts)}."
+    return f"Not decided in closed form: {'; '.join(parts)}."
 
 
 def written(text: str) -> str:

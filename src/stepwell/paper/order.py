@@ -188,8 +188,8 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
         each,
         note=f"The paper's cell and band, q in the paper's box, band stiffness spread "
         f"{100 * SPREAD:g} %; the longest chain that `design` found of which {100 * WANTED:g} % "
-        f"work. A better design may exist, so these are floors; how surely other cycles are made "
-        f"tells `docs/any-cycle.md`.",
+        f"work. A better design may exist, so these are floors; the yield of other cycles is in "
+        f"`docs/any-cycle.md`.",
         otherwise="No longer chain than the paper's was found.",
     )
 
