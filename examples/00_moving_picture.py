@@ -175,7 +175,7 @@ def first_act() -> Iterator[Picture]:
     square = Square(ax, WIDE - SIDE + 30, 190, 140)
     middle = square.at("00")[0] + square.side / 2
     look = {"fontsize": SMALL, "va": "center"}
-    ax.text(middle, 68, "one digit a cell:\n0 is in, 1 is out", ha="center", **look)
+    ax.text(middle, 68, "one digit per cell:\n0 closed, 1 open", ha="center", **look)
     for x, name, colour in ((30, "inner cell", GREEN), (170, "outer cell", PURPLE)):
         ax.text(x, 40, name, color=colour, fontweight="bold", **look)
 
@@ -245,9 +245,9 @@ def first_act() -> Iterator[Picture]:
             passing.append(ax.text(x + 58, (low + high) / 2, "15 mm", va="center", **words))
             yield page.shoot(passing)
 
-    yield from pull(before, "One pull, one push: the springs set the order")
+    yield from pull(before, "One stroke: the springs set the sequence")
     yield from glide()
-    yield from pull(after, "... and the same pull gives another order")
+    yield from pull(after, "... and the same stroke gives another sequence")
 
 
 def second_act() -> Iterator[Picture]:

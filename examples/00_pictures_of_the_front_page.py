@@ -66,14 +66,14 @@ def see() -> Figure:
     key = ax.get_legend()
     assert key is not None
     key.remove()
-    for x, word, colour in ((48.5, "out", LOADING), (58.0, "back", UNLOADING)):
+    for x, word, colour in ((40.0, "loading", LOADING), (58.0, "unloading", UNLOADING)):
         text_at(figure, x, TALL - 5.0, word, color=colour, fontsize=BIG, fontweight="bold")
     return figure
 
 
 @styled
 def want() -> Figure:
-    """Anchors that were found for a wished order, on the map of what the outer one does."""
+    """Anchors for a target sequence, on the map of the outer anchor."""
     made = sw.design(WISH, tolerances=WORKSHOP)
     assert made.yield_ is not None
     x, y = np.linspace(-0.005, 0.020, 121), np.linspace(-0.015, 0.015, 145)
@@ -88,18 +88,18 @@ def want() -> Figure:
     ax.contour(x * MM, y * MM, does, levels=[0.5], colors=[INK], linewidths=0.8)
     q = np.array(made.chain.levers[1].bands[0].q) * MM
     ax.plot(*q, "*", markersize=13, color=INK, markeredgecolor="white", zorder=5, clip_on=False)
-    ax.text(7.0, -13.8, "does it", ha="center", fontsize=BIG)
-    ax.text(19.5, 12.3, "not", ha="right", fontsize=BIG)
+    ax.text(7.0, -13.8, "target", ha="center", fontsize=BIG)
+    ax.text(19.5, 12.3, "other", ha="right", fontsize=BIG)
     ax.set(xlabel="Outer anchor $q_x$ [mm]", ylabel="$q_y$ [mm]", aspect="equal")
-    rows = [("wished", WISH, INK), ("found: outer $q$", point(q), INK)]
-    rows.append(("of those within ±0.3 mm", surely(made.yield_), GREEN))
+    rows = [("target", WISH, INK), ("outer anchor $q$", point(q), INK)]
+    rows.append(("anchors ±0.3 mm", surely(made.yield_), GREEN))
     tell(figure, 47.0, rows)
     return figure
 
 
 @styled
 def real() -> Figure:
-    """How many of those that are built do what the drawing does."""
+    """The yield against the tolerance of the anchors."""
     leg = sw.preset("paper-forward")
     off = np.arange(0.0, 6.01, 0.5)
     found = [leg.yields(sw.Tolerances(anchor=a / MM, stiffness=0.05), samples=20_000) for a in off]
@@ -109,18 +109,18 @@ def real() -> Figure:
     ax = place(figure, 15.0, 10.0, 67.0, 40.0)
     ax.fill_between(off, low, high, color=pale(BLUE, 0.6), linewidth=0)
     ax.plot(off, share, color=BLUE, linewidth=2.2)
-    ax.set(xlabel="Anchors off by up to ± [mm]", ylabel="Built ones that do it [%]")
+    ax.set(xlabel="Anchor tolerance ± [mm]", ylabel="Yield [%]")
     ax.set(xlim=(0.0, 6.0), ylim=(75.0, 102.0))
     safe = off[low > 99.9][-1]
     ax.axvline(safe, color=FAINT, linewidth=0.8, linestyle=(0, (3, 2)))
     ax.text(safe + 0.15, 84.5, f"up to ±{safe:g} mm:\nover 99.9 %", fontsize=BIG, color=BLUE)
-    ax.text(safe + 0.15, 77.0, "20,000 built at random,\nbands within 5 %", fontsize=BIG)
+    ax.text(safe + 0.15, 77.0, "20,000 samples,\nstiffness ±5 %", fontsize=BIG)
     return figure
 
 
 @styled
 def build() -> Figure:
-    """Holes to drill for a wished order."""
+    """Holes to drill for a target sequence."""
     made = sw.design(WISH, holes=HOLES, tolerances=WORKSHOP)
     assert made.yield_ is not None
     figure = blank(COLUMN, TALL)
@@ -131,7 +131,7 @@ def build() -> Figure:
         plate(ax, np.array(cell.bands[0].q) * MM, colour, first=k == 0)
         name = f"{made.chain.names[k]} $q$"
         ax.text(10.0, 20.0, name, color=colour, ha="center", fontsize=BIG, fontweight="bold")
-    told = f"wished {WISH}; drilled within ±0.3 mm, bands\nwithin 5 %: {surely(made.yield_)}"
+    told = f"target {WISH}; anchors ±0.3 mm, stiffness\n±5 %: {surely(made.yield_)}"
     text_at(figure, COLUMN / 2, 1.5, told, ha="center", fontsize=7.5)
     return figure
 
@@ -149,9 +149,9 @@ def plate(ax: Axes, q: np.ndarray, colour: str, *, first: bool) -> None:
 
 
 def surely(found: sw.Yield) -> str:
-    """The share that does it, as far as so many tell."""
+    """The lower bound of the yield, in words."""
     low = math.floor(found.interval[0] * 1e4) / 100
-    return f"over {low:g} % do it"
+    return f"yield over {low:g} %"
 
 
 def point(q: np.ndarray) -> str:

@@ -16,13 +16,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE, PICTURE = ROOT / "docs" / "architecture.md", ROOT / "docs" / "img" / "architecture.svg"
 BEGIN = "<!-- rooms: written by `python tests/docs/architecture.py`, not by hand -->"
 END = "<!-- end of rooms -->"
-# Questions of users, and the packages that answer them, one colour each (Okabe and Ito 2008).
+# Tasks of users, and their packages, one colour each (Okabe and Ito 2008).
 STOREYS = {
     "basis": ("#999999", ("crash", "base", "kernels")),
-    "what will it do?": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
-    "where do the bands go?": ("#009e73", ("design",)),
-    "will the real one?": ("#cc79a7", ("lab",)),
-    "what will the robot do?": ("#d55e00", ("robot", "simulation")),
+    "analysis": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
+    "inverse design": ("#009e73", ("design",)),
+    "measurements": ("#cc79a7", ("lab",)),
+    "robots": ("#d55e00", ("robot", "simulation")),
     "input and output": (
         "#e69f00",
         ("files", "studies", "accounts", "figures", "paper", "reports", "studio", "cli"),
