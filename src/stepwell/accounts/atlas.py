@@ -17,7 +17,7 @@ _ROWS = 15
 _GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
 _SAMPLED: Schema = (
     *keys(asked=int, failed=int),
-    Quantity("graphs", read=lambda found: list(found.machines.items()), holds=[_GRAPH]),
+    Quantity("graphs", read=lambda atlas: list(atlas.machines.items()), holds=[_GRAPH]),
 )
 # What machines and cycles have of the most robust design that was drawn of them.
 _DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
@@ -43,18 +43,18 @@ class _Drawn(NamedTuple):
         """What the space varies, of that design, in the order and the units of `space`."""
         chain, names = self.of.chain, [axis.name for axis in self.atlas.axes]
         values = (parameter(self.atlas.chain, name).value(chain) for name in names)
-        factors = (_told(self.atlas, name)[1] for name in names)
+        factors = (_unit_of(self.atlas, name)[1] for name in names)
         return [float(a) * b for a, b in zip(values, factors, strict=True)]  # type: ignore[arg-type]
 
 
-def _space(found: Atlas) -> list[Varied]:
-    told = ((one, *_told(found, one.name)) for one in found.axes)
-    return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in told]
+def _space(atlas: Atlas) -> list[Varied]:
+    scaled = ((one, *_unit_of(atlas, one.name)) for one in atlas.axes)
+    return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in scaled]
 
 
-def _told(found: Atlas, name: str) -> tuple[str, float]:
+def _unit_of(atlas: Atlas, name: str) -> tuple[str, float]:
     """The unit in which a parameter is reported, and how many of it make one in SI."""
-    unit = parameter(found.chain, name).unit
+    unit = parameter(atlas.chain, name).unit
     return ("", 1.0) if unit == "1" else display_unit(unit)
 
 
@@ -110,79 +110,79 @@ _MACHINES: Schema = (
 _CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
 # What is reported of an atlas.
 ATLAS: Schema = (
-    *keys(title=(str, "chain.title"), cells=(int, lambda found: len(found.chain)), drive=str),
+    *keys(title=(str, "chain.title"), cells=(int, lambda atlas: len(atlas.chain)), drive=str),
     *keys(space=([VARIED], _space), designs=int, told=int, not_proved=int, ties=int, wakes=int),
     *keys(tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
-    *keys(graphs=(int, lambda found: len(found.machines)), possible=int | None),
+    *keys(graphs=(int, lambda atlas: len(atlas.machines)), possible=int | None),
     *keys(space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
     *keys(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
     *keys(
-        cycles=([_CYCLE], lambda found: [_Drawn(found, one) for one in found.cycles]),
+        cycles=([_CYCLE], lambda atlas: [_Drawn(atlas, one) for one in atlas.cycles]),
         borders=[_BORDER],
     ),
 )
 
 
 def atlas_account(
-    found: Atlas,
+    atlas: Atlas,
     about: About,
     machines: Sequence[Machine] | None = None,
     borders: Sequence[Border] = (),
     query: str = "",
 ) -> Account:
     """What is reported of an atlas: all machines or those that answer a query, and borders."""
-    shown = found.machines if machines is None else machines
-    cycles = counted(len(found.cycles), "cycle")
-    answer = f"{counted(len(found.machines), 'graph')} and {cycles}"
+    shown = atlas.machines if machines is None else machines
+    cycles = counted(len(atlas.cycles), "cycle")
+    answer = f"{counted(len(atlas.machines), 'graph')} and {cycles}"
     if query:
         matching = counted(len(shown), "machine") if shown else "no machine"
         answer = f"{query}: {matching} of this atlas"
-    bordering = [(one, *_told(found, one.parameter)) for one in borders]
+    bordering = [(one, *_unit_of(atlas, one.parameter)) for one in borders]
     given: dict[str, Any] = {
-        "machines": [_Drawn(found, one) for one in shown],
+        "machines": [_Drawn(atlas, one) for one in shown],
         "borders": bordering,
     }
-    rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(found))
-    full = recorded(_CYCLES, found.cycles)
+    rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(atlas))
+    full = recorded(_CYCLES, atlas.cycles)
     sections = {
         f"Machines, {'highest yield' if query else 'most frequent'} first": (
             Picture("machines", "The most frequent machines, their fractions and yields"),
             RecordTable(_MACHINES, rows, most=_ROWS, more="machines", level=CARD),
         ),
-        "Columns of the table": Text(_defined(found) if shown else "", CARD),
+        "Columns of the table": Text(_defined(atlas) if shown else "", CARD),
         "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
         "Varied parameters": RecordTable(VARIED, space, _EVENLY, level=PAGE),
     }
-    title = found.chain.title or f"Atlas of {counted(len(found.chain), 'cell')}"
-    facts, of = () if query else _facts(found), {"packages": ["zarr"], "given": given}
-    return Account(found, title, "atlas/1", answer, facts, sections, seed=found.seed, **of)
+    title = atlas.chain.title or f"Atlas of {counted(len(atlas.chain), 'cell')}"
+    facts, of = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
+    return Account(atlas, title, "atlas/1", answer, facts, sections, seed=atlas.seed, **of)
 
 
-def _facts(found: Atlas) -> list[Fact]:
-    varied = counted(len(found.axes), "parameter")
+def _facts(atlas: Atlas) -> list[Fact]:
+    varied = counted(len(atlas.axes), "parameter")
     unseen = "unknown of a single block of designs"
-    if found.unseen is not None:
-        most = number(found.unseen.high * 100)
+    if atlas.unseen is not None:
+        most = number(atlas.unseen.high * 100)
         unseen = f"at most {most} % of designs have another graph, at 95 %"
-    sampled, known = found.sampled, {one.name for one in found.machines}
+    sampled, known = atlas.sampled, {one.name for one in atlas.machines}
     others = (
-        f"{found.designs - found.told} designs; of a sample of {sampled.asked} the engine finds "
+        f"{atlas.designs - atlas.told} designs; of a sample of {sampled.asked} the engine finds "
         f"{counted(len(sampled.machines), 'graph')}, "
         f"{len(sampled.machines.keys() - known) or 'none'} of them new"
     )
     return [
-        Fact("Proved", _proved(found)),
-        Fact("Unseen", "" if found.whole else unseen),
-        Fact("Space", f"{len(found.chain)} cells driven by {found.drive}, {varied} varied"),
-        Fact("Designs", f"{found.designs} drawn evenly, {found.told} of them in closed form"),
-        Fact("Engine", f"the same graph for {found.agreed} of {found.checked} more designs"),
+        Fact("Proved", _proved(atlas)),
+        Fact("Unseen", "" if atlas.whole else unseen),
+        Fact("Space", f"{len(atlas.chain)} cells driven by {atlas.drive}, {varied} varied"),
+        Fact("Designs", f"{atlas.designs} drawn evenly, {atlas.told} of them in closed form"),
+        Fact("Engine", f"the same graph for {atlas.agreed} of {atlas.checked} more designs"),
         Fact("Others", others if sampled.asked else ""),
     ]
 
 
-def _defined(found: Atlas) -> str:
-    within = found.tolerances
+def _defined(atlas: Atlas) -> str:
+    within = atlas.tolerances
     return (
         "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
         "fraction of mechanisms built after the most robust design that was drawn, within "
@@ -191,9 +191,9 @@ def _defined(found: Atlas) -> str:
     )
 
 
-def _proved(found: Atlas) -> str:
-    if found.whole:
+def _proved(atlas: Atlas) -> str:
+    if atlas.whole:
         return "no other graph occurs in this space, ties aside"
-    cells = "every design" if found.space_proved else "not every design"
-    of = "" if found.possible is None else f"; at most {found.possible} graphs can occur"
+    cells = "every design" if atlas.space_proved else "not every design"
+    of = "" if atlas.possible is None else f"; at most {atlas.possible} graphs can occur"
     return f"{cells} of the space has concave cells{of}"

@@ -46,7 +46,7 @@ _PRESET: Schema = (
     Quantity("title", head="title", read=itemgetter(1)),
 )
 # What is reported of the designs that come with Stepwell.
-PRESETS: Schema = keys(presets=([_PRESET], lambda found: found.items()))
+PRESETS: Schema = keys(presets=([_PRESET], lambda presets: presets.items()))
 _ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
 _STATEMENT = Quantity("claim", head="statement", read="claim.claim")
 _WITHIN = Quantity("tolerance", head="within", read="claim.tolerance")
@@ -58,7 +58,7 @@ _COMPARED: Schema = (
 )
 _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
 # What is reported of verdicts.
-PAPER = keys(claims=([_CLAIM], lambda found: found))
+PAPER = keys(claims=([_CLAIM], lambda verdicts: verdicts))
 # What is reported of a folder; `files.staged_folder` writes it.
 FOLDER: Schema = (
     Quantity("command"),
@@ -66,15 +66,15 @@ FOLDER: Schema = (
 )
 
 
-def installation_account(found: base.Installation, about: About) -> Account:
+def installation_account(setup: base.Installation, about: About) -> Account:
     """What is reported of an installation."""
-    missing, kernels = found.missing, found.kernels
-    lacking = [one.install for one in found.extras if not one.present]
+    missing, kernels = setup.missing, setup.kernels
+    lacking = [one.install for one in setup.extras if not one.present]
     facts = [
         Fact("Missing", ", ".join(missing)),
-        Fact("Repair", "" if found.ok else "pip install --upgrade --force-reinstall stepwell"),
-        Fact("Stepwell", f"{base.__version__}, Python {found.python}, {found.system}"),
-        Fact("Cores", str(found.cores or "")),
+        Fact("Repair", "" if setup.ok else "pip install --upgrade --force-reinstall stepwell"),
+        Fact("Stepwell", f"{base.__version__}, Python {setup.python}, {setup.system}"),
+        Fact("Cores", str(setup.cores or "")),
     ]
     if kernels:
         fix = "no: set a writable folder with NUMBA_CACHE_DIR"
@@ -85,17 +85,17 @@ def installation_account(found: base.Installation, about: About) -> Account:
         ]
     extras = (_NAME, _USED_FOR, base.Column("installed", _versions))
     sections = {
-        "Broken": _table(_BROKEN, found.broken),
-        "Packages": _table(_PACKAGE, found.packages),
-        "Extras": replace(_table(_EXTRA, found.extras), columns=extras),
+        "Broken": _table(_BROKEN, setup.broken),
+        "Packages": _table(_PACKAGE, setup.packages),
+        "Extras": replace(_table(_EXTRA, setup.extras), columns=extras),
         "Extras to install": Verbatim("\n".join(lacking), "commands"),
-        "Tools": _table(_TOOL, found.tools),
+        "Tools": _table(_TOOL, setup.tools),
     }
     title, hint = "Installation", "No other part is examined before the packages are installed."
     answer, hints = "All packages that Stepwell needs are installed", [hint] if missing else ()
-    if not found.ok:
+    if not setup.ok:
         answer = "Packages are missing" if missing else "Packages are broken"
-    return Account(found, title, "doctor/1", answer, facts, sections, hints=hints, computed=False)
+    return Account(setup, title, "doctor/1", answer, facts, sections, hints=hints, computed=False)
 
 
 def _table(of: Schema, rows: Iterable[Any]) -> RecordTable:
@@ -107,23 +107,23 @@ def _versions(row: Row) -> str:
     return ", ".join(versions) if row["present"] else "no"
 
 
-def presets_account(found: Presets, about: About) -> Account:
+def presets_account(presets: Presets, about: About) -> Account:
     """What is reported of the designs that come with Stepwell."""
-    table = replace(_table(_PRESET, found.items()), more="designs", level=CARD)
-    title, answer = "Designs that come with Stepwell", base.counted(len(found), "design")
+    table = replace(_table(_PRESET, presets.items()), more="designs", level=CARD)
+    title, answer = "Designs that come with Stepwell", base.counted(len(presets), "design")
     sections = {"Names and titles": table}
-    return Account(found, title, "presets/1", answer, sections=sections, computed=False)
+    return Account(presets, title, "presets/1", answer, sections=sections, computed=False)
 
 
-def verdicts_account(found: Verdicts, about: About) -> Account:
+def verdicts_account(verdicts: Verdicts, about: About) -> Account:
     """What is reported of verdicts."""
-    claims, reasons = recorded(_CLAIM, found), [one for one in found if one.reason]
+    claims, reasons = recorded(_CLAIM, verdicts), [one for one in verdicts if one.reason]
     compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
     given = replace(_table((_ID, _REASON), reasons), more="reasons")
     title = "Validation against published claims"
-    answer = f"{found.agreed} of {len(found)} claims agree"
+    answer = f"{verdicts.agreed} of {len(verdicts)} claims agree"
     sections = {
         "Claims": RecordTable(compared, claims, "", wide, None, "claims"),
         "Reasons and limits": given,
     }
-    return Account(found, title, "paper/1", answer, sections=sections)
+    return Account(verdicts, title, "paper/1", answer, sections=sections)

@@ -1,28 +1,29 @@
 """A robot, the gait that statics predicts for it, and the arena that it walks in."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 
 from stepwell import base, files
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys, recorded
 from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
-from stepwell.base import Column, Quantity, Schema, amount, number
+from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.robot import Arena, DriveNeeds, Motion, Prediction, Robot
-
-# Where the sources of a robot's numbers are, for results of its simulation.
-SOURCES = "`stepwell robot show` lists every number of a robot with its source."
 
 PARAMETER: Schema = (
     Quantity("key", read="path", head="key"),
-    Quantity("values", holds=[float]),
+    # The unit of the values is in the key.
+    Quantity("values", head="value", form=6, left=False, holds=[float]),
     Quantity("unit", head="unit"),
     Quantity("source", head="source"),
 )
 PARAMETERS = Quantity("parameters", holds=[PARAMETER], read=files.provenance)
 _PUSH: Schema = (
     Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
-    *keys(step="mm", gain="mm", load="N"),
+    Quantity("step", "mm", "step", form=".1f"),
+    Quantity("gain", "mm", "gain", form=".1f"),
+    *keys(load="N"),
     Quantity("drag", "N", "drag", form=3),
     Quantity("largest_drag", "N", "largest drag", form=3, none="any"),
     Quantity("limit", head="then", read="limit.value"),
@@ -30,7 +31,8 @@ _PUSH: Schema = (
 _FLIP: Schema = (
     Quantity("antenna", head="antenna"),
     Quantity("displacement", "mm", "anchor moved", form=3),
-    *keys(earliest="mm", latest="mm"),
+    Quantity("earliest", "mm", "earliest", form=3),
+    Quantity("latest", "mm", "latest", form=3, none="never"),
     Quantity("swing", "deg", "swing", form=3),
     Quantity("gait", head="then"),
 )
@@ -47,41 +49,34 @@ _LEG: Schema = (
 )
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
-_LEG_NAME = Column("leg", lambda row: row["leg"])
-_GAIN = Column("gains [mm]", lambda p: f"{p['gain_mm']:.1f} of {p['step_mm']:.1f}", True)
-_PUSHES = (_LEG_NAME, _PUSH[0], _GAIN, *_PUSH[4:])
-_INTERVAL = Column("interval [mm]", lambda flip: _interval(flip), True)
-_FLIPS = (_FLIP[0], _LEG_NAME, _FLIP[1], _INTERVAL, *_FLIP[4:])
-# The unit of the values is in the key.
-_VALUES = Column("value", lambda row: ", ".join(f"{one:.6g}" for one in row["values"]), True)
-
-
-def _legs(found: Prediction) -> Sequence[Row]:
-    return base.rows_of({"leg": found.legs, "feet": found.known_depths})
+_table = partial(RecordTable, most=None)
 
 
 _PREDICTION: Schema = (
     *keys(motion=Motion, advance="over_u_max", sideways="over_u_max", turn="deg"),
     *keys(first_advance="over_u_max", too_soft=str, near_boundary=bool),
     *keys(drive_needs=keys(push="N", pull="N", stiffness="N_per_m")),
-    *keys(legs=([(*base.read_off(_LEG, "leg"), FEET)], _legs), assumptions=[str]),
+    Quantity(
+        "legs",
+        holds=[(*base.read_off(_LEG, "leg"), FEET)],
+        read=lambda one: base.rows_of({"leg": one.legs, "feet": one.known_depths}),
+    ),
+    *keys(assumptions=[str]),
 )
 
 
 def arena_account(arena: Arena, about: About) -> Account:
-    """What a notebook shows of an arena."""
-    answer = (
-        f"{base.counted(len(arena.walls), 'wall')} and "
-        f"{base.counted(len(arena.cylinders), 'cylinder')}"
-        f"{', and a goal' * (arena.goal is not None)}."
-    )
+    """Card of an arena in a notebook."""
+    walls, cylinders = len(arena.walls), len(arena.cylinders)
+    answer = f"{counted(walls, 'wall')} and {counted(cylinders, 'cylinder')}"
+    answer += ", and a goal." if arena.goal is not None else "."
     return Account(arena, arena.title or "Arena", answer=answer)
 
 
 def robot_account(robot: Robot, about: About) -> Account:
-    """What a notebook shows of a robot."""
+    """Card of a robot in a notebook."""
     drive = robot.drive
-    answer = "One actuator drives every leg; what it does follows from its springs."
+    answer = "One actuator drives every leg; the motion follows from the springs."
     facts = (
         *_robot_facts(robot),
         Fact("Legs", ", ".join(leg.name for leg in robot.legs)),
@@ -92,109 +87,95 @@ def robot_account(robot: Robot, about: About) -> Account:
 
 
 def _robot_facts(robot: Robot, level: parts.Level = CARD) -> list[Fact]:
-    return [
-        Fact("Mass", amount(robot.mass, "kg"), level),
-        Fact("Weight", amount(robot.weight, "N"), level),
-        Fact("u_max", amount(robot.u_max, "m"), level),
-    ]
+    amounts = ("Mass", robot.mass, "kg"), ("Weight", robot.weight, "N"), ("u_max", robot.u_max, "m")
+    return [Fact(label, amount(value, unit), level) for label, value, unit in amounts]
 
 
 # What is reported of a robot and its prediction.
 ROBOT: Schema = (
     *base.read_off((*keys(title=str, mass="g", weight="N", u_max="mm"), PARAMETERS), "robot"),
-    Quantity("prediction", holds=_PREDICTION, read=lambda found: found),
+    Quantity("prediction", holds=_PREDICTION, read=lambda prediction: prediction),
 )
 
 
-def prediction_account(found: Prediction, about: About) -> Account:
-    """What is reported of a prediction."""
-    robot = found.robot
-    doubted = "Statics cannot determine which gait these legs have."
-    doubts = [
-        f"{leg.name} may go {' or '.join(leg.alternatives or [leg.nearest])} as well."
-        for leg in found.legs
-        if leg.near_boundary
-    ]
-    soft = [f"{found.too_soft}."] if found.too_soft else []
+def prediction_account(prediction: Prediction, about: About) -> Account:
+    """Motion, gaits, margins and drive requirements of a robot, predicted by statics."""
+    robot, legs = prediction.robot, prediction.legs
     facts = (
         *_robot_facts(robot, TERMINAL),
-        Fact("Drive requirements", lambda: _needs(found.drive_needs), TERMINAL),
-        Fact("Foot depth", lambda: depth_words(robot, found.known_depths), TERMINAL),
+        Fact("Drive requirements", lambda: _drive_needs(prediction.drive_needs), TERMINAL),
+        Fact("Foot depth", lambda: depth_words(robot, prediction.known_depths), TERMINAL),
         assumed(robot),
     )
-    legs = (
-        "Margin: the smallest force on one cell that changes the gait. "
-        "Uncertainty: the force that the prediction does not know."
-    )
-    pushes = "How far the body goes of each step, and up to which drag of the floor."
-    flips = "How far an antenna moves the anchor before the gait of its leg changes."
-    title = robot.title or "A robot"
-    answer = (
-        f"{found.motion.value}: d/u_max {found.advance:z.2f} and {turn_words(found.turn)} per cycle"
-    )
+    gaits = "Margin: smallest force on a cell that changes the gait. Uncertainty: of this force."
+    pushes = "Gain: advance of the body in a step. The push ends at the largest drag of the floor."
+    flips = "Displacements of the anchor at which the gait of the leg changes."
+    motion = f"{prediction.motion.value}: d/u_max {prediction.advance:z.2f}"
+    answer = f"{motion} and {turn_words(prediction.turn)} per cycle"
+    title, origin = robot.title or "A robot", "Predicted by statics, without simulation."
     sections = {
         "The robot": (
             Picture("robot", "The robot from the side and from above"),
             Picture("prediction", "The gait that statics predicts"),
         ),
-        "Predicted gaits": RecordTable(
-            _LEG, recorded(_LEG, found.legs), legs, most=None, more="legs", level=CARD
-        ),
-        "Pushes": RecordTable(_PUSHES, "prediction", pushes, most=None, pick=_of_legs("pushes")),
-        "Gait changes by antennas": RecordTable(
-            _FLIPS, "prediction", flips, most=None, pick=_of_legs("flips")
-        ),
+        "Predicted gaits": _table(_LEG, recorded(_LEG, legs), gaits, more="legs", level=CARD),
+        "Pushes": _of_legs(_PUSH, "pushes", pushes),
+        "Gait changes by antennas": _of_legs(_FLIP, "flips", flips),
         **parameter_section(robot, TERMINAL),
-        "Assumptions": parts.Notes(found.assumptions, PAGE),
+        "Assumptions": parts.Notes(prediction.assumptions, PAGE),
     }
+    doubts = [
+        f"{leg.name} may also perform {' or '.join(leg.alternatives or [leg.nearest])}."
+        for leg in legs
+        if leg.near_boundary
+    ]
+    soft = [f"{prediction.too_soft}."] if prediction.too_soft else []
     warnings = (
-        parts.Warned("Too close to call", doubted, doubts),
+        parts.Warned("Too close to call", "Statics cannot determine these gaits.", doubts),
         parts.Warned("Soft drive", "The stiffness of the drive changes the gait.", soft),
     )
-    origin = "Predicted by statics, without simulation."
-    return Account(found, title, "robot/1", answer, facts, sections, warnings, origin)
+    return Account(prediction, title, "robot/1", answer, facts, sections, warnings, origin)
 
 
-def _of_legs(key: str) -> Callable[[Row], list[Row]]:
-    return lambda found: [{"leg": leg["name"], **one} for leg in found["legs"] for one in leg[key]]
+def _of_legs(columns: Schema, key: str, about: str) -> RecordTable:
+    """A table of what the record has of each leg under a key."""
+
+    def rows(prediction: Row) -> list[Row]:
+        return [{"leg": leg["name"], **one} for leg in prediction["legs"] for one in leg[key]]
+
+    return _table((Quantity("leg", head="leg"), *columns), "prediction", about, pick=rows)
 
 
-def _needs(needs: DriveNeeds) -> str:
-    """What a motor must have for the gait."""
+def _drive_needs(needs: DriveNeeds) -> str:
+    """Forces and stiffness that the gait requires of the motor."""
     enough = f"{number(needs.stiffness, 3)} N/m or more" if needs.stiffness else "any stiffness"
     return f"{number(needs.push, 3)} N loading, {number(needs.pull, 3)} N unloading, {enough}"
 
 
-def _interval(flip: Row) -> str:
-    earliest, latest = number(flip["earliest_mm"], 3), flip["latest_mm"]
-    return f"from {earliest}, or never" if latest is None else f"{earliest} to {number(latest, 3)}"
-
-
 def turn_words(turn: float) -> str:
-    """A rotation [rad]."""
+    """A rotation [rad], in degrees to the left."""
     return f"{math.degrees(turn):z.1f}° to the left"
 
 
 def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> str:
-    """How deep the feet stand, and the depths [m] between which each leg keeps its gait."""
+    """Depth of the feet, and the depths [m] between which each leg keeps its gait."""
     each = [
         f"{leg.name} {base.to_unit(one[0], 'mm'):.2f} to {base.to_unit(one[1], 'mm'):.2f} mm"
         for leg, one in zip(robot.legs, depths, strict=True)
         if one is not None
     ]
-    found = f"{amount(robot.foot.below, 'm')} below the supports"
-    return found + (f"; the predicted gait stays: {', '.join(each)}" if each else "")
+    depth = f"{amount(robot.foot.below, 'm')} below the supports"
+    return "; the predicted gait stays: ".join([depth] + [", ".join(each)] * bool(each))
 
 
 def assumed(robot: Robot) -> Fact:
-    """How many numbers of a robot are assumed."""
+    """Count of the assumed numbers of a robot."""
     sources = [one.source for one in files.provenance(robot)]
     return Fact("Assumed numbers", f"{sources.count('assumed')} of {len(sources)}", TERMINAL)
 
 
 def parameter_section(robot: Robot, level: parts.Level = PAGE) -> parts.Sections:
     """Every number of a robot with its source."""
-    columns = (PARAMETER[0], _VALUES, *PARAMETER[2:])
     about = "Every number with its source; its key is that of the design file."
     rows = recorded(PARAMETER, files.provenance(robot))
-    return {"Parameters": RecordTable(columns, rows, about, most=None, level=level)}
+    return {"Parameters": _table(PARAMETER, rows, about, level=level)}

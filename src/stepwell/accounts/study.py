@@ -15,8 +15,8 @@ _FOREMOST = 5
 _GAP = keys(first=int, last=int, damaged=bool)
 _SHARE = keys(times=int, of=int, low=float, high=float, share=float)
 _SCREEN: Schema = (
-    Quantity("engine", read=lambda found: found.study.given["engine"]),
-    Quantity("wanted", read=lambda found: found.study.given["wanted"], holds=str | int),
+    Quantity("engine", read=lambda status: status.study.given["engine"]),
+    Quantity("wanted", read=lambda status: status.study.given["wanted"], holds=str | int),
     *read_off(keys(designs=int, kept=int, computed=int), "screened"),
     *(
         Quantity(name, read=f"screened.{name}", holds=_SHARE, missing=True)
@@ -52,7 +52,7 @@ def _unit(unit: str) -> str:
     return "" if unit == "1" else unit
 
 
-def _told(one: Varied | Extent) -> str:
+def _unit_of(one: Varied | Extent) -> str:
     return one.unit or "1"
 
 
@@ -64,13 +64,13 @@ def _end(name: str, read: str = "") -> Quantity:
 # What varies, of atlases too.
 VARIED: Schema = (
     Quantity("parameter", head="parameter"),
-    Quantity("unit", head="unit", read=_told, form=_unit),
+    Quantity("unit", head="unit", read=_unit_of, form=_unit),
     _end("from", "low"),
     _end("to", "high"),
 )
 _NUMBER: Schema = (
     Quantity("column", head="column"),
-    Quantity("unit", head="unit", read=_told, form=_unit),
+    Quantity("unit", head="unit", read=_unit_of, form=_unit),
     _end("least"),
     _end("median"),
     _end("most"),
@@ -80,7 +80,7 @@ _NUMBER: Schema = (
 
 # What is reported of a study.
 STUDY: Schema = (
-    *keys(title=(str, "study.subject.title"), store=(str, lambda found: str(found.study.folder))),
+    *keys(title=(str, "study.subject.title"), store=(str, lambda status: str(status.study.folder))),
     *read_off(keys(what=str, identity=str, how=(str, lambda of: str(of.designs.how))), "study"),
     *keys(count=(int, "study.count"), varied=[VARIED]),
     *read_off(keys(chunk=int, chunks=int), "study"),
@@ -90,14 +90,14 @@ STUDY: Schema = (
 )
 
 
-def status_account(found: Status, about: About) -> Account:
+def status_account(status: Status, about: About) -> Account:
     """What is reported of a study."""
-    study, deciding = found.study, _deciding(found)
-    missing = [gaps_text(found.gaps, study.count)] if found.gaps else []
-    problems = [f"{counted(n, 'design')}: {kind}" for kind, n in found.problems.items()]
+    study, deciding = status.study, _deciding(status)
+    missing = [gaps_text(status.gaps, study.count)] if status.gaps else []
+    problems = [f"{counted(n, 'design')}: {kind}" for kind, n in status.problems.items()]
     answer = ""
-    if found.outcomes:
-        first = found.outcomes[0]
+    if status.outcomes:
+        first = status.outcomes[0]
         share = _share(first.share, first.sampled, " of the designs")
         answer = f"{share} have {first.column} {first.value}"
     elif deciding:
@@ -105,12 +105,12 @@ def status_account(found: Status, about: About) -> Account:
         share = f"{percent(foremost['share'])} of the variance of {foremost['column']}"
         answer = f"{foremost['parameter']} explains {share}"
     designs = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
-    done = f"{found.done} of {study.chunks} chunks are done"
+    done = f"{status.done} of {study.chunks} chunks are done"
     facts = (
         Fact("Study", designs),
-        Fact("Done", "all of it" if found.finished else done),
+        Fact("Done", "all of it" if status.finished else done),
         Fact("Store", str(study.folder), TERMINAL),
-        *_screened(found),
+        *_screened(status),
     )
     influence = (
         "The fraction of a column's variance that a number explains by itself, and "
@@ -123,27 +123,27 @@ def status_account(found: Status, about: About) -> Account:
     sections = {
         "Outcomes": (
             Picture("outcomes", "Outcomes over the parameters that decide them"),
-            table(_OUTCOME, found.outcomes, "The most frequent first.", "outcomes"),
+            table(_OUTCOME, status.outcomes, "The most frequent first.", "outcomes"),
         ),
         "Influence of each number": (
             Picture("influences", "Fraction of the variance that each number explains"),
             RecordTable(_DECIDING, lambda: deciding, influence, most=None),
         ),
-        "Range of each result": table(_NUMBER, found.numbers, "", "results"),
-        "Varied parameters": table(VARIED, found.varied, "", "parameters"),
-        "Assumptions": Notes(_assumed(found), PAGE),
+        "Range of each result": table(_NUMBER, status.numbers, "", "results"),
+        "Varied parameters": table(VARIED, status.varied, "", "parameters"),
+        "Assumptions": Notes(_assumed(status), PAGE),
     }
     title = study.subject.title or "A study"
     warned = (
         parts.Warned("Missing designs", "", missing),
         parts.Warned("Designs that could not be computed", "", problems),
     )
-    hints = [] if found.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
+    hints = [] if status.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
     of = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
-    return Account(found, title, "study/1", answer, facts, sections, warned, **of)
+    return Account(status, title, "study/1", answer, facts, sections, warned, **of)
 
 
-def _deciding(found: Status) -> list[dict[str, Any]]:
+def _deciding(status: Status) -> list[dict[str, Any]]:
     """The numbers that surely decide something, the foremost of each column."""
     return [
         {
@@ -152,7 +152,7 @@ def _deciding(found: Status) -> list[dict[str, Any]]:
             "share": each.share,
             "trend": each.trend,
         }
-        for one in found.decided
+        for one in status.decided
         for each in one.sure[:_FOREMOST]
     ]
 
@@ -163,12 +163,12 @@ def _share(share: Share, sampled: bool = True, of: str = "") -> str:
     return f"{percent(share.share)}{of}{ends * sampled}"
 
 
-def _screened(found: Status) -> list[Fact]:
+def _screened(status: Status) -> list[Fact]:
     """How a screen and what was computed agree."""
-    of = found.screened
+    of = status.screened
     if of is None:
         return []
-    engine = found.study.given["engine"]
+    engine = status.study.given["engine"]
     kept = f"{engine} keeps {of.kept} of {of.designs}; {of.computed} were computed"
     return [
         Fact("Screen", kept),
@@ -180,26 +180,26 @@ def _screened(found: Status) -> list[Fact]:
     ]
 
 
-def _assumed(found: Status) -> list[str]:
+def _assumed(status: Status) -> list[str]:
     assumed = ["Each parameter varies independently and evenly between its bounds."]
-    if found.study.designs.how == "listed":
+    if status.study.designs.how == "listed":
         assumed = [
             "The designs were listed: each of the parameters that vary together has the fraction "
             "of all of them."
         ]
-    elif found.study.designs.how == "as built":
+    elif status.study.designs.how == "as built":
         assumed = ["The designs vary as mechanisms are built within their tolerances."]
-    if found.decided:
+    if status.decided:
         assumed.append(
             "What several parameters decide only together is in the fraction of none. A fraction "
             "below the floor, which chance alone exceeds in one study of twenty, is not shown."
         )
-    if any(one.sampled for one in found.outcomes):
+    if any(one.sampled for one in status.outcomes):
         assumed.append(
             "Intervals are those of designs drawn independently, 95 % (Clopper and Pearson); with "
             "a Sobol' sequence or a Latin hypercube the error is mostly smaller."
         )
-    if found.screened:
+    if status.screened:
         assumed.append(
             "A prefilter in single precision chose the designs that were computed, and some were "
             "drawn at random: fractions are those of the designs drawn, all other numbers those "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +40,8 @@ _LEG: Schema = (
     *keys(gaits=[str], predicted_gait=str | None, slip="mm"),
     of_robot.FEET,
 )
-_SIMULATED: dict[str, Any] = {"hints": [of_robot.SOURCES], "packages": ["mujoco"]}
+_SOURCES = "`stepwell robot show` lists every number of a robot with its source."
+_SIMULATED: dict[str, Any] = {"hints": [_SOURCES], "packages": ["mujoco"]}
 _GAITS = (
     Quantity("cycles", head="cycles"),
     Quantity("states", head="states"),
@@ -78,15 +78,10 @@ CONVERGENCE = keys(title=(str, "robot.title"), time_steps=([_TIME_STEP], "rows")
 
 
 def _legs(walk: Walk) -> Sequence[Row]:
-    return base.rows_of(
-        {
-            "name": walk.gaits,
-            "gaits": walk.gaits.values(),
-            "predicted_gait": walk.comparison.predicted or [None] * len(walk.gaits),
-            "slip": walk.slip,
-            "feet": walk.comparison.depths,
-        }
-    )
+    gaits, statics = walk.gaits, walk.comparison
+    predicted = statics.predicted or [None] * len(gaits)
+    columns = (gaits, gaits.values(), predicted, walk.slip, statics.depths)
+    return base.rows_of(dict(zip((one.name for one in _LEG), columns, strict=True)))
 
 
 def _trial(walk: Walk) -> Trial:
@@ -96,18 +91,14 @@ def _trial(walk: Walk) -> Trial:
     return Trial.of(walk)
 
 
-def _mean(name: str, walk: Walk) -> float:
-    return getattr(_trial(walk), name)
-
-
 # What is reported of a walk.
 WALK: Schema = (
     *WALKED,
-    Quantity("mean_advance", "over_u_max", read=partial(_mean, "advance")),
-    *keys(mean_turn=("deg", partial(_mean, "turn")), work_per_cycle=("mJ", partial(_mean, "work"))),
-    Quantity("u_max", "mm", read="robot.u_max"),
+    *keys(mean_advance=("over_u_max", lambda walk: _trial(walk).advance)),
+    *keys(mean_turn=("deg", lambda walk: _trial(walk).turn)),
+    *keys(work_per_cycle=("mJ", lambda walk: _trial(walk).work), u_max=("mm", "robot.u_max")),
     *_CYCLES,
-    Quantity("foot", "mm", read="robot.foot.below"),
+    *keys(foot=("mm", "robot.foot.below")),
     *keys(as_predicted=(bool | None, "comparison.same"), comparison=(str, "comparison.text")),
     Quantity("legs", holds=[_LEG], read=_legs),
 )
@@ -136,9 +127,9 @@ def walk_account(walk: Walk, about: About) -> Account:
         rows = base.rows_of(base.record(_CYCLES, walk))
         return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
 
-    gaits = "The states of the cells in a cycle, and how far the foot slips."
+    gaits = "States of the cells in a cycle, and slip of the foot."
     advance = "d/u_max is the advance over the largest step of the legs."
-    cells = (Column("cycle", lambda row: str(row["cycle"]), True), *_CYCLES)
+    by_columns = (Quantity("cycle", head="cycle", left=False), *_CYCLES)
     sections = {
         "Motion": parts.Replay(title),
         "Path, gait and contacts": (
@@ -147,17 +138,17 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("contacts", "Contacts, actuator force and work"),
         ),
         "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
-        "Cycles": RecordTable(cells, by_cycle, advance, more="cycles", level=CARD),
+        "Cycles": RecordTable(by_columns, by_cycle, advance, more="cycles", level=CARD),
         **_given(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
     origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
-    warned = _stopped_early(walk)
+    warned = _stopped_early("The simulation", walk.stopped)
     return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **_SIMULATED)
 
 
 def _given(walk: Walk) -> parts.Sections:
-    """What a simulation was given, and what it assumes."""
+    """Parameters and assumptions of a simulation."""
     assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
     return {**of_robot.parameter_section(walk.robot), "Assumptions": assumptions}
 
@@ -167,29 +158,29 @@ def _simulated_in(arena: robots.Arena) -> str:
 
 
 def _transport(walk: Walk, level: parts.Level) -> Fact:
-    """The cost of transport; none of a robot that got nowhere."""
+    """Cost of transport; without text for a robot that did not advance."""
     cost = walk.cost_of_transport
-    known = f"{number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
-    return Fact("Cost of transport", known, level)
+    finite = f"{number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
+    return Fact("Cost of transport", finite, level)
 
 
-def _stopped_early(walk: Walk) -> list[parts.Warned]:
-    """The warning of a run that did not go on to its end."""
-    stopped = [walk.stopped] if walk.stopped else []
-    return [parts.Warned("Stopped early", "The simulation ended before its time.", stopped)]
+def _stopped_early(what: str, reason: str) -> list[parts.Warned]:
+    """Warning of a simulation that stopped for a reason."""
+    reasons = [reason] if reason else []
+    return [parts.Warned("Stopped early", f"{what} ended before its time.", reasons)]
 
 
 def _gaits(legs: Sequence[Row]) -> list[Row]:
-    """Equal gaits that follow each other in one row: their cycles from 1, and the gait."""
-    found: list[Row] = []
+    """Consecutive cycles of equal gait as one row."""
+    rows: list[Row] = []
     for leg in legs:
         first = 1
         for gait, same in groupby(leg["gaits"]):
             last = first + len(list(same)) - 1
             cycles = f"{first}" if first == last else f"{first} to {last}"
-            found.append({**leg, "cycles": cycles, "states": gait or "none"})
+            rows.append({**leg, "cycles": cycles, "states": gait or "none"})
             first = last + 1
-    return found
+    return rows
 
 
 def _hash(maze: Maze) -> str | None:
@@ -219,43 +210,37 @@ def maze_account(maze: Maze, about: About) -> Account:
     walk, antennas = maze.walk, maze.walk.robot.antennas
     title = walk.robot.title or "A robot in an arena"
     touched = sum(time is not None for time in maze.touched.values())
-    # With its lever off, an antenna moves no anchor.
+    # An antenna with a disconnected lever moves no anchor.
     legs = {one.name: one.leg for one in antennas if one.connected}
     leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
     off = ", ".join(one.name for one in antennas if not one.connected)
-    x, y = (number(base.to_unit(one, "mm")) for one in maze.end or (0.0, 0.0))
+    fitted = f"{len(antennas) or 'none'}" + f"; levers disconnected: {off}" * bool(off)
+    end = ", ".join(number(base.to_unit(one, "mm")) for one in maze.end or ())
     facts = (
         Fact("Arena", maze.arena.title, TERMINAL),
         Fact("Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)),
-        Fact(
-            "Antennas",
-            f"{len(antennas) or 'none'}" + (f"; levers disconnected: {off}" if off else ""),
-            TERMINAL,
-        ),
+        Fact("Antennas", fitted, TERMINAL),
         Fact("Distance", amount(walk.distance, "m"), TERMINAL),
         Fact("Cycles", str(walk.cycles), TERMINAL),
-        Fact("End position", "" if maze.end is None else f"({x}, {y}) mm", TERMINAL),
+        Fact("End position", f"({end}) mm" * bool(end), TERMINAL),
         _transport(walk, TERMINAL),
         of_robot.assumed(walk.robot),
     )
-    obstacles = "When each was first touched."
-    contacts = "Each contact, and the leg it changes."
-    changes = "From which cycle on a leg has another gait."
+    touches, contacts = "Time of the first contact.", "Each contact, and the leg that it changes."
+    changes = "Start of the first cycle with the new gait."
     sections = {
         "Motion": parts.Replay(title),
         "Path": (
             Picture("maze", "Path from above"),
             Picture("timeline", "Antennas, gaits and obstacles over time"),
         ),
-        "Obstacles": RecordTable(_TOUCHED, "touched", obstacles, most=None),
+        "Obstacles": RecordTable(_TOUCHED, "touched", touches, most=None),
         "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
-        "Gait changes": RecordTable(
-            _CHANGE, "changes", changes, more="changes of gait", level=CARD
-        ),
+        "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
         **_given(walk),
     }
     answer = f"{maze.outcome} after {amount(maze.duration, 's')}"
-    origin, warned = _simulated_in(maze.arena), _stopped_early(walk)
+    origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
     of = {**_SIMULATED, "given": seeds}
     return Account(maze, title, "maze/1", answer, facts, sections, warned, origin, **of)
@@ -274,32 +259,28 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     """What is reported of a sweep over robots."""
     failed = [one for one in sweep.trials if one.stopped]
     count = counted(len(sweep.trials), "robot")
-    columns = (
-        *(
-            Column(key, lambda row, k=k: number(row["values"][k], 6), True)
-            for k, key in enumerate(sweep.values)
-        ),
-        *robots.TRIAL,
-    )
-    wide = [Column("why it stopped", lambda row: row["stopped"])] if failed else []
-    first = f"{counted(len(failed), 'robot')} did not walk to the end. The first of these: "
-    stopped = [f"{first}{failed[0].stopped}"] if failed else []
-    text = "The simulation of some robots ended before its time."
-    rows = "One row for each robot."
+    varied = [
+        Column(key, lambda row, k=k: number(row["values"][k], 6), True)
+        for k, key in enumerate(sweep.values)
+    ]
+    wide = [Column("reason", lambda row: row["stopped"])] if failed else []
+    robots_failed = f"The simulation of {counted(len(failed), 'robot')}"
     sections = {
-        "Results": Picture("sweep", "What each robot does in a cycle"),
-        "Robots": RecordTable(columns, "trials", rows, wide, more="robots", level=CARD),
+        "Results": Picture("sweep", "Results per cycle of each robot"),
+        "Robots": RecordTable(
+            (*varied, *robots.TRIAL), "trials", "", wide, more="robots", level=CARD
+        ),
     }
     answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
-    warned = [parts.Warned("Stopped early", text, stopped)]
+    warned = _stopped_early(robots_failed, f"First reason: {failed[0].stopped}" if failed else "")
     of: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
     return Account(sweep, count, "sweep/1", answer, (), sections, warned, origin, **of)
 
 
-def convergence_account(found: Convergence, about: About) -> Account:
+def convergence_account(convergence: Convergence, about: About) -> Account:
     """What is reported of a walk at several time steps."""
-    rows = found.rows
+    rows = convergence.rows
     steps = ", ".join(number(base.to_unit(row.time_step, "ms")) for row in rows)
     advance = [row.advance for row in rows]
     columns = (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4])
@@ -317,5 +298,5 @@ def convergence_account(found: Convergence, about: About) -> Account:
         "Time steps": RecordTable(columns, "time_steps", most=None, more="time steps", level=CARD),
         "Definitions": parts.Text(defined),
     }
-    title = f"{found.robot.title or 'A robot'}, by time step"
-    return Account(found, title, "convergence/1", answer, (), sections, packages=["mujoco"])
+    title = f"{convergence.robot.title or 'A robot'}, by time step"
+    return Account(convergence, title, "convergence/1", answer, (), sections, packages=["mujoco"])

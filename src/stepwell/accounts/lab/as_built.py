@@ -36,10 +36,10 @@ _ASSUMED = (
 def _in_unit(name: str, head: str, read: str) -> Quantity:
     """A number of a parameter, in the unit of this parameter."""
 
-    def told(one: Known) -> float:
+    def in_unit(one: Known) -> float:
         return getattr(one, read) * base.display_unit(one.parameter.unit)[1]
 
-    return Quantity(name, head=head, left=False, read=told, holds=float)
+    return Quantity(name, head=head, left=False, read=in_unit, holds=float)
 
 
 _KNOWN: Schema = (
@@ -51,7 +51,7 @@ _KNOWN: Schema = (
     Quantity(
         "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
     ),
-    Quantity("told", head="identified", form=lambda told: "yes" if told else "no", holds=bool),
+    Quantity("told", head="identified", form=lambda known: "yes" if known else "no", holds=bool),
 )
 
 
@@ -78,17 +78,17 @@ def as_built_schema(shape: Shape) -> Schema:
     )
 
 
-def as_built_account(found: AsBuilt, about: About) -> Account:
+def as_built_account(build: AsBuilt, about: About) -> Account:
     """What is reported of a build."""
-    drawing = found.drawing
-    after = base.percent(found.moves[0].share) if found.moves else ""
+    drawing = build.drawing
+    after = base.percent(build.moves[0].share) if build.moves else ""
     facts = (
-        Fact("Target", found.target),
-        Fact("Yield as built", base.percent(found.share)),
+        Fact("Target", build.target),
+        Fact("Yield as built", base.percent(build.share)),
         Fact("Yield after the move", after),
-        Fact("Observed", _observed(found), TERMINAL),
-        Fact("Samples", _samples(found), TERMINAL),
-        Fact("Holes", _holes(found)),
+        Fact("Observed", _observed(build), TERMINAL),
+        Fact("Samples", _samples(build), TERMINAL),
+        Fact("Holes", _holes(build)),
     )
     moves = "The best moves, and the yield after each."
     known = "Means and standard deviations, with those before the observation."
@@ -99,22 +99,22 @@ def as_built_account(found: AsBuilt, about: About) -> Account:
         "As built, as far as observations identify it": table,
         "Assumptions": (anchors, Notes(_ASSUMED, PAGE)),
     }
-    title, answer = drawing.title or "A first build", f"{found.advice}."
-    origin, seed = f"{cells_of(drawing)}.", found.seed
-    return Account(found, title, "lab.as_built/2", answer, facts, sections, (), origin, seed=seed)
+    title, answer = drawing.title or "A first build", f"{build.advice}."
+    origin, seed = f"{cells_of(drawing)}.", build.seed
+    return Account(build, title, "lab.as_built/2", answer, facts, sections, (), origin, seed=seed)
 
 
-def _samples(found: AsBuilt) -> str:
+def _samples(build: AsBuilt) -> str:
     """Within which tolerances builds were drawn, and how many of them agree."""
-    wider = f", {base.number(found.wider)} times those given" * (found.wider > 1)
+    wider = f", {base.number(build.wider)} times those given" * (build.wider > 1)
     return (
-        f"{found.samples} with {tolerance_words(found.tolerances, found.drawing)}{wider}; "
-        f"{base.percent(found.agreeing)} of random builds move as observed"
+        f"{build.samples} with {tolerance_words(build.tolerances, build.drawing)}{wider}; "
+        f"{base.percent(build.agreeing)} of random builds move as observed"
     )
 
 
-def _observed(found: AsBuilt) -> str:
-    seen, unit = found.seen, found.drawing.drive_unit
+def _observed(build: AsBuilt) -> str:
+    seen, unit = build.seen, build.drawing.drive_unit
     words = [seen.sequence or ""]
     for strokes, way in ((seen.out, "loading"), (seen.back, "unloading")):
         if strokes is not None:
@@ -124,12 +124,12 @@ def _observed(found: AsBuilt) -> str:
     return "; ".join(filter(None, words))
 
 
-def _holes(found: AsBuilt) -> str:
-    if not Shape.of(found.drawing).levers:
+def _holes(build: AsBuilt) -> str:
+    if not Shape.of(build.drawing).levers:
         return ""
-    if not found.chance:
+    if not build.chance:
         return "nominal; wrong holes were not searched"
-    if not found.wrong:
+    if not build.wrong:
         return "nominal, as far as observed"
-    each = ", ".join(f"{one} in {base.percent(one.share)}" for one in found.wrong)
+    each = ", ".join(f"{one} in {base.percent(one.share)}" for one in build.wrong)
     return f"{each} of the builds that would do this; p the other way does the same"

@@ -44,9 +44,9 @@ _ONE = (
 )
 
 
-def _losses(found: BandFit) -> list[Any]:
+def _losses(fit: BandFit) -> list[Any]:
     """The cycles that unload, sample by sample."""
-    known = [loop for loop in found.test.loops if not math.isnan(loop.loss)]
+    known = [loop for loop in fit.test.loops if not math.isnan(loop.loss)]
     return sorted(known, key=lambda loop: (loop.sample, loop.cycle))
 
 
@@ -62,14 +62,14 @@ BAND: Schema = (
     *keys(laws=([_LAW], "choice.candidates"), law_best=(str, "choice.best.law.name")),
     *keys(law_chosen=(str, "choice.chosen.law.name"), left_out=(str, "choice.folds")),
     *keys(law_told=(str, "choice.told"), rest_length=("mm", "choice.rest_length")),
-    *keys(rest_length_told=(str, lambda found: found.choice.rest_length_told()), table=str),
+    *keys(rest_length_told=(str, lambda fit: fit.choice.rest_length_told()), table=str),
 )
 
 
-def band_fit_account(found: BandFit, about: About) -> Account:
+def band_fit_account(fit: BandFit, about: About) -> Account:
     """What is reported of bands."""
-    choice, alone, many = found.choice, found.alone, found.stiffness
-    table, loss = band_table(found, about.source or ""), found.loss
+    choice, alone, many = fit.choice, fit.alone, fit.stiffness
+    table, loss = band_table(fit, about.source or ""), fit.loss
     length = alone and alone.rest_length
     rest = f"{number(length.value * _MM)} mm; 95 % {_between(length, 'mm', _MM)}" if length else ""
     lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
@@ -81,7 +81,7 @@ def band_fit_account(found: BandFit, about: About) -> Account:
         Fact("By sample", f"{_each(many, '.4g')} N/m"),
         Fact("Work lost in a cycle", lost),
         Fact("Force law", choice.chosen.law.name),
-        *_used(found.test),
+        *_used(fit.test),
     )
     laws = (
         "What each law leaves of the force, and how well it predicts what was left out; the law of "
@@ -91,33 +91,33 @@ def band_fit_account(found: BandFit, about: About) -> Account:
     sections = {
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
-            RecordTable(_laws(found), "laws", laws, most=None),
+            RecordTable(_laws(fit), "laws", laws, most=None),
         ),
         "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
-        across: RecordTable(_ends(found), "windows", most=None, pick=_by_start),
+        across: RecordTable(_ends(fit), "windows", most=None, pick=_by_start),
         "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
-        "Used and dropped": Notes(found.test.told),
+        "Used and dropped": Notes(fit.test.told),
         "Assumptions": Text(_MANY if alone is None else _ONE),
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(many.value)} N/m"
-    warned = [parts.Warned("Check the recordings", "", found.test.warnings)]
+    warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(found, title, "lab.band/1", answer, facts, sections, warned, given=given)
+    return Account(fit, title, "lab.band/1", answer, facts, sections, warned, given=given)
 
 
-def band_test_account(found: BandTest, about: About) -> Account:
+def band_test_account(test: BandTest, about: About) -> Account:
     """What a notebook shows of tension tests, without a force law."""
-    estimate = stiffness(found)
+    estimate = stiffness(test)
     facts = (
         Fact("Stiffness", f"{number(estimate.value)} N/m"),
         Fact("Mean of bands, 95 %", _of_many(estimate, "low", "high")),
-        Fact("Samples", ", ".join(map(str, found.samples))),
-        *_used(found),
+        Fact("Samples", ", ".join(map(str, test.samples))),
+        *_used(test),
     )
-    warnings = [parts.Warned("Check the recordings", "", found.warnings)]
-    sections = {"Used and dropped": Notes(found.told[:3], CARD)}
+    warnings = [parts.Warned("Check the recordings", "", test.warnings)]
+    sections = {"Used and dropped": Notes(test.told[:3], CARD)}
     title = "Tension tests of bands"
-    return Account(found, title, facts=facts, warnings=warnings, sections=sections)
+    return Account(test, title, facts=facts, warnings=warnings, sections=sections)
 
 
 def _used(test: BandTest) -> tuple[Fact, Fact]:
@@ -142,8 +142,8 @@ def _each(estimate: Estimate, form: str) -> str:
     return ", ".join(f"{sample}: {value:{form}}" for sample, value in estimate.each.items())
 
 
-def _laws(found: BandFit) -> list[Quantity | Column]:
-    choice = found.choice
+def _laws(fit: BandFit) -> list[Quantity | Column]:
+    choice = fit.choice
     chosen, left_out = choice.chosen.law.name, choice.folds
     # On one curve by the criterion that chose, else by what was left out.
     tried = Column("criterion above best", lambda law: number(law["above_best"], 3), True)
@@ -172,9 +172,9 @@ def _values(law: Row) -> str:
     return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
 
 
-def _ends(found: BandFit) -> list[Column]:
+def _ends(fit: BandFit) -> list[Column]:
     """A column for each end of a window, in front of them the start."""
-    ends = [number(end * _MM) for end in sorted({window.end for window in found.windows})]
+    ends = [number(end * _MM) for end in sorted({window.end for window in fit.windows})]
     return [
         Column(end, lambda row, end=end: number(row.get(end)), True)
         for end in (["from", *ends] if ends else [])

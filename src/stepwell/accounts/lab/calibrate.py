@@ -24,7 +24,7 @@ _WEIGHING = keys(
     loading_and_unloading=(bool, "both"),
 )
 _SNAP_ERRORS: Schema = tuple(
-    Quantity(name, holds=float, read=lambda found, name=name: found.snap_error(name))
+    Quantity(name, holds=float, read=lambda model, name=name: model.snap_error(name))
     for name in ("plain", "fitted", "left_out")
 )
 _INTERVALS = keys(of=(int, itemgetter(1)), hold=(int, itemgetter(0)))
@@ -60,51 +60,51 @@ _SNAP: Schema = (
 )
 
 
-def _errors(found: Calibration) -> Sequence[Row]:
+def _errors(model: Calibration) -> Sequence[Row]:
     """The errors of each cell in a series, fitted and left out [k r]."""
-    fit, left_out = found.fit_error, found.left_out_error
-    return rows_of({"sample": found.samples, "fit": fit, "left_out": left_out})
+    fit, left_out = model.fit_error, model.left_out_error
+    return rows_of({"sample": model.samples, "fit": fit, "left_out": left_out})
 
 
-def _means(found: Calibration) -> Sequence[Row]:
+def _means(model: Calibration) -> Sequence[Row]:
     """The mean errors of the cells with so many bands [k r]."""
     return [
         {
             "bands": bands,
             "in_pair": pair,
-            "fit": found.mean_error(bands, pair, left_out=False),
-            "left_out": found.mean_error(bands, pair),
+            "fit": model.mean_error(bands, pair, left_out=False),
+            "left_out": model.mean_error(bands, pair),
         }
-        for bands, pair in found.kinds
+        for bands, pair in model.kinds
     ]
 
 
-def _correlations(found: Calibration) -> dict[str, dict[str, float]]:
-    names = list(found.values)
-    rows = zip(names, found.correlations.tolist(), strict=True)
+def _correlations(model: Calibration) -> dict[str, dict[str, float]]:
+    names = list(model.values)
+    rows = zip(names, model.correlations.tolist(), strict=True)
     return {name: dict(zip(names, row, strict=True)) for name, row in rows}
 
 
-def summary(found: Calibration) -> list[str]:
+def summary(model: Calibration) -> list[str]:
     """How well a calibration predicts, a sentence each."""
     lines = [
         f"{'Pairs' if one['in_pair'] else 'Cells'} with {counted(one['bands'], 'band')}: force "
         f"within {one['fit']:.3f} k r fitted, {one['left_out']:.3f} predicted from the "
         "other geometries."
-        for one in _means(found)
+        for one in _means(model)
     ]
-    if found.snaps:
-        right, of = found.orders
+    if model.snaps:
+        right, of = model.orders
         lines.append(f"Orders predicted from the other geometries: {right} of {of} as seen.")
-    plain, fitted, left_out = (one.of(found) * _MM for one in _SNAP_ERRORS)
+    plain, fitted, left_out = (one.of(model) * _MM for one in _SNAP_ERRORS)
     if not math.isnan(left_out):
-        held, of = found.coverage
+        held, of = model.coverage
         lines.append(
             f"Snaps, none of them fitted, are missed by {left_out:.2f} mm in the mean "
             f"from the other geometries, by {fitted:.2f} mm from a pair's own curves, by "
             f"{plain:.2f} mm without a fit; 90 % intervals hold {held} of {of}."
         )
-    if (weighing := found.weighing) is not None:
+    if (weighing := model.weighing) is not None:
         machine = f"; friction of the machine {weighing.friction:.3f} N" if weighing.both else ""
         lines.append(f"The block between two cells weighs {weighing.weight:.3f} N{machine}.")
     return lines
@@ -116,7 +116,7 @@ CALIBRATE: Schema = (
     *keys(parameters=[_PARAMETER]),
     Quantity("weighing", holds=_WEIGHING, missing=True),
     *keys(compliance="mm/N", scatter="percent", snaps=[_SNAP]),
-    Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda found: found),
+    Quantity("snap_errors", "mm", holds=_SNAP_ERRORS, read=lambda model: model),
     *keys(intervals_that_hold=(_INTERVALS, "coverage"), orders_right=([int], "orders")),
     *keys(errors=([_ERROR], _errors), mean_errors=([_MEAN], _means)),
     *keys(correlations=({str: {str: float}}, _correlations)),
@@ -124,16 +124,16 @@ CALIBRATE: Schema = (
 )
 
 
-def calibration_account(found: Calibration, about: About) -> Account:
+def calibration_account(model: Calibration, about: About) -> Account:
     """What is reported of a calibration."""
-    answer, *rest = summary(found)
-    table = calibrated_table(found, about.source or "")
+    answer, *rest = summary(model)
+    table = calibrated_table(model, about.source or "")
     facts = (
-        Fact("Force law", found.law),
-        Fact("Unit of errors", f"k r, with k = {number(found.reference)} N/m a band"),
+        Fact("Force law", model.law),
+        Fact("Unit of errors", f"k r, with k = {number(model.reference)} N/m a band"),
     )
     tied = ", ".join(
-        f"{one.parameter} and {one.other} ({one.correlation:+.2f})" for one in found.tied
+        f"{one.parameter} and {one.other} ({one.correlation:+.2f})" for one in model.tied
     )
     assumed = (
         "Intervals are those of the jackknife over geometries, taken as independent; samples along "
@@ -155,13 +155,13 @@ def calibration_account(found: Calibration, about: About) -> Account:
             if tied
             else "The data identify each parameter by itself."
         ),
-        "Not identified by these recordings": Notes(found.open),
+        "Not identified by these recordings": Notes(model.open),
         "For a design file": Verbatim(table.rstrip(), "Band table"),
-        "Used, dropped and odd": Notes(found.notes),
+        "Used, dropped and odd": Notes(model.notes),
         "Assumptions": Text(assumed),
     }
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(found, title, "lab.calibrate/2", answer, facts, sections, given=given)
+    return Account(model, title, "lab.calibrate/2", answer, facts, sections, given=given)
 
 
 def _snapping(rows: Sequence[Row]) -> list[Row]:

@@ -99,15 +99,15 @@ _PAIR_COLUMNS: base.Columns = tuple(
 )
 
 
-def _means(found: Comparison) -> Sequence[Row]:
+def _means(compared: Comparison) -> Sequence[Row]:
     """The mean error of the unit cells with so many bands [k r]."""
-    counts = sorted({test.series.bands for test in found.cells})
-    return base.rows_of({"bands": counts, "rmse": map(found.mean_rmse, counts)})
+    counts = sorted({test.series.bands for test in compared.cells})
+    return base.rows_of({"bands": counts, "rmse": map(compared.mean_rmse, counts)})
 
 
-def cell_test_account(found: CellTest | PairTest, about: About) -> Account:
+def cell_test_account(test: CellTest | PairTest, about: About) -> Account:
     """What a notebook shows of a single series."""
-    return Account(found, found.series.name, answer=f"{found.verdict}.")
+    return Account(test, test.series.name, answer=f"{test.verdict}.")
 
 
 pair_test_account = cell_test_account
@@ -122,14 +122,14 @@ COMPARE: Schema = (
 )
 
 
-def comparison_account(found: Comparison, about: About) -> Account:
+def comparison_account(compared: Comparison, about: About) -> Account:
     """What is reported of a comparison."""
-    cells, pairs, tests = found.cells, found.pairs, found.tests
+    cells, pairs, tests = compared.cells, compared.pairs, compared.tests
 
     def of_kind(kind: str) -> Callable[[Sequence[Row]], Sequence[Row]]:
         return lambda series: [one for one in series if one["kind"] == kind]
 
-    means = (f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in _means(found))
+    means = (f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in _means(compared))
     facts = (
         Fact("Unit cells", f"{len(cells)}" if cells else ""),
         Fact("Pairs", f"{len(pairs)}" if pairs else ""),
@@ -138,7 +138,7 @@ def comparison_account(found: Comparison, about: About) -> Account:
     )
     odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.told]
     level = TERMINAL if cells else CARD
-    title, answer = "Measured against model", _answer(found)
+    title, answer = "Measured against model", _answer(compared)
     sections = {
         "Verdicts": (
             Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
@@ -152,34 +152,34 @@ def comparison_account(found: Comparison, about: About) -> Account:
         "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
             _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_kind("pair")
         ),
-        "Rig": Text(_rig_words(found.rig) if pairs else ""),
-        "Used, dropped and odd": Notes([*odd, *found.told]),
+        "Rig": Text(_rig_words(compared.rig) if pairs else ""),
+        "Used, dropped and odd": Notes([*odd, *compared.told]),
         "Assumptions": Text(NOT_JUDGED),
     }
     given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
-    return Account(found, title, "lab.compare/2", answer, facts, sections, given=given)
+    return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
 
 
-def _answer(found: Comparison) -> str:
-    ordered = [pair for pair in found.pairs if not pair.tie]
+def _answer(compared: Comparison) -> str:
+    ordered = [pair for pair in compared.pairs if not pair.tie]
     right = sum(pair.shown == pair.predicted for pair in ordered)
-    agreed = sum(cell.agrees for cell in found.cells)
+    agreed = sum(cell.agrees for cell in compared.cells)
     of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
-    of_cells = f"{agreed} of {counted(len(found.cells), 'unit cell')} agree with the model"
-    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(found.cells))
+    of_cells = f"{agreed} of {counted(len(compared.cells), 'unit cell')} agree with the model"
+    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(compared.cells))
 
 
 def _rises(cells: Sequence[CellTest]) -> str:
     """Where the force of unit cells rises though it should fall."""
     if not cells:
         return ""
-    found = [
+    rises = [
         f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
         f"{number(one.end * _MM)} mm"
         for test in cells
         for one in test.rises
     ]
-    return "; ".join(found) or f"in no series, to {RISE:g} k r"
+    return "; ".join(rises) or f"in no series, to {RISE:g} k r"
 
 
 def _rig_words(rig: Rig) -> str:

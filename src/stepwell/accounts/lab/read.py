@@ -43,13 +43,13 @@ READ: base.Schema = (
 )
 
 
-def batch_account(found: Batch, about: About) -> Account:
+def batch_account(batch: Batch, about: About) -> Account:
     """What is reported of recordings."""
-    odd = [f"{one['recording'].source}: {line}" for one in _rows(found) for line in one["odd"]]
-    read, refused = len(found.recordings), len(found.refused)
+    odd = [f"{one['recording'].source}: {line}" for one in _rows(batch) for line in one["odd"]]
+    read, refused = len(batch.recordings), len(batch.refused)
     not_read = f"; {base.counted(refused, 'file')} could not be read" * (refused > 0)
     facts = (
-        Fact("Samples", f"{sum(map(len, found.recordings))}"),
+        Fact("Samples", f"{sum(map(len, batch.recordings))}"),
         Fact("Oddities", f"{len(odd)}"),
         Fact("Not read", f"{refused}"),
     )
@@ -58,27 +58,29 @@ def batch_account(found: Batch, about: About) -> Account:
     sections = {
         "Recordings": table,
         "Oddities": Notes(odd),
-        "Not read": Notes([str(one) for one in found.refused]),
-        "Not tried": Notes(_ignored(found)),
+        "Not read": Notes([str(one) for one in batch.refused]),
+        "Not tried": Notes(_ignored(batch)),
     }
     origin = f"{base.counted(read + refused, 'file')} tried."
-    return Account(found, "Recordings", "lab.read/1", answer, facts, sections, origin=origin)
+    return Account(batch, "Recordings", "lab.read/1", answer, facts, sections, origin=origin)
 
 
-def recording_account(found: Recording, about: About) -> Account:
+def recording_account(recording: Recording, about: About) -> Account:
     """What a notebook shows of a recording."""
-    known = base.record(_RECORDING, found)
+    known = base.record(_RECORDING, recording)
     facts = [
         Fact(base.headed(label_of(q)), with_sign(q, known[q.key]))
         for q in _RECORDING
         if q.name not in ("source", "turns")
     ]
-    return Account(found, f"Recording {found.name}", answer="; ".join(found.remarks), facts=facts)
+    return Account(
+        recording, f"Recording {recording.name}", answer="; ".join(recording.remarks), facts=facts
+    )
 
 
-def _ignored(found: Batch) -> list[str]:
+def _ignored(batch: Batch) -> list[str]:
     """How many files of each ending were not tried."""
-    endings = Counter(PurePath(name).suffix or PurePath(name).name for name in found.ignored)
+    endings = Counter(PurePath(name).suffix or PurePath(name).name for name in batch.ignored)
     each = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
     return [f"{each}. A file that is named is always tried."] if each else []
 
