@@ -1,61 +1,50 @@
-"""An atlas: the graphs of a space of designs, how often they occur, how surely they are built."""
+"""An atlas: transition graphs of a space of designs, their frequency and their yield."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from operator import itemgetter
-from typing import Any, NamedTuple
+from typing import Any
 
-from stepwell.accounts.head import About, keys, recorded
+from stepwell.accounts.head import About, Row, keys, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, read_off
 from stepwell.design import parameter
 from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
-# Rows of the table on a terminal.
-_ROWS = 15
 _GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
 _SAMPLED: Schema = (
     *keys(asked=int, failed=int),
     Quantity("graphs", read=lambda atlas: list(atlas.machines.items()), holds=[_GRAPH]),
 )
-# What machines and cycles have of the most robust design that was drawn of them.
+# Of machines and cycles: their most robust design among those drawn.
 _DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
-# Of a border, the unit in which it is reported, and how many of the unit make one in SI.
-_BORDER: Schema = (
-    *keys(machine=(str, lambda one: one[0].machine), parameter=(str, lambda one: one[0].parameter)),
-    Quantity("unit", read=lambda one: one[1] or "1"),
-    Quantity("at", read=lambda one: one[0].value * one[2], holds=float),
-    Quantity("step", read=lambda one: one[0].step * one[2], holds=float),
-    Quantity("beyond", read=lambda one: one[0].beyond),
-)
-_EVENLY = "All designs were drawn evenly between these ends."
-
-
-class _Drawn(NamedTuple):
-    """A machine or a cycle of an atlas, of which a design was drawn."""
-
-    atlas: Atlas
-    of: Machine | Cycling
-
-    @property
-    def values(self) -> list[float]:
-        """What the space varies, of that design, in the order and the units of `space`."""
-        chain, names = self.of.chain, [axis.name for axis in self.atlas.axes]
-        values = (parameter(self.atlas.chain, name).value(chain) for name in names)
-        factors = (_unit_of(self.atlas, name)[1] for name in names)
-        return [float(a) * b for a, b in zip(values, factors, strict=True)]  # type: ignore[arg-type]
-
-
-def _space(atlas: Atlas) -> list[Varied]:
-    scaled = ((one, *_unit_of(atlas, one.name)) for one in atlas.axes)
-    return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in scaled]
+_BORDER = keys(machine=str, parameter=str, unit=str, at=float, step=float, beyond=str)
 
 
 def _unit_of(atlas: Atlas, name: str) -> tuple[str, float]:
-    """The unit in which a parameter is reported, and how many of it make one in SI."""
+    """The unit in which a parameter is reported, and its factor from SI."""
     unit = parameter(atlas.chain, name).unit
     return ("", 1.0) if unit == "1" else display_unit(unit)
+
+
+def _space(atlas: Atlas) -> list[Varied]:
+    units = ((one, *_unit_of(atlas, one.name)) for one in atlas.axes)
+    return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in units]
+
+
+def _drawn(atlas: Atlas, of: Iterable[Machine | Cycling]) -> list[Row]:
+    """Machines or cycles, each with the varied parameters of a design, in units of `space`."""
+    names = [axis.name for axis in atlas.axes]
+    read = [(parameter(atlas.chain, name).value, _unit_of(atlas, name)[1]) for name in names]
+    drawn = ((one, [float(value(one.chain)) * by for value, by in read]) for one in of)
+    return [{"of": one, "values": values} for one, values in drawn]
+
+
+def _border(atlas: Atlas, border: Border) -> Row:
+    unit, by = _unit_of(atlas, border.parameter)
+    at, step = border.value * by, border.step * by
+    return {**border._asdict(), "unit": unit or "1", "at": at, "step": step}
 
 
 def _share(name: str, read: str) -> Schema:
@@ -65,22 +54,13 @@ def _share(name: str, read: str) -> Schema:
 
 
 _MACHINE: Schema = (
-    *read_off(
-        (
-            *keys(name=str, cycle=str, designs=(int, "share.times")),
-            *_share("share", "share"),
-            *_share("yield", "kept"),
-        ),
-        "of",
-    ),
+    *keys(name=(str, "of.name"), cycle=(str, "of.cycle"), designs=(int, "of.share.times")),
+    *_share("share", "of.share"),
+    *_share("yield", "of.kept"),
     *_DRAWN,
-    *read_off(
-        (
-            *keys(agrees=bool, states=int, reached=int, snaps=int, sub_loops=int, remembers=bool),
-            *keys(scrambled=int, counts=int, counts_by_hand=int, gardens=int, latches=int),
-        ),
-        "of",
-    ),
+    *read_off(keys(agrees=bool, states=int, reached=int, snaps=int, sub_loops=int), "of"),
+    *read_off(keys(remembers=bool, scrambled=int, counts=int, counts_by_hand=int), "of"),
+    *read_off(keys(gardens=int, latches=int), "of"),
 )
 _CYCLE: Schema = (
     *keys(sequence=(str, "of.sequence"), designs=(int, "of.share.times")),
@@ -89,16 +69,16 @@ _CYCLE: Schema = (
 )
 
 
-def _back(one: Machine) -> str:
+def _back(machine: Machine) -> str:
     """The cells in the order in which they snap back, numbered as they load."""
-    states = one.cycle.split(">")
-    down = states[len(states) // 2 :]
+    states = machine.cycle.split(">")
+    steps = pairwise(states[len(states) // 2 :])
     return " ".join(
-        str(next(k for k in range(len(a)) if a[k] != b[k]) + 1) for a, b in pairwise(down)
+        str(next(k for k, cell in enumerate(a, 1) if cell != b[k - 1])) for a, b in steps
     )
 
 
-# The tables of machines and of cycles.
+# Tables of machines and of cycles.
 _MACHINES: Schema = (
     Quantity("name", head="name"),
     Quantity("back", head="back", read=_back),
@@ -108,7 +88,6 @@ _MACHINES: Schema = (
     Quantity("memory", head="memory"),
 )
 _CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
-# What is reported of an atlas.
 ATLAS: Schema = (
     *keys(title=(str, "chain.title"), cells=(int, lambda atlas: len(atlas.chain)), drive=str),
     *keys(space=([VARIED], _space), designs=int, told=int, not_proved=int, ties=int, wakes=int),
@@ -117,10 +96,7 @@ ATLAS: Schema = (
     *keys(space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
     *keys(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
-    *keys(
-        cycles=([_CYCLE], lambda atlas: [_Drawn(atlas, one) for one in atlas.cycles]),
-        borders=[_BORDER],
-    ),
+    *keys(cycles=([_CYCLE], lambda atlas: _drawn(atlas, atlas.cycles)), borders=[_BORDER]),
 )
 
 
@@ -131,37 +107,39 @@ def atlas_account(
     borders: Sequence[Border] = (),
     query: str = "",
 ) -> Account:
-    """What is reported of an atlas: all machines or those that answer a query, and borders."""
-    shown = atlas.machines if machines is None else machines
+    """Machines of an atlas, all or those that match a query, their yields and borders."""
+    machines = atlas.machines if machines is None else machines
     cycles = counted(len(atlas.cycles), "cycle")
     answer = f"{counted(len(atlas.machines), 'graph')} and {cycles}"
     if query:
-        matching = counted(len(shown), "machine") if shown else "no machine"
+        matching = counted(len(machines), "machine") if machines else "no machine"
         answer = f"{query}: {matching} of this atlas"
-    bordering = [(one, *_unit_of(atlas, one.parameter)) for one in borders]
-    given: dict[str, Any] = {
-        "machines": [_Drawn(atlas, one) for one in shown],
-        "borders": bordering,
-    }
-    rows, space = recorded(_MACHINES, shown), recorded(VARIED, _space(atlas))
-    full = recorded(_CYCLES, atlas.cycles)
+    rows, space = recorded(_MACHINES, machines), recorded(VARIED, _space(atlas))
+    full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances
+    columns = (
+        "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
+        "fraction of samples of the most robust design with the same graph, within "
+        f"{amount(within.anchor, 'm')} and {number(within.stiffness * 100)} % of stiffness."
+    )
+    ends = "All designs were drawn evenly between these ends."
     sections = {
         f"Machines, {'highest yield' if query else 'most frequent'} first": (
             Picture("machines", "The most frequent machines, their fractions and yields"),
-            RecordTable(_MACHINES, rows, most=_ROWS, more="machines", level=CARD),
+            RecordTable(_MACHINES, rows, most=15, more="machines", level=CARD),
         ),
-        "Columns of the table": Text(_defined(atlas) if shown else "", CARD),
+        "Columns of the table": Text(columns if machines else "", CARD),
         "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
-        "Varied parameters": RecordTable(VARIED, space, _EVENLY, level=PAGE),
+        "Varied parameters": RecordTable(VARIED, space, ends, level=PAGE),
     }
+    bordering = [_border(atlas, one) for one in borders]
+    given: dict[str, Any] = {"machines": _drawn(atlas, machines), "borders": bordering}
     title = atlas.chain.title or f"Atlas of {counted(len(atlas.chain), 'cell')}"
     facts, of = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
     return Account(atlas, title, "atlas/1", answer, facts, sections, seed=atlas.seed, **of)
 
 
 def _facts(atlas: Atlas) -> list[Fact]:
-    varied = counted(len(atlas.axes), "parameter")
-    unseen = "unknown of a single block of designs"
+    unseen = "unknown for a single block of designs"
     if atlas.unseen is not None:
         most = number(atlas.unseen.high * 100)
         unseen = f"at most {most} % of designs have another graph, at 95 %"
@@ -171,6 +149,7 @@ def _facts(atlas: Atlas) -> list[Fact]:
         f"{counted(len(sampled.machines), 'graph')}, "
         f"{len(sampled.machines.keys() - known) or 'none'} of them new"
     )
+    varied = counted(len(atlas.axes), "parameter")
     return [
         Fact("Proved", _proved(atlas)),
         Fact("Unseen", "" if atlas.whole else unseen),
@@ -179,16 +158,6 @@ def _facts(atlas: Atlas) -> list[Fact]:
         Fact("Engine", f"the same graph for {atlas.agreed} of {atlas.checked} more designs"),
         Fact("Others", others if sampled.asked else ""),
     ]
-
-
-def _defined(atlas: Atlas) -> str:
-    within = atlas.tolerances
-    return (
-        "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
-        "fraction of mechanisms built after the most robust design that was drawn, within "
-        f"{amount(within.anchor, 'm')} and {number(within.stiffness * 100)} % of stiffness, "
-        "that have the same graph."
-    )
 
 
 def _proved(atlas: Atlas) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -23,19 +22,13 @@ _PACKAGE: Schema = (
 )
 _NAME, _USED_FOR = Quantity("name", head="extra"), Quantity("used_for", head="used for")
 _EXTRA: Schema = (_NAME, _USED_FOR, *keys(present=bool, versions={str: str}, install=str))
-_KERNELS = keys(
-    folder=(str, lambda kept: str(kept.folder)),
-    writable=bool,
-    compiled=int,
-    size_MB=(float, lambda kept: kept.size / 1e6),
+_KERNELS: Schema = (
+    *keys(folder=(str, lambda kernels: str(kernels.folder)), writable=bool, compiled=int),
+    *keys(size_MB=(float, lambda kernels: kernels.size / 1e6)),
 )
-_TOOL: Schema = (
-    Quantity("name", head="tool"),
-    _USED_FOR,
-    Quantity("found", head="found", none="no", missing=True),
-)
+_FOUND = Quantity("found", head="found", none="no", missing=True)
+_TOOL: Schema = (Quantity("name", head="tool"), _USED_FOR, _FOUND)
 _BROKEN: Schema = (Quantity("part", head="part"), Quantity("reason", head="reason"))
-# What is reported of an installation.
 DOCTOR: Schema = (
     *keys(ok=bool, python=str, system=str, cores=int | None, packages=[_PACKAGE], extras=[_EXTRA]),
     Quantity("kernels", holds=_KERNELS, missing=True),
@@ -45,7 +38,6 @@ _PRESET: Schema = (
     Quantity("name", head="name", read=itemgetter(0)),
     Quantity("title", head="title", read=itemgetter(1)),
 )
-# What is reported of the designs that come with Stepwell.
 PRESETS: Schema = keys(presets=([_PRESET], lambda presets: presets.items()))
 _ID, _REASON = Quantity("id", head="claim", read="claim.id"), Quantity("reason", head="reason")
 _STATEMENT = Quantity("claim", head="statement", read="claim.claim")
@@ -57,19 +49,15 @@ _COMPARED: Schema = (
     Quantity("verdict", head="verdict", read=lambda one: str(one.verdict)),
 )
 _CLAIM: Schema = (_ID, _STATEMENT, *_COMPARED[:2], _WITHIN, *_COMPARED[2:], _REASON)
-# What is reported of verdicts.
 PAPER = keys(claims=([_CLAIM], lambda verdicts: verdicts))
 # What is reported of a folder; `files.staged_folder` writes it.
-FOLDER: Schema = (
-    Quantity("command"),
-    Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name"),
-)
+_HASHES = Quantity("files", holds={str: str}, doc="the SHA-256 of each file by its name")
+FOLDER: Schema = (Quantity("command"), _HASHES)
 
 
 def installation_account(setup: base.Installation, about: About) -> Account:
-    """What is reported of an installation."""
+    """Packages, tools and machine code of an installation."""
     missing, kernels = setup.missing, setup.kernels
-    lacking = [one.install for one in setup.extras if not one.present]
     facts = [
         Fact("Missing", ", ".join(missing)),
         Fact("Repair", "" if setup.ok else "pip install --upgrade --force-reinstall stepwell"),
@@ -83,11 +71,12 @@ def installation_account(setup: base.Installation, about: About) -> Account:
             Fact("Kept in", str(kernels.folder)),
             Fact("Writable", "yes" if kernels.writable else fix),
         ]
+    lacking = [one.install for one in setup.extras if not one.present]
     extras = (_NAME, _USED_FOR, base.Column("installed", _versions))
     sections = {
         "Broken": _table(_BROKEN, setup.broken),
         "Packages": _table(_PACKAGE, setup.packages),
-        "Extras": replace(_table(_EXTRA, setup.extras), columns=extras),
+        "Extras": RecordTable(extras, recorded(_EXTRA, setup.extras), most=None),
         "Extras to install": Verbatim("\n".join(lacking), "commands"),
         "Tools": _table(_TOOL, setup.tools),
     }
@@ -98,8 +87,8 @@ def installation_account(setup: base.Installation, about: About) -> Account:
     return Account(setup, title, "doctor/1", answer, facts, sections, hints=hints, computed=False)
 
 
-def _table(of: Schema, rows: Iterable[Any]) -> RecordTable:
-    return RecordTable(of, recorded(of, rows), most=None)
+def _table(columns: Schema, rows: Iterable[Any], **shown: Any) -> RecordTable:
+    return RecordTable(columns, recorded(columns, rows), most=None, **shown)
 
 
 def _versions(row: Row) -> str:
@@ -108,22 +97,20 @@ def _versions(row: Row) -> str:
 
 
 def presets_account(presets: Presets, about: About) -> Account:
-    """What is reported of the designs that come with Stepwell."""
-    table = replace(_table(_PRESET, presets.items()), more="designs", level=CARD)
+    """Names and titles of the designs that come with Stepwell."""
     title, answer = "Designs that come with Stepwell", base.counted(len(presets), "design")
-    sections = {"Names and titles": table}
+    sections = {"Names and titles": _table(_PRESET, presets.items(), more="designs", level=CARD)}
     return Account(presets, title, "presets/1", answer, sections=sections, computed=False)
 
 
 def verdicts_account(verdicts: Verdicts, about: About) -> Account:
-    """What is reported of verdicts."""
+    """Published claims compared with results of Stepwell."""
     claims, reasons = recorded(_CLAIM, verdicts), [one for one in verdicts if one.reason]
     compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
-    given = replace(_table((_ID, _REASON), reasons), more="reasons")
-    title = "Validation against published claims"
-    answer = f"{verdicts.agreed} of {len(verdicts)} claims agree"
     sections = {
         "Claims": RecordTable(compared, claims, "", wide, None, "claims"),
-        "Reasons and limits": given,
+        "Reasons and limits": _table((_ID, _REASON), reasons, more="reasons"),
     }
+    answer = f"{verdicts.agreed} of {len(verdicts)} claims agree"
+    title = "Validation against published claims"
     return Account(verdicts, title, "paper/1", answer, sections=sections)

@@ -91,7 +91,6 @@ def _robot_facts(robot: Robot, level: parts.Level = CARD) -> list[Fact]:
     return [Fact(label, amount(value, unit), level) for label, value, unit in amounts]
 
 
-# What is reported of a robot and its prediction.
 ROBOT: Schema = (
     *base.read_off((*keys(title=str, mass="g", weight="N", u_max="mm"), PARAMETERS), "robot"),
     Quantity("prediction", holds=_PREDICTION, read=lambda prediction: prediction),

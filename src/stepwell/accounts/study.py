@@ -62,7 +62,6 @@ _NUMBER: Schema = (
 )
 
 
-# What is reported of a study.
 STUDY: Schema = (
     *keys(title=(str, "study.subject.title"), store=(str, lambda status: str(status.study.folder))),
     *read_off(keys(what=str, identity=str, how=(str, lambda of: str(of.designs.how))), "study"),

@@ -73,7 +73,6 @@ _TIME_STEP: Schema = (
     Quantity("jumps", "percent", "jumps", form=".1f"),
 )
 _DEVIATION = Column("force deviation [% of weight]", _TIME_STEP[3].cell, True)
-# What is reported of a walk at several time steps.
 CONVERGENCE = keys(title=(str, "robot.title"), time_steps=([_TIME_STEP], "rows"))
 
 
@@ -91,7 +90,6 @@ def _trial(walk: Walk) -> Trial:
     return Trial.of(walk)
 
 
-# What is reported of a walk.
 WALK: Schema = (
     *WALKED,
     *keys(mean_advance=("over_u_max", lambda walk: _trial(walk).advance)),
@@ -190,7 +188,6 @@ def _hash(maze: Maze) -> str | None:
         return None
 
 
-# What is reported of a way through an arena.
 MAZE: Schema = (
     *keys(arena_sha256=(str | None, _hash), start_seed=int | None, layout_seed=int | None),
     *base.read_off(WALKED, "walk"),
@@ -251,7 +248,6 @@ def _trials(sweep: Sweep) -> Sequence[Row]:
     return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-# What is reported of a sweep over robots.
 SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _trials))
 
 

@@ -50,7 +50,6 @@ def _losses(fit: BandFit) -> list[Any]:
     return sorted(known, key=lambda loop: (loop.sample, loop.cycle))
 
 
-# What is reported of bands.
 BAND: Schema = (
     *keys(data_sha256={str: str}, warnings=([str], "test.warnings")),
     Quantity("window", "mm", holds=[float], read="test.window"),

@@ -110,7 +110,6 @@ def summary(model: Calibration) -> list[str]:
     return lines
 
 
-# What is reported of a calibration.
 CALIBRATE: Schema = (
     *keys(data_sha256={str: str}, summary=([str], summary), law=str, k=("N/m", "reference")),
     *keys(parameters=[_PARAMETER]),

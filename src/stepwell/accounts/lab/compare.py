@@ -113,7 +113,6 @@ def cell_test_account(test: CellTest | PairTest, about: About) -> Account:
 pair_test_account = cell_test_account
 
 
-# What is reported of a comparison.
 COMPARE: Schema = (
     *keys(data_sha256={str: str}, designs_sha256={str: str}, bar=("mm", "rig.bar"), rig=_RIG),
     Quantity("mean_rmse", "over_kr", holds=[keys(bands=int, rmse="over_kr")], read=_means),

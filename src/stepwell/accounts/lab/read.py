@@ -36,7 +36,6 @@ def _rows(batch: Batch) -> Sequence[Row]:
     return base.rows_of({"recording": batch.recordings, "odd": batch.odd})
 
 
-# What is reported of recordings.
 READ: base.Schema = (
     *keys(data_sha256=({str: str}, lambda batch: hashes(batch.recordings))),
     *keys(recordings=([_READ], _rows), refused=[_REFUSED], ignored=[str]),
