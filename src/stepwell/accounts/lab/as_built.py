@@ -1,4 +1,6 @@
-"""A first build: what it must be like to do what was seen, and which anchors to move."""
+"""A first build: as-built parameters from its observed motion, and anchors to move."""
+
+from collections.abc import Callable
 
 from stepwell import base
 from stepwell.accounts.head import About, Shape, keys
@@ -21,33 +23,19 @@ _MOVE: Schema = (
 )
 _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
 _PULL = keys(direction=int, stroke="mm", force="N")
-_ANCHORS = (
-    "A motion identifies only q - p of the anchors: p is taken as nominal, and q has the deviation "
-    "of both."
-)
-_ASSUMED = (
-    "Parts vary independently within the tolerances; an anchor may be in the hole next to its own. "
-    "An observation counts by its uncertainty alone.",
-    "Several builds explain the same motion; where an observation does not identify a parameter, "
-    "its mean is that of all builds within the tolerances.",
-)
 
 
-def _in_unit(name: str, head: str, read: str) -> Quantity:
-    """A number of a parameter, in the unit of this parameter."""
-
-    def in_unit(one: Known) -> float:
-        return getattr(one, read) * base.display_unit(one.parameter.unit)[1]
-
-    return Quantity(name, head=head, left=False, read=in_unit, holds=float)
+def _in_unit(name: str) -> Callable[[Known], float]:
+    """A number of a parameter, in the unit in which this parameter is reported."""
+    return lambda known: getattr(known, name) * base.display_unit(known.parameter.unit)[1]
 
 
 _KNOWN: Schema = (
     Quantity("parameter", head="parameter", read="parameter.name"),
-    _in_unit("drawn", "nominal", "drawn"),
-    _in_unit("value", "as built", "value"),
-    _in_unit("doubt", "±", "doubt"),
-    _in_unit("doubt_before", "± before", "before"),
+    Quantity("drawn", head="nominal", read=_in_unit("drawn"), left=False, holds=float),
+    Quantity("value", head="as built", read=_in_unit("value"), left=False, holds=float),
+    Quantity("doubt", head="±", read=_in_unit("doubt"), left=False, holds=float),
+    Quantity("doubt_before", head="± before", read=_in_unit("before"), left=False, holds=float),
     Quantity(
         "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
     ),
@@ -55,62 +43,61 @@ _KNOWN: Schema = (
 )
 
 
-def _seen(shape: Shape) -> Schema:
-    """What was observed; snaps are at the drive, which may be a force."""
-    return (
+def as_built_schema(shape: Shape) -> Schema:
+    """Schema of a build; observed snaps are at the drive, which may be a force."""
+    seen = (
         Quantity("sequence", missing=True),
         Quantity("snaps_out", shape.drive, read="out", holds=[float], missing=True),
         Quantity("snaps_back", shape.drive, read="back", holds=[float], missing=True),
         Quantity("pulls", holds=[base.in_measure(_PULL, shape.measure)]),
         Quantity("ruler", shape.drive),
-        *base.in_measure([Quantity("scale", "N")], shape.measure),
+        *base.in_measure(keys(scale="N"), shape.measure),
     )
-
-
-def as_built_schema(shape: Shape) -> Schema:
-    """What is reported of a build."""
     return (
         *keys(title=(str, "drawing.title"), advice=str, target=str, share=float, moves=[_MOVE]),
         *keys(hole="mm", wrong_hole=(float, "chance"), wrong_holes=([_WRONG], "wrong")),
-        *keys(seen=_seen(shape), known=[_KNOWN], drawn=(int, "samples"), agreeing=float),
-        *keys(wider=float, anchor=("mm", "tolerances.anchor")),
-        *keys(stiffness=("percent", "tolerances.stiffness")),
+        *keys(seen=seen, known=[_KNOWN], drawn=(int, "samples"), agreeing=float, wider=float),
+        *keys(anchor=("mm", "tolerances.anchor"), stiffness=("percent", "tolerances.stiffness")),
     )
 
 
 def as_built_account(build: AsBuilt, about: About) -> Account:
-    """What is reported of a build."""
+    """As-built parameters of a prototype, and the moves of anchors with the highest yield."""
     drawing = build.drawing
-    after = base.percent(build.moves[0].share) if build.moves else ""
+    samples = f"{build.samples} with {tolerance_words(build.tolerances, drawing)}"
+    if build.wider > 1:
+        samples += f", {base.number(build.wider)} times those given"
+    agreeing = f"{base.percent(build.agreeing)} of random builds move as observed"
     facts = (
         Fact("Target", build.target),
         Fact("Yield as built", base.percent(build.share)),
-        Fact("Yield after the move", after),
+        Fact("Yield after the move", base.percent(build.moves[0].share) if build.moves else ""),
         Fact("Observed", _observed(build), TERMINAL),
-        Fact("Samples", _samples(build), TERMINAL),
+        Fact("Samples", f"{samples}; {agreeing}", TERMINAL),
         Fact("Holes", _holes(build)),
+    )
+    anchors = (
+        "A motion identifies only q - p of the anchors: p is taken as nominal, and q has the "
+        "deviation of both."
+    )
+    assumed = (
+        "Parts vary independently within the tolerances; an anchor may be in an adjacent hole. "
+        "An observation counts by its uncertainty alone.",
+        "Several builds explain the same motion; where an observation does not identify a "
+        "parameter, its mean is that of all builds within the tolerances.",
     )
     moves = "The best moves, and the yield after each."
     known = "Means and standard deviations, with those before the observation."
-    anchors = Text(_ANCHORS if Shape.of(drawing).levers else "")
-    table = RecordTable(_KNOWN, "known", known, more="parameters", level=CARD)
     sections = {
         "Moves of anchors": RecordTable(_MOVE, "moves", moves),
-        "As built, as far as observations identify it": table,
-        "Assumptions": (anchors, Notes(_ASSUMED, PAGE)),
+        "As built, as far as observations identify it": RecordTable(
+            _KNOWN, "known", known, more="parameters", level=CARD
+        ),
+        "Assumptions": (Text(anchors if Shape.of(drawing).levers else ""), Notes(assumed, PAGE)),
     }
     title, answer = drawing.title or "A first build", f"{build.advice}."
     origin, seed = f"{cells_of(drawing)}.", build.seed
     return Account(build, title, "lab.as_built/2", answer, facts, sections, (), origin, seed=seed)
-
-
-def _samples(build: AsBuilt) -> str:
-    """Within which tolerances builds were drawn, and how many of them agree."""
-    wider = f", {base.number(build.wider)} times those given" * (build.wider > 1)
-    return (
-        f"{build.samples} with {tolerance_words(build.tolerances, build.drawing)}{wider}; "
-        f"{base.percent(build.agreeing)} of random builds move as observed"
-    )
 
 
 def _observed(build: AsBuilt) -> str:
@@ -132,4 +119,4 @@ def _holes(build: AsBuilt) -> str:
     if not build.wrong:
         return "nominal, as far as observed"
     each = ", ".join(f"{one} in {base.percent(one.share)}" for one in build.wrong)
-    return f"{each} of the builds that would do this; p the other way does the same"
+    return f"{each} of the agreeing builds; moving p the opposite way has the same effect"

@@ -10,7 +10,7 @@ from stepwell.base import Column, Quantity, Schema, number, percent, read_off
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
 _MM, _MN = Quantity("stroke", "mm").factor, Quantity("force", "mN").factor
-
+_ONE_SAMPLE = "one sample shows no scatter between samples"
 _ESTIMATE: Schema = (
     *keys(value=float, low=float, high=float, next_low=float, next_high=float, spread=float),
     Quantity("each", holds={str: float}, read=lambda one: {str(k): v for k, v in one.each.items()}),
@@ -34,20 +34,12 @@ _LAW: Schema = (
     *keys(values=({str: _ESTIMATE}, "estimates"), at_bound=([str], "fitted.at_bound")),
     *keys(above_best=float),
 )
-_MANY = (
-    "Intervals are Student's, from the scatter between samples, taken as independent and normal; "
-    "cycles of one sample are no samples."
-)
-_ONE = (
-    "Intervals are Student's, from the scatter of the readings around the law and the digits of "
-    "the readings."
-)
 
 
 def _losses(fit: BandFit) -> list[Any]:
     """The cycles that unload, sample by sample."""
-    known = [loop for loop in fit.test.loops if not math.isnan(loop.loss)]
-    return sorted(known, key=lambda loop: (loop.sample, loop.cycle))
+    measured = [loop for loop in fit.test.loops if not math.isnan(loop.loss)]
+    return sorted(measured, key=lambda loop: (loop.sample, loop.cycle))
 
 
 BAND: Schema = (
@@ -66,37 +58,48 @@ BAND: Schema = (
 
 
 def band_fit_account(fit: BandFit, about: About) -> Account:
-    """What is reported of bands."""
-    choice, alone, many = fit.choice, fit.alone, fit.stiffness
-    table, loss = band_table(fit, about.source or ""), fit.loss
-    length = alone and alone.rest_length
-    rest = f"{number(length.value * _MM)} mm; 95 % {_between(length, 'mm', _MM)}" if length else ""
+    """Stiffness, losses and force law of bands."""
+    choice, alone, many, loss = fit.choice, fit.alone, fit.stiffness, fit.loss
+    table = band_table(fit, about.source or "")
+    length, rest = alone and alone.rest_length, ""
+    if length:
+        ends = _between(length.low * _MM, length.high * _MM, "mm")
+        rest = f"{number(length.value * _MM)} mm; 95 % {ends}"
+    alone_ends = _between(alone.stiffness.low, alone.stiffness.high, "N/m") if alone else ""
     lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
     facts = (
-        Fact("This band, 95 %", _between(alone.stiffness, "N/m") if alone else ""),
+        Fact("This band, 95 %", alone_ends),
         Fact("Rest length", rest),
-        Fact("Mean of bands, 95 %", _of_many(many, "low", "high")),
-        Fact("Next band, 95 %", _of_many(many, "next_low", "next_high")),
+        Fact("Mean of bands, 95 %", _between(many.low, many.high, "N/m", _ONE_SAMPLE)),
+        Fact("Next band, 95 %", _between(many.next_low, many.next_high, "N/m", _ONE_SAMPLE)),
         Fact("By sample", f"{_each(many, '.4g')} N/m"),
         Fact("Work lost in a cycle", lost),
         Fact("Force law", choice.chosen.law.name),
         *_used(fit.test),
     )
     laws = (
-        "What each law leaves of the force, and how well it predicts what was left out; the law of "
-        "the fewest numbers first."
+        "Residual force of each law, and its error in predicting the data left out; laws with "
+        "fewest parameters first."
     )
-    across = "Stiffness [N/m] by window: from (down) and to (across) [mm]"
+    scatter = (
+        "Intervals are Student's, from the scatter between samples, taken as independent and "
+        "normal; cycles of one sample are no samples."
+    )
+    if alone:
+        scatter = (
+            "Intervals are Student's, from the scatter of the readings around the law and the "
+            "digits of the readings."
+        )
     sections = {
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
             RecordTable(_laws(fit), "laws", laws, most=None),
         ),
         "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
-        across: RecordTable(_ends(fit), "windows", most=None, pick=_by_start),
+        "Stiffness [N/m] by window: from (down) and to (across) [mm]": _windows(fit),
         "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
         "Used and dropped": Notes(fit.test.told),
-        "Assumptions": Text(_MANY if alone is None else _ONE),
+        "Assumptions": Text(scatter),
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(many.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]
@@ -105,11 +108,11 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
 
 
 def band_test_account(test: BandTest, about: About) -> Account:
-    """What a notebook shows of tension tests, without a force law."""
-    estimate = stiffness(test)
+    """Card of tension tests in a notebook, without a force law."""
+    mean = stiffness(test)
     facts = (
-        Fact("Stiffness", f"{number(estimate.value)} N/m"),
-        Fact("Mean of bands, 95 %", _of_many(estimate, "low", "high")),
+        Fact("Stiffness", f"{number(mean.value)} N/m"),
+        Fact("Mean of bands, 95 %", _between(mean.low, mean.high, "N/m", _ONE_SAMPLE)),
         Fact("Samples", ", ".join(map(str, test.samples))),
         *_used(test),
     )
@@ -125,16 +128,8 @@ def _used(test: BandTest) -> tuple[Fact, Fact]:
     return window, Fact("Cycles", f"{test.cycles[0]} to {test.cycles[1]}")
 
 
-def _of_many(estimate: Estimate, low: str, high: str) -> str:
-    if math.isnan(estimate.low):
-        return "not known: one sample shows no scatter between samples"
-    return f"{getattr(estimate, low):.4g} to {getattr(estimate, high):.4g} N/m"
-
-
-def _between(interval: Any, unit: str, factor: float = 1.0) -> str:
-    if math.isnan(interval.low):
-        return "not known: too few readings"
-    return f"{interval.low * factor:.4g} to {interval.high * factor:.4g} {unit}"
+def _between(low: float, high: float, unit: str, lacking: str = "too few readings") -> str:
+    return f"not known: {lacking}" if math.isnan(low) else f"{low:.4g} to {high:.4g} {unit}"
 
 
 def _each(estimate: Estimate, form: str) -> str:
@@ -144,7 +139,7 @@ def _each(estimate: Estimate, form: str) -> str:
 def _laws(fit: BandFit) -> list[Quantity | Column]:
     choice = fit.choice
     chosen, left_out = choice.chosen.law.name, choice.folds
-    # On one curve by the criterion that chose, else by what was left out.
+    # A law of one curve is chosen by a criterion, else by the error in the data left out.
     tried = Column("criterion above best", lambda law: number(law["above_best"], 3), True)
     if left_out != "nothing":
         tried = _milli(f"{left_out} left out [mN]", "predicts_N")
@@ -171,19 +166,15 @@ def _values(law: Row) -> str:
     return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
 
 
-def _ends(fit: BandFit) -> list[Column]:
-    """A column for each end of a window, in front of them the start."""
-    ends = [number(end * _MM) for end in sorted({window.end for window in fit.windows})]
-    return [
+def _windows(fit: BandFit) -> RecordTable:
+    """Stiffness by the start of a window, in a column for each end."""
+    rows: dict[float, dict[str, float]] = {}
+    for one in sorted(fit.windows):
+        row = rows.setdefault(one.start, {"from": one.start * _MM})
+        row[number(one.end * _MM)] = one.stiffness
+    ends = [number(end * _MM) for end in sorted({one.end for one in fit.windows})]
+    columns = [
         Column(end, lambda row, end=end: number(row.get(end)), True)
         for end in (["from", *ends] if ends else [])
     ]
-
-
-def _by_start(windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Windows as rows: where they start, and the stiffness by their end."""
-    rows: dict[float, dict[str, Any]] = {}
-    for one in windows:
-        row = rows.setdefault(one["from_mm"], {"from": one["from_mm"]})
-        row[number(one["to_mm"])] = one["k_N_per_m"]
-    return [rows[start] for start in sorted(rows)]
+    return RecordTable(columns, lambda: [*rows.values()], most=None)
