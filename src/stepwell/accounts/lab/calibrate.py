@@ -17,11 +17,9 @@ _PARAMETER: Schema = (
     Quantity("high", head="to", left=False, holds=float),
     Quantity("unit", head="unit"),
 )
-_WEIGHING = keys(
-    weight="N",
-    weight_doubt=("N", "doubt"),
-    machine_friction=("N", "friction"),
-    loading_and_unloading=(bool, "both"),
+_WEIGHING: Schema = (
+    *keys(weight="N", weight_doubt=("N", "doubt"), machine_friction=("N", "friction")),
+    *keys(loading_and_unloading=(bool, "both")),
 )
 _SNAP_ERRORS: Schema = tuple(
     Quantity(name, holds=float, read=lambda model, name=name: model.snap_error(name))
@@ -40,7 +38,6 @@ _ERROR: Schema = (
 )
 _MEAN = keys(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
 _CORRELATED = keys(parameter=str, other=str, correlation=float)
-_SEEN = "Seen and predicted; no snap has a part in a fit."
 
 
 def _snap(name: str, head: str, read: str = "") -> Quantity:
@@ -62,21 +59,16 @@ _SNAP: Schema = (
 
 def _errors(model: Calibration) -> Sequence[Row]:
     """The errors of each cell in a series, fitted and left out [k r]."""
-    fit, left_out = model.fit_error, model.left_out_error
-    return rows_of({"sample": model.samples, "fit": fit, "left_out": left_out})
+    errors = {"fit": model.fit_error, "left_out": model.left_out_error}
+    return rows_of({"sample": model.samples, **errors})
 
 
 def _means(model: Calibration) -> Sequence[Row]:
-    """The mean errors of the cells with so many bands [k r]."""
-    return [
-        {
-            "bands": bands,
-            "in_pair": pair,
-            "fit": model.mean_error(bands, pair, left_out=False),
-            "left_out": model.mean_error(bands, pair),
-        }
-        for bands, pair in model.kinds
-    ]
+    """The mean errors of the cells by their number of bands, single and in pairs [k r]."""
+    fits = (model.mean_error(*kind, left_out=False) for kind in model.kinds)
+    errors = {"fit": fits, "left_out": (model.mean_error(*kind) for kind in model.kinds)}
+    bands, in_pair = ([kind[i] for kind in model.kinds] for i in (0, 1))
+    return rows_of({"bands": bands, "in_pair": in_pair, **errors})
 
 
 def _correlations(model: Calibration) -> dict[str, dict[str, float]]:
@@ -124,7 +116,7 @@ CALIBRATE: Schema = (
 
 
 def calibration_account(model: Calibration, about: About) -> Account:
-    """What is reported of a calibration."""
+    """Parameters of bands and rig, fitted to all cells, and errors of their predictions."""
     answer, *rest = summary(model)
     table = calibrated_table(model, about.source or "")
     facts = (
@@ -134,25 +126,25 @@ def calibration_account(model: Calibration, about: About) -> Account:
     tied = ", ".join(
         f"{one.parameter} and {one.other} ({one.correlation:+.2f})" for one in model.tied
     )
+    correlated = f"The data do not identify these parameters separately: {tied}."
     assumed = (
         "Intervals are those of the jackknife over geometries, taken as independent; samples along "
         "a stroke are not independent."
     )
+    snaps = "Measured and predicted; snaps are not fitted."
     title = "Bands calibrated on cells"
     sections = {
         "Predictions": Notes(rest, CARD),
         "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
             _PARAMETER, "parameters", most=None, more="parameters", level=CARD
         ),
-        "First snaps": RecordTable(_SNAP, "snaps", _SEEN, most=None, pick=_snapping),
+        "First snaps": RecordTable(_SNAP, "snaps", snaps, most=None, pick=_snapping),
         "Root mean square errors in k r": (
             Picture("calibration", "Fitted and measured forces"),
             RecordTable(_ERROR, "errors", most=None, more="curves"),
         ),
         "Correlated parameters": Text(
-            f"The data do not identify these parameters separately: {tied}."
-            if tied
-            else "The data identify each parameter by itself."
+            correlated if tied else "The data identify each parameter by itself."
         ),
         "Not identified by these recordings": Notes(model.open),
         "For a design file": Verbatim(table.rstrip(), "Band table"),
@@ -164,6 +156,6 @@ def calibration_account(model: Calibration, about: About) -> Account:
 
 
 def _snapping(rows: Sequence[Row]) -> list[Row]:
-    """The rows with a snap, seen or predicted."""
+    """The rows with a snap, measured or predicted."""
     names = "measured_mm", "plain_mm", "left_out_mm"
     return [row for row in rows if any(row[name] is not None for name in names)]

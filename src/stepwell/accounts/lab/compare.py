@@ -1,7 +1,6 @@
 """Unit cells and pairs on a test machine, compared with their models."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from stepwell import base
 from stepwell.accounts.head import About, Row, keys, of_class
@@ -21,27 +20,25 @@ _RISE: Schema = (
 )
 
 
-def _both(name: str) -> Any:
-    """A number of the measured force and of the model."""
-    return lambda test: {"measured": getattr(test.plain, name), "model": getattr(test.cell, name)}
+def _both(name: str, unit: str, read: str, kind: type = float) -> Quantity:
+    """A number of the measured force and of the model; tables have it if it has a unit."""
 
+    def both(test: CellTest) -> Row:
+        return {"measured": getattr(test.plain, read), "model": getattr(test.cell, read)}
 
-def _of_both(kind: type) -> Schema:
-    return keys(measured=kind, model=kind)
+    def text(numbers: Row) -> str:
+        return f"{numbers['measured']:.3f} ({numbers['model']:.3f})"
 
-
-def _beside(both: Mapping[str, float]) -> str:
-    return f"{both['measured']:.3f} ({both['model']:.3f})"
-
-
-def _sources(name: str) -> Any:
-    return lambda test: [one.source for one in getattr(test.series, name)]
+    return Quantity(
+        name, unit, name * bool(unit), both, text, holds=keys(measured=kind, model=kind)
+    )
 
 
 _EACH: Schema = (
     Quantity("series", head="series", read="series.name"),
     Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
-    *keys(runs=([str], _sources("recordings")), baseline=([str], _sources("baseline"))),
+    *keys(runs=([str], lambda test: [one.source for one in test.series.recordings])),
+    *keys(baseline=([str], lambda test: [one.source for one in test.series.baseline])),
     *keys(told=([str], "series.told"), k_r=("N", "series.scale")),
     Quantity("rmse", "over_kr", "RMSE", form=".3f"),
     Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
@@ -53,23 +50,19 @@ _CELL = of_class(
     CellTest,
     (
         Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
-        Quantity("F0", "N", "F0", _both("force_0"), _beside, holds=_of_both(float)),
-        Quantity("F1", "N", "F1", _both("force_1"), _beside, holds=_of_both(float)),
-        Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside, holds=_of_both(float)),
-        *keys(bistable=(_of_both(bool), _both("is_bistable")), rises=[_RISE]),
+        _both("F0", "N", "force_0"),
+        _both("F1", "N", "force_1"),
+        _both("barrier", "mJ", "barrier"),
+        _both("bistable", "", "is_bistable", bool),
+        *keys(rises=[_RISE]),
     ),
 )
 
 
 def _order(name: str, head: str, read: str) -> Quantity:
-    def names(test: PairTest) -> Any:
-        return test.names(getattr(test, read))
-
-    return Quantity(name, "", head, names, " then ".join, holds=[str])
-
-
-def _held(name: str) -> Any:
-    return "N", lambda test: getattr(test, name) if test.held else None
+    return Quantity(
+        name, "", head, lambda test: test.names(getattr(test, read)), " then ".join, holds=[str]
+    )
 
 
 _PAIR = of_class(
@@ -81,13 +74,13 @@ _PAIR = of_class(
         Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False, holds=float),
         Quantity("snaps", "mm", holds=[[float]]),
         Quantity("slips", "mm", holds=[[float]]),
-        *keys(missing_samples=([int], "missing")),
-        *keys(snap_mean=("mm", lambda test: test.snap_strokes[0])),
+        *keys(missing_samples=([int], "missing"), snap_mean=("mm", lambda t: t.snap_strokes[0])),
         *keys(snap_spread=("mm", lambda test: test.snap_strokes[1]), snap_doubt=("mm", "doubt")),
         *keys(snap_off=("sigma", "sigmas"), snaps_agree=(bool, "right_snaps"), warning=str),
         Quantity("snaps_predicted", "mm", holds=[float]),
         Quantity("snaps_with_friction", "mm", holds=[float]),
-        *keys(pull=_held("pull"), hold=_held("hold")),
+        *keys(pull=("N", lambda test: test.pull if test.held else None)),
+        *keys(hold=("N", lambda test: test.hold if test.held else None)),
     ),
 )
 _SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
@@ -100,13 +93,13 @@ _PAIR_COLUMNS: base.Columns = tuple(
 
 
 def _means(compared: Comparison) -> Sequence[Row]:
-    """The mean error of the unit cells with so many bands [k r]."""
+    """Mean error of the unit cells by their number of bands [k r]."""
     counts = sorted({test.series.bands for test in compared.cells})
     return base.rows_of({"bands": counts, "rmse": map(compared.mean_rmse, counts)})
 
 
 def cell_test_account(test: CellTest | PairTest, about: About) -> Account:
-    """What a notebook shows of a single series."""
+    """Card of a single series in a notebook."""
     return Account(test, test.series.name, answer=f"{test.verdict}.")
 
 
@@ -122,22 +115,28 @@ COMPARE: Schema = (
 
 
 def comparison_account(compared: Comparison, about: About) -> Account:
-    """What is reported of a comparison."""
+    """Errors of the models against the measured forces, and verdicts."""
     cells, pairs, tests = compared.cells, compared.pairs, compared.tests
 
     def of_kind(kind: str) -> Callable[[Sequence[Row]], Sequence[Row]]:
         return lambda series: [one for one in series if one["kind"] == kind]
 
     means = (f"{m['rmse']:.3f} k r with {counted(m['bands'], 'band')}" for m in _means(compared))
+    rises = [
+        f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
+        f"{number(one.end * _MM)} mm"
+        for test in cells
+        for one in test.rises
+    ]
+    no_rise = f"in no series, to {RISE:g} k r" * bool(cells)
     facts = (
-        Fact("Unit cells", f"{len(cells)}" if cells else ""),
-        Fact("Pairs", f"{len(pairs)}" if pairs else ""),
+        Fact("Unit cells", f"{len(cells) or ''}"),
+        Fact("Pairs", f"{len(pairs) or ''}"),
         Fact("Mean RMSE of unit cells", "; ".join(means)),
-        Fact("Force rises", _rises(cells), TERMINAL),
+        Fact("Force rises", "; ".join(rises) or no_rise, TERMINAL),
     )
     odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.told]
     level = TERMINAL if cells else CARD
-    title, answer = "Measured against model", _answer(compared)
     sections = {
         "Verdicts": (
             Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
@@ -155,34 +154,19 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         "Used, dropped and odd": Notes([*odd, *compared.told]),
         "Assumptions": Text(NOT_JUDGED),
     }
-    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
-    return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
-
-
-def _answer(compared: Comparison) -> str:
-    ordered = [pair for pair in compared.pairs if not pair.tie]
+    ordered = [pair for pair in pairs if not pair.tie]
     right = sum(pair.shown == pair.predicted for pair in ordered)
-    agreed = sum(cell.agrees for cell in compared.cells)
     of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
-    of_cells = f"{agreed} of {counted(len(compared.cells), 'unit cell')} agree with the model"
-    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(compared.cells))
-
-
-def _rises(cells: Sequence[CellTest]) -> str:
-    """Where the force of unit cells rises though it should fall."""
-    if not cells:
-        return ""
-    rises = [
-        f"{test.series.name} by {one.height:.2g} N from {number(one.start * _MM)} to "
-        f"{number(one.end * _MM)} mm"
-        for test in cells
-        for one in test.rises
-    ]
-    return "; ".join(rises) or f"in no series, to {RISE:g} k r"
+    agreed = sum(cell.agrees for cell in cells)
+    of_cells = f"{agreed} of {counted(len(cells), 'unit cell')} agree with the model"
+    answer = "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(cells))
+    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
+    title, kind = "Measured against model", "lab.compare/2"
+    return Account(compared, title, kind, answer, facts, sections, given=given)
 
 
 def _rig_words(rig: Rig) -> str:
-    """How predicted snaps are moved to the strokes of the machine; "" where they are not."""
+    """Conversion of predicted snaps to the strokes of the machine; "" for an ideal rig."""
     if base.record(_RIG, rig) == base.record(_RIG, Rig()):
         return ""
     return (

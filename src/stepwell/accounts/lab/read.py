@@ -11,18 +11,15 @@ from stepwell.accounts.parts import CARD, Account, Fact, Notes, RecordTable
 from stepwell.base import Quantity
 from stepwell.lab import Batch, Recording, hashes
 
-# More turning points of a stroke than this are not listed.
-_MOST_POINTS = 6
-
 _RECORDING: base.Schema = (
     Quantity("source", head="file"),
     Quantity("samples", head="samples", read=len, holds=int, left=False),
     Quantity("rate", "Hz", "rate"),
     Quantity("speed", "mm_s", "speed", form=3),
     *keys(stroke_from=("mm", lambda r: r.stroke[0]), stroke_to=("mm", lambda r: r.stroke[-1])),
-    *keys(stroke_range=("mm", lambda one: one.stroke.max() - one.stroke.min())),
+    *keys(stroke_range=("mm", lambda r: r.stroke.max() - r.stroke.min())),
     *keys(force_from=("N", lambda r: r.force[0]), force_least=("N", lambda r: r.force.min())),
-    *keys(force_most=("N", lambda one: one.force.max())),
+    *keys(force_most=("N", lambda r: r.force.max())),
     Quantity("direction", head="direction"),
     Quantity("halves", head="halves", read=lambda one: len(one.halves), holds=int, left=False),
     Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]),
@@ -43,7 +40,7 @@ READ: base.Schema = (
 
 
 def batch_account(batch: Batch, about: About) -> Account:
-    """What is reported of recordings."""
+    """Recordings that were read, their oddities, and files that could not be read."""
     odd = [f"{one['recording'].source}: {line}" for one in _rows(batch) for line in one["odd"]]
     read, refused = len(batch.recordings), len(batch.refused)
     not_read = f"; {base.counted(refused, 'file')} could not be read" * (refused > 0)
@@ -52,54 +49,43 @@ def batch_account(batch: Batch, about: About) -> Account:
         Fact("Oddities", f"{len(odd)}"),
         Fact("Not read", f"{refused}"),
     )
-    table = RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=CARD)
-    answer = f"{base.counted(read, 'recording')} read{not_read}"
+    endings = Counter(PurePath(name).suffix or PurePath(name).name for name in batch.ignored)
+    ignored = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
+    hint = f"{ignored}. A file that is named is always tried."
     sections = {
-        "Recordings": table,
+        "Recordings": RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=CARD),
         "Oddities": Notes(odd),
         "Not read": Notes([str(one) for one in batch.refused]),
-        "Not tried": Notes(_ignored(batch)),
+        "Not tried": Notes([hint] if ignored else []),
     }
+    answer = f"{base.counted(read, 'recording')} read{not_read}"
     origin = f"{base.counted(read + refused, 'file')} tried."
     return Account(batch, "Recordings", "lab.read/1", answer, facts, sections, origin=origin)
 
 
 def recording_account(recording: Recording, about: About) -> Account:
-    """What a notebook shows of a recording."""
-    known = base.record(_RECORDING, recording)
-    facts = [
-        Fact(base.headed(label_of(q)), with_sign(q, known[q.key]))
-        for q in _RECORDING
-        if q.name not in ("source", "turns")
-    ]
-    return Account(
-        recording, f"Recording {recording.name}", answer="; ".join(recording.remarks), facts=facts
-    )
-
-
-def _ignored(batch: Batch) -> list[str]:
-    """How many files of each ending were not tried."""
-    endings = Counter(PurePath(name).suffix or PurePath(name).name for name in batch.ignored)
-    each = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
-    return [f"{each}. A file that is named is always tried."] if each else []
+    """Card of a recording in a notebook."""
+    values = base.record(_RECORDING, recording)
+    schema = [q for q in _RECORDING if q.name not in ("source", "turns")]
+    facts = [Fact(base.headed(label_of(q)), with_sign(q, values[q.key])) for q in schema]
+    title, answer = f"Recording {recording.name}", "; ".join(recording.remarks)
+    return Account(recording, title, answer=answer, facts=facts)
 
 
 def _strokes(row: Row) -> str:
-    """Where the stroke began, turned and ended; of many turns the first two and the last."""
+    """Start, turning points and end of the stroke; of more than six the first three and last two."""
     points = [row["stroke_from_mm"], *row["turns_mm"], row["stroke_to_mm"]]
     texts = [base.number(one) for one in points]
-    if len(texts) > _MOST_POINTS:
-        texts = [*texts[:3], "...", *texts[-2:]]
-    return " to ".join(texts)
-
-
-def _forces(row: Row) -> str:
-    return f"{base.number(row['force_least_N'])} to {base.number(row['force_most_N'])}"
+    return " to ".join(texts if len(texts) <= 6 else [*texts[:3], "...", *texts[-2:]])
 
 
 _COLUMNS = (
     *_SHOWN[:4],
     base.Column("stroke [mm]", _strokes, True),
-    base.Column("force [N]", _forces, True),
+    base.Column(
+        "force [N]",
+        lambda row: f"{base.number(row['force_least_N'])} to {base.number(row['force_most_N'])}",
+        True,
+    ),
     *_SHOWN[4:],
 )
