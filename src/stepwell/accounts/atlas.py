@@ -8,7 +8,7 @@ from typing import Any
 from stepwell.accounts.head import About, Row, keys, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.study import VARIED
-from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, read_off
+from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, plain, read_off
 from stepwell.design import parameter
 from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
@@ -37,7 +37,7 @@ def _drawn(atlas: Atlas, of: Iterable[Machine | Cycling]) -> list[Row]:
     """Machines or cycles, each with the varied parameters of a design, in units of `space`."""
     names = [axis.name for axis in atlas.axes]
     read = [(parameter(atlas.chain, name).value, _unit_of(atlas, name)[1]) for name in names]
-    drawn = ((one, [float(value(one.chain)) * by for value, by in read]) for one in of)
+    drawn = ((one, [plain(value(one.chain), by) for value, by in read]) for one in of)
     return [{"of": one, "values": values} for one, values in drawn]
 
 

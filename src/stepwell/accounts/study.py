@@ -1,4 +1,4 @@
-"""Many designs: a study, the outcomes of its designs and what decides them."""
+"""Studies of many designs: outcomes, and the parameters that decide them."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, keys, recorded
 from stepwell.accounts.parts import PAGE, TERMINAL, Account, Fact, Notes, Picture, RecordTable
-from stepwell.base import Columns, Quantity, Schema, counted, percent, read_off
+from stepwell.base import Columns, Quantity, Schema, counted, percent, read_off, record
 from stepwell.design import Share
 from stepwell.studies import Status, gaps_text
 
@@ -86,10 +86,10 @@ def status_account(status: Status, about: About) -> Account:
         first = deciding[0]
         variance = f"{percent(first['share'])} of the variance of {first['column']}"
         answer = f"{first['parameter']} explains {variance}"
-    designs = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
+    computed = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
     done = "all of it" if status.finished else f"{status.done} of {study.chunks} chunks"
     facts = (
-        Fact("Study", designs),
+        Fact("Study", computed),
         Fact("Done", done),
         Fact("Store", str(study.folder), TERMINAL),
         *_prefilter_facts(status),
@@ -129,12 +129,7 @@ def status_account(status: Status, about: About) -> Account:
 def _deciding(status: Status) -> list[dict[str, Any]]:
     """At most five parameters that influence a column with certainty, for each column."""
     return [
-        {
-            "column": one.column + (f" = {one.value}" if one.value else ""),
-            "parameter": each.name,
-            "share": each.share,
-            "trend": each.trend,
-        }
+        {"column": one.column + f" = {one.value}" * bool(one.value), **record(_INFLUENCE, each)}
         for one in status.decided
         for each in one.sure[:5]
     ]
@@ -151,22 +146,18 @@ def _prefilter_facts(status: Status) -> list[Fact]:
     of = status.screened
     if of is None:
         return []
-    engine = status.study.given["engine"]
-    shares = ((name, getattr(of, name), among) for name, among in _AMONG.items())
-    return [
-        Fact("Screen", f"{engine} keeps {of.kept} of {of.designs}; {of.computed} were computed"),
-        *(
-            Fact(name.capitalize(), f"{one.times} of {one.of} {among}: {_fraction(one)}")
-            for name, one, among in shares
-            if one
-        ),
-    ]
+    engine, computed = status.study.given["engine"], f"{of.computed} were computed"
+    facts = [Fact("Screen", f"{engine} keeps {of.kept} of {of.designs}; {computed}")]
+    for name, among in _AMONG.items():
+        if (one := getattr(of, name)) is not None:
+            text = f"{one.times} of {one.of} {among}: {_fraction(one)}"
+            facts.append(Fact(name.capitalize(), text))
+    return facts
 
 
 # How parameters vary in a study, by the way in which its designs were chosen.
 _VARIED = {
-    "listed": "The designs were listed. Parameters that vary together all have the fraction of "
-    "the group.",
+    "listed": "The designs were listed; parameters that vary together have one common fraction.",
     "as built": "The designs are samples of the mechanism within its tolerances.",
 }
 

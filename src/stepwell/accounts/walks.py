@@ -1,4 +1,4 @@
-"""Simulated walks on a bare floor and in an arena, sweeps over robots, one walk by time step."""
+"""Simulated walks on a flat floor and in an arena, sweeps over robots, one walk by time step."""
 
 from __future__ import annotations
 
@@ -17,14 +17,12 @@ from stepwell.base import Column, Quantity, Schema, amount, counted, number
 if TYPE_CHECKING:
     from stepwell.simulation import Convergence, Maze, Sweep, Trial, Walk
 
-_SETTINGS = keys(
-    time_step="ms",
-    contact_time="ms",
-    integrator=(str, lambda settings: str(settings.integrator)),
-    linkage=(str, lambda settings: str(settings.linkage)),
+_SETTINGS: Schema = (
+    *keys(time_step="ms", contact_time="ms", integrator=(str, lambda one: str(one.integrator))),
+    *keys(linkage=(str, lambda settings: str(settings.linkage))),
 )
-# Of every run, on a bare floor and among obstacles.
-WALKED: Schema = (
+# Of every run, on a flat floor and among obstacles.
+_WALKED: Schema = (
     *keys(title=(str, "robot.title"), cycles=int, period=("s", "robot.drive.period")),
     *keys(duration="s", distance="mm", work="mJ", weight=("N", "robot.weight")),
     *keys(cost_of_transport=float, stopped=str, simulation=(_SETTINGS, "settings")),
@@ -35,18 +33,15 @@ _CYCLES: Schema = (
     Quantity("sideways", "over_u_max", "to the left", form="z.3f", holds=[float]),
     Quantity("turn", "deg", "turn to the left", form="z.1f", holds=[float]),
 )
-_LEG: Schema = (
-    Quantity("name", head="leg"),
-    *keys(gaits=[str], predicted_gait=str | None, slip="mm"),
-    of_robot.FEET,
-)
-_SOURCES = "`stepwell robot show` lists every number of a robot with its source."
-_SIMULATED: dict[str, Any] = {"hints": [_SOURCES], "packages": ["mujoco"]}
+_LEG = (*keys(name=str, gaits=[str], predicted_gait=str | None, slip="mm"), of_robot.FEET)
 _GAITS = (
+    Quantity("name", head="leg"),
     Quantity("cycles", head="cycles"),
     Quantity("states", head="states"),
     Quantity("slip", "mm", "slip per cycle", form=3),
 )
+_SOURCES = "`stepwell robot show` lists every number of a robot with its source."
+_SIMULATED: dict[str, Any] = {"hints": [_SOURCES], "packages": ["mujoco"]}
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
     Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
@@ -91,7 +86,7 @@ def _trial(walk: Walk) -> Trial:
 
 
 WALK: Schema = (
-    *WALKED,
+    *_WALKED,
     *keys(mean_advance=("over_u_max", lambda walk: _trial(walk).advance)),
     *keys(mean_turn=("deg", lambda walk: _trial(walk).turn)),
     *keys(work_per_cycle=("mJ", lambda walk: _trial(walk).work), u_max=("mm", "robot.u_max")),
@@ -103,7 +98,7 @@ WALK: Schema = (
 
 
 def walk_account(walk: Walk, about: About) -> Account:
-    """What is reported of a walk."""
+    """Advance, turn, work, gaits and contacts of a simulated walk."""
     robot, mean = walk.robot, _trial(walk)
     title = robot.title or "A walk"
     cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
@@ -120,14 +115,10 @@ def walk_account(walk: Walk, about: About) -> Account:
         Fact("Foot depth", lambda: of_robot.depth_words(robot, walk.comparison.depths), TERMINAL),
         of_robot.assumed(robot),
     )
-
-    def by_cycle() -> list[Row]:
-        rows = base.rows_of(base.record(_CYCLES, walk))
-        return [{"cycle": k, **row} for k, row in enumerate(rows, 1)]
-
+    numbered = {"cycle": range(1, len(walk.advance) + 1), **base.record(_CYCLES, walk)}
     gaits = "States of the cells in a cycle, and slip of the foot."
     advance = "d/u_max is the advance over the largest step of the legs."
-    by_columns = (Quantity("cycle", head="cycle", left=False), *_CYCLES)
+    columns = (Quantity("cycle", head="cycle", left=False), *_CYCLES)
     sections = {
         "Motion": parts.Replay(title),
         "Path, gait and contacts": (
@@ -135,8 +126,10 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("gait", "Travels and states of the cells of every leg"),
             Picture("contacts", "Contacts, actuator force and work"),
         ),
-        "Gaits": RecordTable((_LEG[0], *_GAITS), "legs", gaits, most=None, pick=_gaits),
-        "Cycles": RecordTable(by_columns, by_cycle, advance, more="cycles", level=CARD),
+        "Gaits": RecordTable(_GAITS, "legs", gaits, most=None, pick=_gaits),
+        "Cycles": RecordTable(
+            columns, lambda: base.rows_of(numbered), advance, more="cycles", level=CARD
+        ),
         **_given(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
@@ -190,7 +183,7 @@ def _hash(maze: Maze) -> str | None:
 
 MAZE: Schema = (
     *keys(arena_sha256=(str | None, _hash), start_seed=int | None, layout_seed=int | None),
-    *base.read_off(WALKED, "walk"),
+    *base.read_off(_WALKED, "walk"),
     *keys(arena=(str, "arena.title")),
     Quantity("start", "mm", read="arena.start", holds=[float]),
     Quantity("heading", "deg", read="arena.heading"),
@@ -203,7 +196,7 @@ MAZE: Schema = (
 
 
 def maze_account(maze: Maze, about: About) -> Account:
-    """What is reported of a way through an arena."""
+    """Path of a robot through an arena, its contacts and changes of gait."""
     walk, antennas = maze.walk, maze.walk.robot.antennas
     title = walk.robot.title or "A robot in an arena"
     touched = sum(time is not None for time in maze.touched.values())
@@ -252,20 +245,19 @@ SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _
 
 
 def sweep_account(sweep: Sweep, about: About) -> Account:
-    """What is reported of a sweep over robots."""
+    """Results per cycle of several robots."""
     failed = [one for one in sweep.trials if one.stopped]
     count = counted(len(sweep.trials), "robot")
-    varied = [
+    columns: list[Column | Quantity] = [
         Column(key, lambda row, k=k: number(row["values"][k], 6), True)
         for k, key in enumerate(sweep.values)
     ]
+    columns += robots.TRIAL
     wide = [Column("reason", lambda row: row["stopped"])] if failed else []
     robots_failed = f"The simulation of {counted(len(failed), 'robot')}"
     sections = {
         "Results": Picture("sweep", "Results per cycle of each robot"),
-        "Robots": RecordTable(
-            (*varied, *robots.TRIAL), "trials", "", wide, more="robots", level=CARD
-        ),
+        "Robots": RecordTable(columns, "trials", "", wide, more="robots", level=CARD),
     }
     answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
@@ -275,7 +267,7 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
 
 
 def convergence_account(convergence: Convergence, about: About) -> Account:
-    """What is reported of a walk at several time steps."""
+    """Deviations of a walk between several time steps."""
     rows = convergence.rows
     steps = ", ".join(number(base.to_unit(row.time_step, "ms")) for row in rows)
     advance = [row.advance for row in rows]

@@ -73,7 +73,7 @@ def recording_account(recording: Recording, about: About) -> Account:
 
 
 def _strokes(row: Row) -> str:
-    """Start, turning points and end of the stroke; of more than six the first three and last two."""
+    """Start, turning points and end of the stroke; of more than six the outer five."""
     points = [row["stroke_from_mm"], *row["turns_mm"], row["stroke_to_mm"]]
     texts = [base.number(one) for one in points]
     return " to ".join(texts if len(texts) <= 6 else [*texts[:3], "...", *texts[-2:]])
