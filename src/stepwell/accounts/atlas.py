@@ -69,7 +69,7 @@ _CYCLE: Schema = (
 )
 
 
-def _back(machine: Machine) -> str:
+def _unloading_order(machine: Machine) -> str:
     """The cells in the order in which they snap back, numbered as they load."""
     states = machine.cycle.split(">")
     steps = pairwise(states[len(states) // 2 :])
@@ -81,7 +81,7 @@ def _back(machine: Machine) -> str:
 # Tables of machines and of cycles.
 _MACHINES: Schema = (
     Quantity("name", head="name"),
-    Quantity("back", head="back", read=_back),
+    Quantity("back", head="back", read=_unloading_order),
     Quantity("share", "percent", "fraction", read="share.share"),
     Quantity("yield", "percent", "yield", read="kept.share"),
     Quantity("reached", head="reached", read=lambda m: f"{m.reached} of {m.states}", left=False),
@@ -134,8 +134,8 @@ def atlas_account(
     bordering = [_border(atlas, one) for one in borders]
     given: dict[str, Any] = {"machines": _drawn(atlas, machines), "borders": bordering}
     title = atlas.chain.title or f"Atlas of {counted(len(atlas.chain), 'cell')}"
-    facts, of = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
-    return Account(atlas, title, "atlas/1", answer, facts, sections, seed=atlas.seed, **of)
+    facts, options = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
+    return Account(atlas, title, "atlas/1", answer, facts, sections, seed=atlas.seed, **options)
 
 
 def _facts(atlas: Atlas) -> list[Fact]:

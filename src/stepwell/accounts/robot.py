@@ -104,7 +104,7 @@ def prediction_account(prediction: Prediction, about: About) -> Account:
         *_robot_facts(robot, TERMINAL),
         Fact("Drive requirements", lambda: _drive_needs(prediction.drive_needs), TERMINAL),
         Fact("Foot depth", lambda: depth_words(robot, prediction.known_depths), TERMINAL),
-        assumed(robot),
+        assumed_fact(robot),
     )
     gaits = "Margin: smallest force on a cell that changes the gait. Uncertainty: of this force."
     pushes = "Gain: advance of the body in a step. The push ends at the largest drag of the floor."
@@ -167,7 +167,7 @@ def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> s
     return "; the predicted gait stays: ".join([depth] + [", ".join(each)] * bool(each))
 
 
-def assumed(robot: Robot) -> Fact:
+def assumed_fact(robot: Robot) -> Fact:
     """Count of the assumed numbers of a robot."""
     sources = [one.source for one in files.provenance(robot)]
     return Fact("Assumed numbers", f"{sources.count('assumed')} of {len(sources)}", TERMINAL)

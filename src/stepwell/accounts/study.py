@@ -75,7 +75,7 @@ STUDY: Schema = (
 
 def status_account(status: Status, about: About) -> Account:
     """Outcomes of a study, their influences and its progress."""
-    study, deciding = status.study, _deciding(status)
+    study, deciding = status.study, _influences(status)
     problems = [f"{counted(n, 'design')}: {kind}" for kind, n in status.problems.items()]
     answer = ""
     if status.outcomes:
@@ -121,12 +121,12 @@ def status_account(status: Status, about: About) -> Account:
         parts.Warned("Designs that could not be computed", "", problems),
     )
     hints = [] if status.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
-    of = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
+    options = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
     title = study.subject.title or "A study"
-    return Account(status, title, "study/1", answer, facts, sections, warned, **of)
+    return Account(status, title, "study/1", answer, facts, sections, warned, **options)
 
 
-def _deciding(status: Status) -> list[dict[str, Any]]:
+def _influences(status: Status) -> list[dict[str, Any]]:
     """At most five parameters that influence a column with certainty, for each column."""
     return [
         {"column": one.column + f" = {one.value}" * bool(one.value), **record(_INFLUENCE, each)}

@@ -110,10 +110,10 @@ def walk_account(walk: Walk, about: About) -> Account:
         Fact("Turn per cycle", f"{of_robot.turn_words(mean.turn)}{after}" * any_cycle),
         Fact("u_max", amount(robot.u_max, "m"), TERMINAL),
         Fact("Work per cycle", amount(mean.work, "J") * any_cycle, TERMINAL),
-        _transport(walk, CARD),
+        _transport_fact(walk, CARD),
         Fact("Comparison with statics", lambda: walk.comparison.text, TERMINAL),
         Fact("Foot depth", lambda: of_robot.depth_words(robot, walk.comparison.depths), TERMINAL),
-        of_robot.assumed(robot),
+        of_robot.assumed_fact(robot),
     )
     numbered = {"cycle": range(1, len(walk.advance) + 1), **base.record(_CYCLES, walk)}
     gaits = "States of the cells in a cycle, and slip of the foot."
@@ -126,11 +126,11 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("gait", "Travels and states of the cells of every leg"),
             Picture("contacts", "Contacts, actuator force and work"),
         ),
-        "Gaits": RecordTable(_GAITS, "legs", gaits, most=None, pick=_gaits),
+        "Gaits": RecordTable(_GAITS, "legs", gaits, most=None, pick=_gait_rows),
         "Cycles": RecordTable(
             columns, lambda: base.rows_of(numbered), advance, more="cycles", level=CARD
         ),
-        **_given(walk),
+        **_input_sections(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
     origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
@@ -138,7 +138,7 @@ def walk_account(walk: Walk, about: About) -> Account:
     return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **_SIMULATED)
 
 
-def _given(walk: Walk) -> parts.Sections:
+def _input_sections(walk: Walk) -> parts.Sections:
     """Parameters and assumptions of a simulation."""
     assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
     return {**of_robot.parameter_section(walk.robot), "Assumptions": assumptions}
@@ -148,7 +148,7 @@ def _simulated_in(arena: robots.Arena) -> str:
     return f"Simulated in the arena: {arena.title or 'without a name'}."
 
 
-def _transport(walk: Walk, level: parts.Level) -> Fact:
+def _transport_fact(walk: Walk, level: parts.Level) -> Fact:
     """Cost of transport; without text for a robot that did not advance."""
     cost = walk.cost_of_transport
     finite = f"{number(cost, 3)} (work over weight and distance)" if math.isfinite(cost) else ""
@@ -161,7 +161,7 @@ def _stopped_early(what: str, reason: str) -> list[parts.Warned]:
     return [parts.Warned("Stopped early", f"{what} ended before its time.", reasons)]
 
 
-def _gaits(legs: Sequence[Row]) -> list[Row]:
+def _gait_rows(legs: Sequence[Row]) -> list[Row]:
     """Consecutive cycles of equal gait as one row."""
     rows: list[Row] = []
     for leg in legs:
@@ -174,7 +174,7 @@ def _gaits(legs: Sequence[Row]) -> list[Row]:
     return rows
 
 
-def _hash(maze: Maze) -> str | None:
+def _arena_digest(maze: Maze) -> str | None:
     try:
         return files.digest(files.dumps(maze.arena))
     except ValueError:
@@ -182,7 +182,7 @@ def _hash(maze: Maze) -> str | None:
 
 
 MAZE: Schema = (
-    *keys(arena_sha256=(str | None, _hash), start_seed=int | None, layout_seed=int | None),
+    *keys(arena_sha256=(str | None, _arena_digest), start_seed=int | None, layout_seed=int | None),
     *base.read_off(_WALKED, "walk"),
     *keys(arena=(str, "arena.title")),
     Quantity("start", "mm", read="arena.start", holds=[float]),
@@ -213,8 +213,8 @@ def maze_account(maze: Maze, about: About) -> Account:
         Fact("Distance", amount(walk.distance, "m"), TERMINAL),
         Fact("Cycles", str(walk.cycles), TERMINAL),
         Fact("End position", f"({end}) mm" * bool(end), TERMINAL),
-        _transport(walk, TERMINAL),
-        of_robot.assumed(walk.robot),
+        _transport_fact(walk, TERMINAL),
+        of_robot.assumed_fact(walk.robot),
     )
     touches, contacts = "Time of the first contact.", "Each contact, and the leg that it changes."
     changes = "Start of the first cycle with the new gait."
@@ -227,13 +227,13 @@ def maze_account(maze: Maze, about: About) -> Account:
         "Obstacles": RecordTable(_TOUCHED, "touched", touches, most=None),
         "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
         "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
-        **_given(walk),
+        **_input_sections(walk),
     }
     answer = f"{maze.outcome} after {amount(maze.duration, 's')}"
     origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
-    of = {**_SIMULATED, "given": seeds}
-    return Account(maze, title, "maze/1", answer, facts, sections, warned, origin, **of)
+    options = {**_SIMULATED, "given": seeds}
+    return Account(maze, title, "maze/1", answer, facts, sections, warned, origin, **options)
 
 
 def _trials(sweep: Sweep) -> Sequence[Row]:
@@ -262,8 +262,8 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
     warned = _stopped_early(robots_failed, f"First reason: {failed[0].stopped}" if failed else "")
-    of: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
-    return Account(sweep, count, "sweep/1", answer, (), sections, warned, origin, **of)
+    options: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
+    return Account(sweep, count, "sweep/1", answer, (), sections, warned, origin, **options)
 
 
 def convergence_account(convergence: Convergence, about: About) -> Account:

@@ -21,11 +21,7 @@ _ALONE: Schema = (
     Quantity("stiffness", "N/m", holds=_INTERVAL),
     Quantity("rest_length", "mm", holds=_INTERVAL, missing=True),
 )
-_WINDOW: Schema = (
-    Quantity("from", "mm", read="start"),
-    Quantity("to", "mm", read="end"),
-    Quantity("k", "N/m", read="stiffness"),
-)
+_WINDOW = keys(**{"from": ("mm", "start")}, to=("mm", "end"), k=("N/m", "stiffness"))
 _LOSS = keys(sample=int, cycle=int, loss=float)
 _LAW: Schema = (
     Quantity("law", read="law.name"),
@@ -59,7 +55,7 @@ BAND: Schema = (
 
 def band_fit_account(fit: BandFit, about: About) -> Account:
     """Stiffness, losses and force law of bands."""
-    choice, alone, many, loss = fit.choice, fit.alone, fit.stiffness, fit.loss
+    choice, alone, mean, loss = fit.choice, fit.alone, fit.stiffness, fit.loss
     table = band_table(fit, about.source or "")
     length, rest = alone and alone.rest_length, ""
     if length:
@@ -70,12 +66,12 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     facts = (
         Fact("This band, 95 %", alone_ends),
         Fact("Rest length", rest),
-        Fact("Mean of bands, 95 %", _between(many.low, many.high, "N/m", _ONE_SAMPLE)),
-        Fact("Next band, 95 %", _between(many.next_low, many.next_high, "N/m", _ONE_SAMPLE)),
-        Fact("By sample", f"{_each(many, '.4g')} N/m"),
+        Fact("Mean of bands, 95 %", _between(mean.low, mean.high, "N/m", _ONE_SAMPLE)),
+        Fact("Next band, 95 %", _between(mean.next_low, mean.next_high, "N/m", _ONE_SAMPLE)),
+        Fact("By sample", f"{_each(mean, '.4g')} N/m"),
         Fact("Work lost in a cycle", lost),
         Fact("Force law", choice.chosen.law.name),
-        *_used(fit.test),
+        *_window_facts(fit.test),
     )
     laws = (
         "Residual force of each law, and its error in predicting the data left out; laws with "
@@ -83,7 +79,7 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     )
     scatter = (
         "Intervals are Student's, from the scatter between samples, taken as independent and "
-        "normal; cycles of one sample are no samples."
+        "normal; cycles of one sample do not count."
     )
     if alone:
         scatter = (
@@ -93,15 +89,15 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     sections = {
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
-            RecordTable(_laws(fit), "laws", laws, most=None),
+            RecordTable(_law_columns(fit), "laws", laws, most=None),
         ),
         "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
-        "Stiffness [N/m] by window: from (down) and to (across) [mm]": _windows(fit),
+        "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
         "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
         "Used and dropped": Notes(fit.test.told),
         "Assumptions": Text(scatter),
     }
-    title, answer = "Stiffness of bands", f"Stiffness {number(many.value)} N/m"
+    title, answer = "Stiffness of bands", f"Stiffness {number(mean.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
     return Account(fit, title, "lab.band/1", answer, facts, sections, warned, given=given)
@@ -114,7 +110,7 @@ def band_test_account(test: BandTest, about: About) -> Account:
         Fact("Stiffness", f"{number(mean.value)} N/m"),
         Fact("Mean of bands, 95 %", _between(mean.low, mean.high, "N/m", _ONE_SAMPLE)),
         Fact("Samples", ", ".join(map(str, test.samples))),
-        *_used(test),
+        *_window_facts(test),
     )
     warnings = [parts.Warned("Check the recordings", "", test.warnings)]
     sections = {"Used and dropped": Notes(test.told[:3], CARD)}
@@ -122,7 +118,7 @@ def band_test_account(test: BandTest, about: About) -> Account:
     return Account(test, title, facts=facts, warnings=warnings, sections=sections)
 
 
-def _used(test: BandTest) -> tuple[Fact, Fact]:
+def _window_facts(test: BandTest) -> tuple[Fact, Fact]:
     low, high = (number(edge * _MM) for edge in test.window)
     window = Fact("Window", f"{low} to {high} mm of stroke, loading")
     return window, Fact("Cycles", f"{test.cycles[0]} to {test.cycles[1]}")
@@ -136,27 +132,24 @@ def _each(estimate: Estimate, form: str) -> str:
     return ", ".join(f"{sample}: {value:{form}}" for sample, value in estimate.each.items())
 
 
-def _laws(fit: BandFit) -> list[Quantity | Column]:
+def _law_columns(fit: BandFit) -> list[Quantity | Column]:
     choice = fit.choice
     chosen, left_out = choice.chosen.law.name, choice.folds
-    # A law of one curve is chosen by a criterion, else by the error in the data left out.
+    # Laws of a single curve are compared by a criterion, else by the error in data left out.
     tried = Column("criterion above best", lambda law: number(law["above_best"], 3), True)
     if left_out != "nothing":
-        tried = _milli(f"{left_out} left out [mN]", "predicts_N")
+        heading = f"{left_out} left out [mN]"
+        tried = Column(heading, lambda law: number(law["predicts_N"] * _MN, 3), True)
     return [
         Column("law", lambda law: law["law"] + " (chosen)" * (law["law"] == chosen)),
         *(quantity for quantity in _LAW if quantity.head),
-        _milli("leaves [mN]", "leaves_N"),
+        Column("leaves [mN]", lambda law: number(law["leaves_N"] * _MN, 3), True),
         tried,
-        Column("values", _values),
+        Column("values", _parameter_values),
     ]
 
 
-def _milli(heading: str, key: str) -> Column:
-    return Column(heading, lambda law: number(law[key] * _MN, 3), True)
-
-
-def _values(law: Row) -> str:
+def _parameter_values(law: Row) -> str:
     def value(name: str, estimate: Row) -> str:
         if name in law["at_bound"]:
             return f"{name} not identified by the data"
@@ -166,7 +159,7 @@ def _values(law: Row) -> str:
     return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
 
 
-def _windows(fit: BandFit) -> RecordTable:
+def _window_table(fit: BandFit) -> RecordTable:
     """Stiffness by the start of a window, in a column for each end."""
     rows: dict[float, dict[str, float]] = {}
     for one in sorted(fit.windows):

@@ -13,14 +13,10 @@ _MM = Quantity("stroke", "mm").factor
 _RIG = keys(
     stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
 )
-_RISE: Schema = (
-    Quantity("from", "mm", read="start"),
-    Quantity("to", "mm", read="end"),
-    Quantity("by", "N", read="height"),
-)
+_RISE = keys(**{"from": ("mm", "start")}, to=("mm", "end"), by=("N", "height"))
 
 
-def _both(name: str, unit: str, read: str, kind: type = float) -> Quantity:
+def _measured_and_model(name: str, unit: str, read: str, kind: type = float) -> Quantity:
     """A number of the measured force and of the model; tables have it if it has a unit."""
 
     def both(test: CellTest) -> Row:
@@ -50,10 +46,10 @@ _CELL = of_class(
     CellTest,
     (
         Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
-        _both("F0", "N", "force_0"),
-        _both("F1", "N", "force_1"),
-        _both("barrier", "mJ", "barrier"),
-        _both("bistable", "", "is_bistable", bool),
+        _measured_and_model("F0", "N", "force_0"),
+        _measured_and_model("F1", "N", "force_1"),
+        _measured_and_model("barrier", "mJ", "barrier"),
+        _measured_and_model("bistable", "", "is_bistable", bool),
         *keys(rises=[_RISE]),
     ),
 )
