@@ -254,14 +254,15 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
     ]
     columns += robots.TRIAL
     wide = [Column("reason", lambda row: row["stopped"])] if failed else []
-    robots_failed = f"The simulation of {counted(len(failed), 'robot')}"
+    early = f"{counted(len(failed), 'robot')} stopped early. First reason: "
     sections = {
         "Results": Picture("sweep", "Results per cycle of each robot"),
         "Robots": RecordTable(columns, "trials", "", wide, more="robots", level=CARD),
     }
     answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
-    warned = _stopped_early(robots_failed, f"First reason: {failed[0].stopped}" if failed else "")
+    reason = f"{early}{failed[0].stopped}" if failed else ""
+    warned = _stopped_early("The simulation of some robots", reason)
     options: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}
     return Account(sweep, count, "sweep/1", answer, (), sections, warned, origin, **options)
 
