@@ -13,10 +13,7 @@ from stepwell.design import parameter
 from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
 
 _GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
-_SAMPLED: Schema = (
-    *keys(asked=int, failed=int),
-    Quantity("graphs", read=lambda atlas: list(atlas.machines.items()), holds=[_GRAPH]),
-)
+_SAMPLED = keys(asked=int, failed=int, graphs=([_GRAPH], lambda one: one.machines.items()))
 # Of machines and cycles: their most robust design among those drawn.
 _DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
 _BORDER = keys(machine=str, parameter=str, unit=str, at=float, step=float, beyond=str)
@@ -48,7 +45,7 @@ def _border(atlas: Atlas, border: Border) -> Row:
 
 
 def _share(name: str, read: str) -> Schema:
-    """A fraction of the designs with its interval."""
+    """Fraction of the designs, and the ends of its interval."""
     ends = {name: "share", f"{name}_low": "low", f"{name}_high": "high"}
     return tuple(Quantity(end, "percent", read=f"{read}.{what}") for end, what in ends.items())
 

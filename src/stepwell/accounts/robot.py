@@ -1,4 +1,4 @@
-"""A robot, the gait that statics predicts for it, and the arena that it walks in."""
+"""Robots, their gaits as predicted by statics, and arenas."""
 
 import math
 from collections.abc import Sequence
@@ -137,7 +137,7 @@ def prediction_account(prediction: Prediction, about: About) -> Account:
 
 
 def _of_legs(columns: Schema, key: str, about: str) -> RecordTable:
-    """A table of what the record has of each leg under a key."""
+    """Table of the pushes or of the gait changes of all legs."""
 
     def rows(prediction: Row) -> list[Row]:
         return [{"leg": leg["name"], **one} for leg in prediction["legs"] for one in leg[key]]

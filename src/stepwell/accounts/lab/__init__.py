@@ -1,1 +1,1 @@
-"""Accounts of recordings and of what they show."""
+"""Accounts of recordings and of the results of their analysis."""

@@ -101,13 +101,13 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
 
 
 def _observed(build: AsBuilt) -> str:
-    seen, unit = build.seen, build.drawing.drive_unit
-    words = [seen.sequence or ""]
-    for strokes, way in ((seen.out, "loading"), (seen.back, "unloading")):
+    observed, unit = build.seen, build.drawing.drive_unit
+    words = [observed.sequence or ""]
+    for strokes, way in ((observed.out, "loading"), (observed.back, "unloading")):
         if strokes is not None:
             each = ", ".join(base.amount(one, unit) for one in strokes)
             words.append(f"snaps at {each} {way}" if each else f"no snap {way}")
-    words.append(base.counted(len(seen.pulls), "force") if seen.pulls else "")
+    words.append(base.counted(len(observed.pulls), "force") if observed.pulls else "")
     return "; ".join(filter(None, words))
 
 

@@ -1,4 +1,4 @@
-"""A calibration: one model of bands and rig fitted to all cells, and how well it predicts."""
+"""A calibration: one model of bands and rig fitted to all cells, and its prediction errors."""
 
 import math
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ def _snap(name: str, head: str, read: str = "") -> Quantity:
 
 _SNAP: Schema = (
     Quantity("series", head="series"),
-    _snap("measured", "seen"),
+    _snap("measured", "measured"),
     *keys(spread="mm", reached="mm"),
     _snap("plain", "no fit"),
     _snap("fitted", "own curves"),
@@ -78,7 +78,7 @@ def _correlations(model: Calibration) -> dict[str, dict[str, float]]:
 
 
 def summary(model: Calibration) -> list[str]:
-    """How well a calibration predicts, a sentence each."""
+    """Prediction errors of a calibration, a sentence each."""
     lines = [
         f"{'Pairs' if one['in_pair'] else 'Cells'} with {counted(one['bands'], 'band')}: force "
         f"within {one['fit']:.3f} k r fitted, {one['left_out']:.3f} predicted from the "

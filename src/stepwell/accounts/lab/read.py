@@ -1,4 +1,4 @@
-"""Recordings: what each file holds, and what is odd about it."""
+"""Recordings: contents of each file, and its oddities."""
 
 from collections import Counter
 from collections.abc import Sequence
