@@ -11,7 +11,7 @@ from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_sc
 from stepwell.accounts.head import About, Shape, keys, of_class, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
-from stepwell.base import Quantity, Schema, amount, few, number, signed, to_unit
+from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
 from stepwell.design import Design, Impossible, Reprogramming, Robustness
 
 # More states than these are not read in a line.
@@ -107,7 +107,7 @@ def design_account(found: Design, about: About) -> Account:
     def reachable() -> str:
         count, states = found.reached.count, _states(found)
         text = f"{count} states" + " surely" * (not found.reached.whole)
-        return text if states is None else f"{text}: {few(states, _MOST_STATES)}"
+        return text if states is None else f"{text}: {join_first(states, _MOST_STATES)}"
 
     def more() -> str:
         reached = found.reached

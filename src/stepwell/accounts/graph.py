@@ -9,7 +9,7 @@ from stepwell.accounts.events import way
 from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, tie_notes
-from stepwell.base import Column, Columns, Quantity, Schema, few, read_off
+from stepwell.base import Column, Columns, Quantity, Schema, join_first, read_off
 from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
 
 # Letters of the longest sequence that a card spells out.
@@ -188,13 +188,13 @@ def _walked_columns(walked: Walked) -> Columns:
         moved = [
             name + _PLACE.get(at + most, f" at {at}") for name, at, was, most in last if at != was
         ]
-        return few(moved, _FEW) or "nothing"
+        return join_first(moved, _FEW) or "nothing"
 
     def leads(way: str, row: Mapping[str, Any]) -> str:
         if row[way] is None:
             return ""
         to, cells = at.get(row[way]["to"]), [names[cell] for cell in row[way]["cells"]]
-        return few(cells, _FEW) + (f" → {to}" if to else "")
+        return join_first(cells, _FEW) + (f" → {to}" if to else "")
 
     return (
         Column("node", lambda row: str(at[row["label"]]), True),

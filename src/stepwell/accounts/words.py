@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
-from stepwell.base import Measure, Quantity, amount, counted, display_unit, few, number
+from stepwell.base import Measure, Quantity, amount, counted, display_unit, join_first, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ def spelled_out(found: Cycle | Program) -> str | None:
 
 def listed(items: Sequence[str]) -> str:
     """Names in a line, the first of many."""
-    return few(items, LONGEST_IN_A_LINE)
+    return join_first(items, LONGEST_IN_A_LINE)
 
 
 def turning_points(points: Sequence[float], chain: Chain) -> str:

@@ -353,8 +353,8 @@ def counted(count: int, what: str) -> str:
     return f"{number(count)} {what}{'s' * (count != 1)}"
 
 
-def few(words: Sequence[str], most: int, what: str = "more", between: str = ", ") -> str:
-    """The first of some words in a line, and how many more there are of what."""
+def join_first(words: Sequence[str], most: int, what: str = "more", between: str = ", ") -> str:
+    """The first `most` words in one line, then the number of the others: "a, b and 3 more"."""
     rest = f" and {len(words) - most} {what}" if len(words) > most else ""
     return between.join(words[:most]) + rest
 

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import Bools, Floats, InputError, Ints, Progress, few
+from stepwell.base import Bools, Floats, InputError, Ints, Progress, join_first
 from stepwell.concave import Simple, end_forces
 from stepwell.design import plane
 from stepwell.design.maps import Axis, anchor, both, require_places
@@ -46,7 +46,7 @@ def _swapped(a: tuple[int, ...], b: tuple[int, ...], names: tuple[str, ...]) -> 
     place = {cell: k for k, cell in enumerate(b)}
     pairs = [(i, j) for i, j in combinations(a, 2) if place[i] > place[j]]
     words = [f"{names[min(i, j)]} and {names[max(i, j)]}" for i, j in pairs]
-    return few(words, _NAMED, "more pairs")
+    return join_first(words, _NAMED, "more pairs")
 
 
 def _parting(a: Sequence, b: Sequence) -> str:

@@ -177,7 +177,7 @@ def _which(chain: Chain, cell: int | str) -> int:
         return chain.names.index(cell)
     if not isinstance(cell, str) and 0 <= cell < len(chain):
         return int(cell)
-    known = base.few([f"{i} or {name!r}" for i, name in enumerate(chain.names)], 8)
+    known = base.join_first([f"{i} or {name!r}" for i, name in enumerate(chain.names)], 8)
     raise InputError(f"cell = {cell!r}: must be {known}.")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, few, nearest_word
+from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, join_first, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Element, Slip, geometry, sizes
 from stepwell.statics import Designs, batch, drive_weights
 
@@ -201,7 +201,7 @@ def parameter(chain: Chain, name: str) -> Parameter:
     numbered = (f"{i}.{part}" for i, cell in enumerate(chain.cells, 1) for part in _parts(cell))
     near = nearest_word(str(name), [*(one.name for one in parameters(chain)), *numbered])
     guess = f" Did you mean {near!r}?" if near else ""
-    cells = few([f"{text!r} or {i}" for i, text in enumerate(names, 1)], _NAMED)
+    cells = join_first([f"{text!r} or {i}" for i, text in enumerate(names, 1)], _NAMED)
     raise InputError(
         f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
         f"'<cell>.<what>' with <cell> one of {cells}, and <what> one of "

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from stepwell.base import ByValue, few
+from stepwell.base import ByValue, join_first
 from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders import Orders, TargetOrders, by_cells_at_1, short
 from stepwell.mechanism import Chain
@@ -108,7 +108,9 @@ def unlike(found: Iterable[str], target: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
     found, target = set(found), set(target)
     parts = [("also reaches", found - target), ("does not reach", target - found)]
-    listed = ((words, few(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts)
+    listed = (
+        (words, join_first(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts
+    )
     return ", ".join(f"{words} {states}" for words, states in listed if states)
 
 

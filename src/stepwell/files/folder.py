@@ -332,7 +332,7 @@ def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
         way = "Name another folder, or replace them with --force (in Python force=True)."
         raise OverwriteError(f"{shown}: {holds}, and a folder is for one command's results. {way}")
     if theirs := _others(target, new):
-        named = base.few(list(map(base.printable, theirs)), _MOST_NAMED)
+        named = base.join_first(list(map(base.printable, theirs)), _MOST_NAMED)
         it = "it" if len(theirs) == 1 else "them"
         raise OverwriteError(
             f"{shown}: `stepwell {command}` did not write {named} like this, so nothing is "

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, few
+from stepwell.base import ByValue, Drawn, join_first
 from stepwell.sequences import memory
 from stepwell.sequences.counting import Counting, counting
 from stepwell.sequences.exchange import drives_text
@@ -162,4 +162,4 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
 
 
 def _listed(items: Iterable[str]) -> str:
-    return few([*items], _SHOWN) or "none"
+    return join_first([*items], _SHOWN) or "none"

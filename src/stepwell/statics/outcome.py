@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from stepwell.base import Floats, StepwellError, display_unit, few, to_unit
+from stepwell.base import Floats, StepwellError, display_unit, join_first, to_unit
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics.following.certificate import ENERGY, EQUILIBRIUM, STABILITY, STROKE
 from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, RUNS_AWAY, STALLED
@@ -68,7 +68,7 @@ def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
 
 
 def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
-    return few([chain.names[i] for i in cells], most)
+    return join_first([chain.names[i] for i in cells], most)
 
 
 def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:

@@ -556,7 +556,7 @@ def _make(study: Study) -> None:
 def gaps_text(gaps: Sequence[Gap], count: int) -> str:
     """How many designs of a study are missing, and which."""
     lacking = sum(gap.last - gap.first + 1 for gap in gaps)
-    named = base.few([*map(str, gaps)], _MOST_NAMED, "more stretches")
+    named = base.join_first([*map(str, gaps)], _MOST_NAMED, "more stretches")
     return f"{lacking} of {count} designs are missing: {named}"
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, few, grouped, to_unit
+from stepwell.base import Bools, ByValue, Floats, grouped, join_first, to_unit
 from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import Recording
@@ -322,7 +322,7 @@ def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """A few names, and how many more there are."""
-    return few([name.replace("\\", "/").rpartition("/")[2] for name in names], 3)
+    return join_first([name.replace("\\", "/").rpartition("/")[2] for name in names], 3)
 
 
 def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:
