@@ -96,16 +96,16 @@ def have(*names: str) -> bool:
 def missing(*names: str, note: str = "") -> ExtraError:
     """The error that says which of these extras are not installed, how to get them, and a note."""
     lacking = _lacking(names)
-    told = [EXTRAS[name] for name in lacking]
-    first, *more = (one.needs for one in told)
+    extras = [EXTRAS[name] for name in lacking]
+    first, *more = (one.needs for one in extras)
     sentences = ", and ".join([first, *(text[0].lower() + text[1:] for text in more)])
-    one_package = sum(len(one.packages) for one in told) == 1
+    one_package = sum(len(one.packages) for one in extras) == 1
     are, them = ("is not", "it") if one_package else ("are not all", "them")
     advice = (
         f"{sentences}, which {are} installed here. "
         f"Install {them} with: pip install 'stepwell[{','.join(lacking)}]'"
     )
-    notes = " ".join(filter(None, [*(one.note for one in told), note]))
+    notes = " ".join(filter(None, [*(one.note for one in extras), note]))
     return ExtraError(f"{advice}. {notes}" if notes else advice, name=next(iter(lacking.values())))
 
 

@@ -142,9 +142,9 @@ def _version(package: str) -> str | None:
 
 
 def _extra(name: str, extra: Extra) -> InstalledExtra:
-    found = {package: _version(package) for package in extra.packages}
-    known = {package: known for package, known in found.items() if known}
-    return InstalledExtra(name, extra.used_for, len(known) == len(found), known)
+    versions = {package: _version(package) for package in extra.packages}
+    installed = {package: text for package, text in versions.items() if text}
+    return InstalledExtra(name, extra.used_for, len(installed) == len(versions), installed)
 
 
 def _tools(extras: set[str], probes: Probes, broken: list[Broken]) -> tuple[Tool, ...]:
@@ -162,7 +162,7 @@ def _tools(extras: set[str], probes: Probes, broken: list[Broken]) -> tuple[Tool
 
 
 def _path(*names: str) -> str | None:
-    return next((found for name in names if (found := shutil.which(name))), None)
+    return next((path for name in names if (path := shutil.which(name))), None)
 
 
 def _browser() -> str | None:

@@ -87,7 +87,7 @@ def content_of(path: Path, name: str) -> bytes:
 
 @lru_cache(maxsize=8)
 def _raised(text: str) -> dict[str, int]:
-    found: dict[str, int] = {}
+    limits: dict[str, int] = {}
     for part in text.replace(",", " ").split():
         name, _, number = part.partition("=")
         if name not in LIMITS:
@@ -99,5 +99,5 @@ def _raised(text: str) -> dict[str, int]:
                 f"{VARIABLE}: {part[:80]!r}: must be {name} and a whole number of 1 or more, as in "
                 f"{name}={10 * LIMITS[name].most}."
             )
-        found[name] = int(number)
-    return found
+        limits[name] = int(number)
+    return limits

@@ -134,17 +134,17 @@ class Quantity:
         """What a table tells of it, read off a record."""
         return self.text(row[self.key])
 
-    def text(self, told: Any) -> str:
+    def text(self, value: Any) -> str:
         """What a table tells of what a record holds."""
-        if told is None:
+        if value is None:
             return self.none
         if callable(self.form):
-            return self.form(told)
-        if isinstance(told, list):
-            return ", ".join(map(self.text, told))
-        if not isinstance(told, float):
-            return str(told)
-        return number(told, self.form) if isinstance(self.form, int) else f"{told:{self.form}}"
+            return self.form(value)
+        if isinstance(value, list):
+            return ", ".join(map(self.text, value))
+        if not isinstance(value, float):
+            return str(value)
+        return number(value, self.form) if isinstance(self.form, int) else f"{value:{self.form}}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +192,8 @@ def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
 
     The value has attributes, or keys of a row; `given` are quantities that it does not have itself.
     """
-    found = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
-    return {q.key: _held(q.holds, one, q.factor) for q, one in found}
+    values = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
+    return {q.key: _held(q.holds, one, q.factor) for q, one in values}
 
 
 def _held(holds: Any, value: Any, factor: float) -> Any:
@@ -219,16 +219,16 @@ def in_measure(schema: Schema, measure: Measure) -> Schema:
     words = dict(zip(usual.words, measure.words, strict=True))
     units = dict(zip(usual.units, measure.units, strict=True))
 
-    def said(text: str) -> str:
-        return _WORDS.sub(lambda found: words[found[0]], text)
+    def translated(text: str) -> str:
+        return _WORDS.sub(lambda match: words[match[0]], text)
 
     return tuple(
         replace(
             q,
-            name=said(q.name),
+            name=translated(q.name),
             unit=units.get(q.unit, q.unit),
-            head=said(q.head),
-            doc=said(q.doc),
+            head=translated(q.head),
+            doc=translated(q.doc),
             read=q.read or q.name,
             holds=_measured(q.holds, measure),
         )
@@ -276,10 +276,10 @@ def rows_of(columns: Mapping[str, Iterable[Any]]) -> list[dict[str, Any]]:
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
     """The values of each key, keys and values in the order in which they come."""
-    found: dict[K, list[V]] = {}
+    groups: dict[K, list[V]] = {}
     for key, value in pairs:
-        found.setdefault(key, []).append(value)
-    return found
+        groups.setdefault(key, []).append(value)
+    return groups
 
 
 def shown(schema: Columns) -> list[Quantity | Column]:
@@ -291,7 +291,9 @@ def write_csv(
     file: str | os.PathLike[str], columns: Iterable[tuple[Quantity, Any]], digits: int = 12
 ) -> None:
     """Write columns of values in SI as CSV, whole or not at all, with the unit in every heading."""
-    head, values = zip(*((q.key, _texts(q, found, digits)) for q, found in columns), strict=True)
+    head, values = zip(
+        *((q.key, _texts(q, values_si, digits)) for q, values_si in columns), strict=True
+    )
     write_atomic(file, csv_text(head, zip(*values, strict=True)))
 
 
@@ -307,8 +309,8 @@ def _texts(quantity: Quantity, values: Any, digits: int) -> list[str]:
 def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
     """The variables that xarray has of a value, in SI, with units and meaning as attributes."""
     about = [{"units": q.si} | ({"long_name": q.doc} if q.doc else {}) for q in schema]
-    found = zip(schema, about, strict=True)
-    return {q.name: ((*dims, *q.dims), q.of(value), texts) for q, texts in found}
+    described = zip(schema, about, strict=True)
+    return {q.name: ((*dims, *q.dims), q.of(value), texts) for q, texts in described}
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -319,14 +321,14 @@ def number(value: float | None, digits: int = 4) -> str:
     """
     if value is None:
         return ""
-    told = _whole(value)
-    return f"{told:.0f}" if 10.0**digits <= abs(told) < 1e6 else f"{told:.{digits}g}"
+    rounded = _whole(value)
+    return f"{rounded:.0f}" if 10.0**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:
     """A number in SI for people, with the unit in which they are told."""
-    told, factor = display_unit(unit)
-    return f"{number(value * factor, digits)} {Quantity('', told).sign}"
+    display, factor = display_unit(unit)
+    return f"{number(value * factor, digits)} {Quantity('', display).sign}"
 
 
 def percent(share: float) -> str:

@@ -47,11 +47,11 @@ def brief(value: Any) -> str:
     """
     known = getattr(value, "_fields", None)
     names = known or [one.name for one in fields(value) if one.repr]
-    told = ", ".join(f"{name}={_told(getattr(value, name))}" for name in names)
-    return f"{type(value).__name__}({told})"
+    shown = ", ".join(f"{name}={_value_text(getattr(value, name))}" for name in names)
+    return f"{type(value).__name__}({shown})"
 
 
-def _told(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if isinstance(value, bool | str) or value is None:
         return repr(value)
     if isinstance(value, float):
@@ -59,7 +59,7 @@ def _told(value: Any) -> str:
     if hasattr(value, "shape") and value.shape:
         return f"<{' by '.join(map(str, value.shape))} numbers>"
     if type(value) in (tuple, list):
-        inside = ", ".join(map(_told, value))
+        inside = ", ".join(map(_value_text, value))
         return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
     return repr(value)
 

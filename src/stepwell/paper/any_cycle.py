@@ -60,10 +60,10 @@ def table(rows: list[dict[str, Any]]) -> str:
         shares, cells = np.array(row["shares"]), row["cells"]
         whole = len(shares) == math.factorial(cells)
         looked = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
-        told = [f"{100 * x:.1f} %" for x in (shares.max(), np.median(shares), shares.min())]
+        yields = [f"{100 * x:.1f} %" for x in (shares.max(), np.median(shares), shares.min())]
         many = f"{int(np.sum(shares >= WANTED))} of {len(shares)}"
         lines.append(
-            f"| ±{row['anchor_mm']:g} mm | {cells} | {looked} | {' | '.join(told)} | {many} |"
+            f"| ±{row['anchor_mm']:g} mm | {cells} | {looked} | {' | '.join(yields)} | {many} |"
         )
     return "\n".join(lines)
 

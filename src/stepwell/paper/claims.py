@@ -149,9 +149,9 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
 
 
 def _count(verdicts: tuple[ClaimVerdict, ...]) -> str:
-    found = [verdict.verdict for verdict in verdicts]
+    judgements = [verdict.verdict for verdict in verdicts]
     words = "agree", "differ", "are undetermined", "need data", "need MuJoCo"
-    seldom = {Judgement.UNDETERMINED, Judgement.NEEDS_MUJOCO}.difference(found)
+    seldom = {Judgement.UNDETERMINED, Judgement.NEEDS_MUJOCO}.difference(judgements)
     each = zip(Judgement, words, strict=True)
-    parts = [f"{found.count(one)} {word}" for one, word in each if one not in seldom]
-    return f"Of {len(found)} claims {', '.join(parts)}."
+    parts = [f"{judgements.count(one)} {word}" for one, word in each if one not in seldom]
+    return f"Of {len(judgements)} claims {', '.join(parts)}."

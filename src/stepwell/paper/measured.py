@@ -35,8 +35,8 @@ class Recorded:
 
     def read(self, *folders: str) -> list[lab.Recording]:
         """All recordings of some of its folders, one or more."""
-        found = [self.folder / name for name in folders if (self.folder / name).is_dir()]
-        batch = lab.read_all(found)
+        paths = [self.folder / name for name in folders if (self.folder / name).is_dir()]
+        batch = lab.read_all(paths)
         if not batch.recordings:
             raise lab.LabError(
                 str(self.folder),
@@ -140,8 +140,8 @@ def measured_snaps(data: Recorded) -> Finding:
     """Pairs on directed pathways snap on the test machine."""
     pairs = [test for test in data.comparison.pairs if test.snaps_predicted and not test.tie]
     right = sum(bool(test.right_snaps) for test in pairs)
-    told = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
-    return judged(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{told}.")
+    text = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
+    return judged(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{text}.")
 
 
 @claim("Fig. 2F and 2G, two-cell tests", "no snap", "every run of every series")

@@ -158,10 +158,10 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
 
     def works(cells: int) -> Design | None:
         # A first look with few mechanisms; only a close call is worth a million.
-        found = make(cells, tolerances, _TRIED)
-        if abs(found.yield_.share - WANTED) < 0.005:
-            found = make(cells, tolerances, _MADE)
-        return found if found.yield_.interval[0] >= WANTED else None
+        trial = make(cells, tolerances, _TRIED)
+        if abs(trial.yield_.share - WANTED) < 0.005:
+            trial = make(cells, tolerances, _MADE)
+        return trial if trial.yield_.interval[0] >= WANTED else None
 
     best, low, high = works(BUILT), BUILT, 2 * BUILT
     assert best is not None
@@ -169,19 +169,19 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
         low, high, best = high, 2 * high, longer
     while high - low > 1:
         middle = (low + high) // 2
-        if (found := works(middle)) is None:
+        if (candidate := works(middle)) is None:
             high = middle
         else:
-            low, best = middle, found
+            low, best = middle, candidate
     return best
 
 
 def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
-    found = [most_cells(make, anchor) for anchor in ANCHORS]
-    counts = [len(one.chain) for one in found]
+    designs = [most_cells(make, anchor) for anchor in ANCHORS]
+    counts = [len(one.chain) for one in designs]
     each = ", ".join(
         f"{count} cells (anchors ±{to_unit(anchor, 'mm'):g} mm, {100 * one.yield_.share:.2f} %)"
-        for count, anchor, one in zip(counts, ANCHORS, found, strict=True)
+        for count, anchor, one in zip(counts, ANCHORS, designs, strict=True)
     )
     return judged(
         min(counts) > BUILT,

@@ -61,9 +61,9 @@ def paper_map() -> PaperMap:
     x = 0.020 * (np.arange(_PLACES) + 0.5) / _PLACES
     y = -0.015 + 0.030 * (np.arange(_PLACES) + 0.5) / _PLACES
     chain = preset(PAIRS[Pathway.CLOCKWISE])
-    found = transition_map(chain, 1, x=x, y=y)
+    table = transition_map(chain, 1, x=x, y=y)
     names = "pathway", "snap_loading", "snap_unloading"
-    pathway, loading, unloading = (found[name].to_numpy() for name in names)
+    pathway, loading, unloading = (table[name].to_numpy() for name in names)
     return PaperMap(x, y, pathway, loading, unloading, chain.full_stroke)
 
 
@@ -145,8 +145,8 @@ _NEAR = 0.005  # m: an eighth of the full stroke
 
 
 def _taken(pathway: Pathway) -> Finding:
-    found = pair_cycle(pathway)
-    return judged(found.pathway is pathway, str(found.sequence))
+    cycle = pair_cycle(pathway)
+    return judged(cycle.pathway is pathway, str(cycle.sequence))
 
 
 @claim("Figs. 2D to 2G", "1 cell at a time", "exact, outside of snaps")

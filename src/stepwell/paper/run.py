@@ -86,8 +86,8 @@ def run(
 
 
 def _judged(asked: tuple[Claim, ...], progress: Progress | None) -> Verdicts:
-    found: list[ClaimVerdict] = []
+    verdicts: list[ClaimVerdict] = []
     for claim in asked:
-        found.append(claim.judge())
-        notify(progress, len(found), len(asked))
-    return Verdicts(found)
+        verdicts.append(claim.judge())
+        notify(progress, len(verdicts), len(asked))
+    return Verdicts(verdicts)

@@ -148,7 +148,7 @@ def sensitivities() -> tuple[Sensitivity, ...]:
         [sweep(designs, cycles=CYCLES, settings=each).trials for each in settings.values()]
         for settings in numerics.values()
     ]
-    found: list[Sensitivity] = []
+    results: list[Sensitivity] = []
     for k, result in enumerate(RESULTS):
         effects = [
             Effect(one.label, one.low, one.high, *(result.read(next(trials)) for _ in range(2)))
@@ -157,5 +157,5 @@ def sensitivities() -> tuple[Sensitivity, ...]:
         for (label, settings), both in zip(numerics.items(), stepped, strict=True):
             effects.append(Effect(label, *settings, *(result.read(each[k]) for each in both)))
         target = (result.centre - result.half_width, result.centre + result.half_width)
-        found.append(Sensitivity(result.label, result.read(nominal[k]), effects, target))
-    return tuple(found)
+        results.append(Sensitivity(result.label, result.read(nominal[k]), effects, target))
+    return tuple(results)

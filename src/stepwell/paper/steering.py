@@ -69,7 +69,7 @@ def decided(holds: list[bool], ours: str, reason: str) -> Finding:
 
 def _turned_round(q_out: float) -> Finding:
     needed = {label: turning(q_out, bands) for label, bands in BANDS.items()}
-    places = {label: found.anchor_at[0] for label, found in needed.items()}
+    places = {label: flip.anchor_at[0] for label, flip in needed.items()}
     push = needed["two bands"].resistance
     return decided(
         [place >= PRESSED - ABOUT for place in places.values()],
@@ -160,15 +160,17 @@ def antennas_paper_numbers() -> Finding:
     robots = [_with_bands(base, ratio) for ratio in ratios]
     trials = sweep([*robots, *(_pressed(one, MOVED) for one in robots)], cycles=3).trials
     n = len(ratios)
-    found = dict(zip(ratios, zip(trials[:n], trials[n:], strict=True), strict=True))
+    trials_by_ratio = dict(zip(ratios, zip(trials[:n], trials[n:], strict=True), strict=True))
     flips = {
         ratio: free.gaits == (FORWARD, FORWARD) and held.gaits == (FORWARD, BACKWARD)
-        for ratio, (free, held) in found.items()
+        for ratio, (free, held) in trials_by_ratio.items()
     }
-    held = ", ".join(f"{found[ratio][1].gaits[1]} with {label}" for label, ratio in BANDS.items())
+    held = ", ".join(
+        f"{trials_by_ratio[ratio][1].gaits[1]} with {label}" for label, ratio in BANDS.items()
+    )
     holding = [ratio for ratio, holds in flips.items() if holds] or [math.nan]
     antenna = base.antennas[0]
-    free, pressed = found[BANDS["two bands"]]
+    free, pressed = trials_by_ratio[BANDS["two bands"]]
     return decided(
         [flips[ratio] for ratio in BANDS.values()],
         f"right leg pressed: {held}",

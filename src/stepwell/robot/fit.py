@@ -148,8 +148,8 @@ THICKNESS = 5e-4, 10.0
 
 def refuse_slips(value: Robot | Arena, slips: Iterable[Slip]) -> None:
     """Refuse sizes in another unit, once: what `replace` makes of a value is not asked again."""
-    if not (value.unusual or value._asked) and (found := tuple(slips)):
-        raise SlipError(found, "If it is meant so, say unusual=True.")
+    if not (value.unusual or value._asked) and (suspects := tuple(slips)):
+        raise SlipError(suspects, "If it is meant so, say unusual=True.")
     object.__setattr__(value, "_asked", True)
 
 

@@ -326,16 +326,16 @@ class Prediction(ByValue, Drawn):
 
 def predict(robot: Robot) -> Prediction:
     """Predict what a robot does in a cycle, without simulation. All else as for `Robot.predict`."""
-    found = rounds(robot)
-    slid, firsts = slide(robot, found), tuple(one.first for one in found)
+    cycles = rounds(robot)
+    slid, firsts = slide(robot, cycles), tuple(one.first for one in cycles)
     x, y, turn = slid.displacement()
-    begun = x if firsts == found else slide(robot, firsts).displacement()[0]
-    rigid, softer = _other_drives(robot, found)
+    begun = x if firsts == cycles else slide(robot, firsts).displacement()[0]
+    rigid, softer = _other_drives(robot, cycles)
     # What can be doubted of legs that are alike, and what antennas do to them, is the same.
     doubts = cache(lambda i: _doubts(firsts[i]))
     flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
     legs: list[LegPrediction] = []
-    for i, (one, first) in enumerate(zip(found, _first_alike(found), strict=True)):
+    for i, (one, first) in enumerate(zip(cycles, _first_alike(cycles), strict=True)):
         margin, nearest, alternatives = doubts(first)
         legs.append(
             LegPrediction(
@@ -359,7 +359,7 @@ def predict(robot: Robot) -> Prediction:
             )
         )
     ways = x / robot.u_max, y / robot.u_max, turn, begun / robot.u_max
-    strokes = found[0].turns.back, found[0].turns.out
+    strokes = cycles[0].turns.back, cycles[0].turns.out
     return Prediction(robot, tuple(legs), *ways, strokes, too_soft(robot))
 
 
@@ -370,16 +370,16 @@ def predicted_gaits(robot: Robot) -> tuple[str, ...]:
 
 def too_soft(robot: Robot) -> str:
     """What the drive's spring does to the gait, in words; "" where it changes nothing."""
-    found, stiffness = rounds(robot), robot.drive.stiffness
-    gaits = _gaits(found)
-    if _passes(robot, found, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
+    cycles, stiffness = rounds(robot), robot.drive.stiffness
+    gaits = _gaits(cycles)
+    if _passes(robot, cycles, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
         return ""
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs go from "
-        f"{to_unit(found[0].turns.back, 'mm'):.1f} to {to_unit(found[0].turns.out, 'mm'):.1f} mm "
+        f"{to_unit(cycles[0].turns.back, 'mm'):.1f} to {to_unit(cycles[0].turns.out, 'mm'):.1f} mm "
         f"of {to_unit(robot.drive.amplitude, 'mm'):g} mm"
     )
-    firsts = tuple(one.first for one in found)
+    firsts = tuple(one.first for one in cycles)
     if gaits == _gaits(firsts):
         return text
     advance = slide(robot, firsts).displacement()[0] / robot.u_max
@@ -389,43 +389,43 @@ def too_soft(robot: Robot) -> str:
     return f"{text}; the first cycle goes {advance:.2f} of u_max, then the robot {then}"
 
 
-def _gaits(found: Sequence[Round]) -> tuple[str, ...]:
-    return tuple(one.gait() for one in found)
+def _gaits(cycles: Sequence[Round]) -> tuple[str, ...]:
+    return tuple(one.gait() for one in cycles)
 
 
 def _other_drives(
-    robot: Robot, found: tuple[Round, ...]
+    robot: Robot, cycles: tuple[Round, ...]
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Gaits of all legs behind a drive that does not give; and with what is not known of forces.
 
     Where the drive has force to spare they are those found, and nothing is followed again.
     """
-    unknown = sum(_uncertainty(robot, one.leg) for one in found)
-    if _passes(robot, found, robot.drive.stiffness, unknown):
-        return _gaits(found), []
-    stances = [one.stances for one in found]
+    unknown = sum(_uncertainty(robot, one.leg) for one in cycles)
+    if _passes(robot, cycles, robot.drive.stiffness, unknown):
+        return _gaits(cycles), []
+    stances = [one.stances for one in cycles]
     others = (go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown))
     return _gaits(rounds(robot, math.inf)), list(map(_gaits, others))
 
 
-def _passes(robot: Robot, found: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
+def _passes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
     """Whether a drive takes the carriage all the way out and back along these rounds."""
     spring = Spring(robot.drive.amplitude, stiffness, more)
-    reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in found))
-    out, back = spring.stops(asked(found, 0), 1), spring.stops(asked(found, 1), -1)
+    reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in cycles))
+    out, back = spring.stops(asked(cycles, 0), 1), spring.stops(asked(cycles, 1), -1)
     return out >= reach - ROUNDING and back <= ROUNDING
 
 
-def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
+def _visits(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
     """Whether it takes it so far that the legs visit the same states on these ways."""
     spring = Spring(robot.drive.amplitude, stiffness)
     for half, way in enumerate((1, -1)):
-        end = spring.stops(asked(found, half), way)
-        for one in found:
+        end = spring.stops(asked(cycles, half), way)
+        for one in cycles:
             ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
             gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
-            rests = np.concatenate([gone, ahead.at(np.array([end]))[0]])
-            if gait(rests / full) != gait(ahead.travel / full):
+            travels = np.concatenate([gone, ahead.at(np.array([end]))[0]])
+            if gait(travels / full) != gait(ahead.travel / full):
                 return False
     return True
 
@@ -433,24 +433,24 @@ def _visits(robot: Robot, found: Sequence[Round], stiffness: float) -> bool:
 @lru_cache(maxsize=32)
 def drive_needs(robot: Robot) -> DriveNeeds:
     """What a motor must have for the gait that a robot has behind a drive that does not give."""
-    found = rounds(robot, math.inf)
-    push, pull = largest(asked(found, 0), 1), largest(asked(found, 1), -1)
+    cycles = rounds(robot, math.inf)
+    push, pull = largest(asked(cycles, 0), 1), largest(asked(cycles, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
 
-    def least(does: Callable[[float], bool]) -> float:
+    def least(holds: Callable[[float], bool]) -> float:
         """The least stiffness that does, by what is known of these ways alone."""
-        if does(softest):
+        if holds(softest):
             return softest
         logs = math.log(stiffest), math.log(softest)
-        return math.exp(bisected(lambda log: does(math.exp(log)), *logs, 30)[0])
+        return math.exp(bisected(lambda log: holds(math.exp(log)), *logs, 30)[0])
 
     # Between these two the drive stops the carriage past the last state that a leg visits.
-    enough = least(partial(_passes, robot, found))
-    needed = min(enough, least(partial(_visits, robot, found)))
+    enough = least(partial(_passes, robot, cycles))
+    needed = min(enough, least(partial(_visits, robot, cycles)))
 
     def gaits(stiffness: float) -> str:
-        return str(_gaits(go_rounds(robot, [one.stances for one in found], stiffness)))
+        return str(_gaits(go_rounds(robot, [one.stances for one in cycles], stiffness)))
 
     looks = np.geomspace(enough, needed * (1.0 - WITHIN), LOOKS_FOR_STIFFNESS).tolist()
     if needed < (1.0 - WITHIN) * enough:
@@ -465,9 +465,9 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     There its gait is the same whatever the force that the prediction does not know, all else as it
     is; both are the feet's own depth where it may be another already.
     """
-    found = tuple(one.first for one in rounds(robot))
-    own = cache(lambda i: _depths(robot, i, found))
-    return tuple(map(own, _first_alike(found)))
+    cycles = tuple(one.first for one in rounds(robot))
+    own = cache(lambda i: _depths(robot, i, cycles))
+    return tuple(map(own, _first_alike(cycles)))
 
 
 def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
@@ -478,9 +478,9 @@ def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
         return (None,) * len(robot.legs)
 
 
-def _first_alike(found: Sequence[Round]) -> list[int]:
+def _first_alike(cycles: Sequence[Round]) -> list[int]:
     """For each leg the number of the first one that is the same, or is so in a mirror."""
-    return [[other.alike(one.leg, one.stances) for other in found].index(True) for one in found]
+    return [[other.alike(one.leg, one.stances) for other in cycles].index(True) for one in cycles]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
@@ -523,20 +523,20 @@ def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
     return margin, nearest, tuple(sorted(others - {one.gait()}))
 
 
-def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, float]:
+def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, float]:
     """Depths of the feet [m] between which a leg keeps its gait, whatever is not known."""
     foot, leg = robot.foot, robot.legs[index]
-    unknown, gait = _uncertainty(robot, leg), found[index].gait()
+    unknown, gait = _uncertainty(robot, leg), cycles[index].gait()
     # No robot's feet stand deeper than its cells can lift them.
     deepest = 0.999 * float(foot.depth(0.0) - foot.depth(leg.chain.cells[-1].full_travel))
 
     def deep(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
-        stances = footing(other, index, found, leaning(other))
+        stances = footing(other, index, cycles, leaning(other))
         for force in (unknown, -unknown):
             extra = {len(leg.chain) - 1: force}
             try:
-                after = go_round(leg, stances, found[index].turns, extra).gait()
+                after = go_round(leg, stances, cycles[index].turns, extra).gait()
             except StaticsError:
                 return "not followed"  # so it is not sure
             if after != gait:
@@ -566,7 +566,7 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
     around = [thresholds(force) for force in (unknown, -unknown)]
     for share, after in thresholds(0.0):
         # The same change where the unknown force is added and taken.
-        same = [next((s for s, g in found if g == after), math.inf) for found in around]
+        same = [next((s for s, g in changed if g == after), math.inf) for changed in around]
         early, late = min(share, *same) * length, max(share, *same) * length
         yield Flip("", one.leg.name, share * length, early, late, share * swing, before, after)
         before = after

@@ -63,8 +63,8 @@ class Robot(ByValue, Drawn):
         require("legs", len(self.legs), "the robot has")
         require("antennas", len(self.antennas), "the robot has")
         refuse_slips(self, of_robot(self))
-        if found := problems(self):
-            raise InputError("\n".join(found))
+        if reasons := problems(self):
+            raise InputError("\n".join(reasons))
 
     @property
     def mass(self) -> float:

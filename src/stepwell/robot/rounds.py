@@ -52,8 +52,8 @@ def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
 
 def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
     """The states that follow each other in a cycle, as "00>10>11>01>00"; "" without any."""
-    found = filter(None, states(share, tolerance))
-    return ">".join(state for state, _ in groupby(found))
+    visited = filter(None, states(share, tolerance))
+    return ">".join(state for state, _ in groupby(visited))
 
 
 Extra = Mapping[int, float]
@@ -152,8 +152,8 @@ class HalfRound:
         order = slice(None) if self.stroke[-1] >= self.stroke[0] else slice(None, None, -1)
         axis = np.maximum.accumulate(self.stroke[order])
         columns = (*self.travel.T, self.load)
-        found = [np.interp(stroke, axis, column[order]) for column in columns]
-        return np.stack(found[:-1], axis=1), found[-1]
+        columns_at = [np.interp(stroke, axis, column[order]) for column in columns]
+        return np.stack(columns_at[:-1], axis=1), columns_at[-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,11 +189,11 @@ def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
     The drive has another `stiffness` [N/m] than its own where that is given.
     """
     setting_out = leaning(robot)
-    found: tuple[Round, ...] = ()
+    cycles: tuple[Round, ...] = ()
     for _ in range(PASSES):
-        stances = [footing(robot, i, found, setting_out) for i in range(len(robot.legs))]
-        found = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
-    return found
+        stances = [footing(robot, i, cycles, setting_out) for i in range(len(robot.legs))]
+        cycles = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
+    return cycles
 
 
 def go_rounds(
@@ -208,18 +208,20 @@ def go_rounds(
     """
     spring = Spring(robot.drive.amplitude, stiffness, more)
     begins: list[tuple[float, ...]] = [(0.0,) * len(leg.chain) for leg in robot.legs]
-    found = _cycle(robot, stances, spring, begins)
+    cycles = _cycle(robot, stances, spring, begins)
     for _ in range(MOST_CYCLES - 1):
-        ends = [tuple(one.halves[1].travel[-1].tolist()) for one in found]
-        if all(_closes(one, end) for one, end in zip(found, ends, strict=True)):
+        ends = [tuple(one.halves[1].travel[-1].tolist()) for one in cycles]
+        if all(_closes(one, end) for one, end in zip(cycles, ends, strict=True)):
             break
         try:
-            then = _cycle(robot, stances, spring, ends)
+            following = _cycle(robot, stances, spring, ends)
         except ValueError:
             # It rests in the middle of a jump: the next cycle is not known.
             break
-        found = [replace(one, before=past) for past, one in zip(found, then, strict=True)]
-    return tuple(found)
+        cycles = [
+            replace(one, before=before) for before, one in zip(cycles, following, strict=True)
+        ]
+    return tuple(cycles)
 
 
 def _closes(one: Round, end: Sequence[float]) -> bool:
@@ -244,20 +246,20 @@ def _cycle(
         return done
 
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
-    found = go(max(reach, math.fsum(begins[0])), 0.0)
-    out = spring.stops(asked(found, 0), 1)
+    cycles = go(max(reach, math.fsum(begins[0])), 0.0)
+    out = spring.stops(asked(cycles, 0), 1)
     if out < reach - ROUNDING:
-        found = go(out, 0.0)
-    back = spring.stops(asked(found, 1), -1)
-    return found if back < ROUNDING else go(out, back)
+        cycles = go(out, 0.0)
+    back = spring.stops(asked(cycles, 1), -1)
+    return cycles if back < ROUNDING else go(out, back)
 
 
-def asked(found: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
+def asked(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
     """What a `Spring` takes of every leg, its strokes [m] and forces [N], out (0) or back (1)."""
-    return [(one.halves[half].stroke, one.halves[half].force) for one in found]
+    return [(one.halves[half].stroke, one.halves[half].force) for one in cycles]
 
 
-def footing(robot: Robot, index: int, found: Sequence[Round], setting_out: Floats) -> Stances:
+def footing(robot: Robot, index: int, cycles: Sequence[Round], setting_out: Floats) -> Stances:
     """How the foot of one leg stands, out and back, while the other legs go as found.
 
     All legs are taken to step alike while none is found. Before it has stepped the floor bears each
@@ -269,8 +271,8 @@ def footing(robot: Robot, index: int, found: Sequence[Round], setting_out: Float
         [
             # Like legs step together, whatever either would do at that stroke alone.
             share * np.append(one.chain.full_travels[:-1], 0.0)
-            if not found or one.chain == leg.chain
-            else found[k].first.halves[half].at(stroke)[0]
+            if not cycles or one.chain == leg.chain
+            else cycles[k].first.halves[half].at(stroke)[0]
             for k, one in enumerate(robot.legs)
         ]
         for half in (0, 1)

@@ -66,8 +66,8 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     prediction = robot.predict()
     reasons = [why] if why else []
     reasons += [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
-    found = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
-    return GaitComparison(robot, predicted, False, f"not as predicted: {differ}: {found}")
+    explanation = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
+    return GaitComparison(robot, predicted, False, f"not as predicted: {differ}: {explanation}")
 
 
 def _same_cycle(one: str, other: str) -> bool:

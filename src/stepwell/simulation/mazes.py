@@ -93,27 +93,27 @@ class Maze(ByValue, Drawn):
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """Every time an antenna was pressed back, in the order of their beginnings."""
-        found: list[Contact] = []
+        contacts: list[Contact] = []
         for i, antenna in enumerate(self.walk.robot.antennas):
             swing = self.walk.antenna[:, i]
             for first, last in _stretches(self.walk.time, swing > PRESSED * antenna.swing):
                 begin, end = self.walk.time[[first, last]]
                 most = float(swing[first : last + 1].max())
                 moved = most * antenna.gear if antenna.connected else 0.0
-                found.append(Contact(antenna.name, float(begin), float(end), most, moved))
-        return tuple(sorted(found, key=lambda contact: contact.begin))
+                contacts.append(Contact(antenna.name, float(begin), float(end), most, moved))
+        return tuple(sorted(contacts, key=lambda contact: contact.begin))
 
     @property
     def changes(self) -> tuple[GaitChange, ...]:
         """Every change of a leg's gait from one cycle to the next, dated by the later one."""
         period = self.walk.robot.drive.period
-        found = (
+        changes = (
             GaitChange(i * period, leg, before, after)
             for leg, gaits in self.walk.gaits.items()
             for i, (before, after) in enumerate(pairwise(gaits), 1)
             if after != before
         )
-        return tuple(sorted(found, key=lambda change: change.time))
+        return tuple(sorted(changes, key=lambda change: change.time))
 
     @property
     def walks_on(self) -> bool:

@@ -82,11 +82,11 @@ def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tup
     *some, n, width = steps.shape
     end = n - n % every
     windows = steps[..., :end, :].reshape(*some, n // every, every, width)
-    found = windows[..., -1, :].copy()
+    samples = windows[..., -1, :].copy()
     # What overflows is found by who looks at the samples.
     with np.errstate(over="ignore", invalid="ignore"):
-        found[..., columns] = windows[..., columns].mean(axis=-2)
-    return found, steps[..., end:, :].copy()
+        samples[..., columns] = windows[..., columns].mean(axis=-2)
+    return samples, steps[..., end:, :].copy()
 
 
 SUPPORT = 0.003  # radius of the balls under the T-foot [m]

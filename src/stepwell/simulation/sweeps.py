@@ -147,17 +147,17 @@ def sweep(
     base.require("robots", len(robots), "these are")
     threads = threads or cores()
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
-    found: dict[int, Trial] = kept.trials() if kept is not None else {}
-    missing = [i for i in range(len(robots)) if i not in found]
+    trials: dict[int, Trial] = kept.trials() if kept is not None else {}
+    missing = [i for i in range(len(robots)) if i not in trials]
     for first in range(0, len(missing), PER_CORE * threads):
         batch = missing[first : first + PER_CORE * threads]
         step = partial(_step_together, threads=threads)
         walks = walked([SimulatedRun(robots[i], None, settings) for i in batch], cycles, step)
-        found |= (new := dict(zip(batch, map(Trial.of, walks), strict=True)))
+        trials |= (new := dict(zip(batch, map(Trial.of, walks), strict=True)))
         if kept is not None:
             kept.add(new)
-        base.notify(progress, len(found), len(robots))
-    return Sweep(values, tuple(found[i] for i in range(len(robots))))
+        base.notify(progress, len(trials), len(robots))
+    return Sweep(values, tuple(trials[i] for i in range(len(robots))))
 
 
 def walked(

@@ -96,13 +96,13 @@ def _begun(
     entries: Sequence[tuple[Robot, Arena | None]], settings: Settings | None, *, record: bool
 ) -> list[SimulatedRun | None]:
     """Runs at their start; None of a robot that has no model, of which its own run says why."""
-    found: list[SimulatedRun | None] = []
+    runs: list[SimulatedRun | None] = []
     for robot, arena in entries:
         try:
-            found.append(SimulatedRun(robot, arena, settings or Settings(), record=record))
+            runs.append(SimulatedRun(robot, arena, settings or Settings(), record=record))
         except ValueError:
-            found.append(None)
-    return found
+            runs.append(None)
+    return runs
 
 
 def _told(runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]) -> tuple[T | None, ...]:
@@ -231,8 +231,8 @@ def device() -> tuple[str, bool]:
     """Where worlds are stepped: its name, and whether it is a GPU."""
     warp, _ = opened()
     with _silent(warp):
-        found = warp.get_device()
-    return str(found.name), bool(found.is_cuda)
+        default = warp.get_device()
+    return str(default.name), bool(default.is_cuda)
 
 
 @contextmanager
@@ -256,17 +256,17 @@ def _batched() -> tuple[str, ...]:
 def _structure(model: Model) -> Hashable:
     """All of a model that worlds share, and which of their numbers are there at all."""
     batched = set(_batched())
-    found: list[Hashable] = [model.opt.gravity.tobytes()]
+    parts: list[Hashable] = [model.opt.gravity.tobytes()]
     for field in fields(opened()[1].Model):
         value: Any = getattr(model, field.name, None)
         if field.name in batched:
             # What is nowhere in the first of them may be left out for all.
-            found.append((value.shape, bool(value.any())))
+            parts.append((value.shape, bool(value.any())))
         elif isinstance(value, np.ndarray) and field.name not in SHARED:
-            found.append(value.tobytes())
+            parts.append(value.tobytes())
         elif isinstance(value, int | float):
-            found.append(value)
-    return tuple(found)
+            parts.append(value)
+    return tuple(parts)
 
 
 def _fill(array: Any, values: Sequence[np.ndarray] | np.ndarray) -> None:

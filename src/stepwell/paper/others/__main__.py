@@ -22,14 +22,14 @@ _DIGITS = 4
 def rows() -> list[dict[str, Any]]:
     """What became of every graph: how it is made, and by which curves."""
     alone = {pairs.canonical(pairs.graph_of(chain, "force")) for chain in pairs.pairs().values()}
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     for graph in pairs.graphs():
         curves = pairs.design(graph)
         elements = [
             {key: [round(point[k], _DIGITS) for point in curve] for k, key in enumerate(_KEYS)}
             for curve in curves or ()
         ]
-        found.append(
+        rows.append(
             {
                 "graph": " ".join(graph),
                 "reached": " ".join(pairs.reached(graph)),
@@ -38,7 +38,7 @@ def rows() -> list[dict[str, Any]]:
                 "elements": elements,
             }
         )
-    return found
+    return rows
 
 
 def _how(graph: pairs.Graph) -> str:
@@ -48,11 +48,11 @@ def _how(graph: pairs.Graph) -> str:
     return "undecided" if pairs.possible(graph, plain=False) else "impossible"
 
 
-def table(found: list[dict[str, Any]]) -> str:
+def table(rows: list[dict[str, Any]]) -> str:
     """The graphs as a table in Markdown, avalanches in bold."""
     lines = ["| graph | states reached | under force | under length or behind a spring |"]
     lines += ["|---|---|---|---|"]
-    for row in found:
+    for row in rows:
         ways = " ".join(f"**{way}**" if len(way) > 4 else way for way in row["graph"].split())
         states = len({way[:2] for way in row["reached"].split()})
         alone = "made" if row["under_force"] else "impossible"
@@ -63,9 +63,9 @@ def table(found: list[dict[str, Any]]) -> str:
 def main(file: Path, pages: list[Path]) -> None:
     """Write the designs into the file, and their table into the pages."""
     texts = [page.read_text("utf-8") for page in pages]
-    found = rows()
-    written = [replaced(text, table(found), BEGIN, END, "table") for text in texts]
-    lines = ",\n".join(map(json.dumps, found))
+    graph_rows = rows()
+    written = [replaced(text, table(graph_rows), BEGIN, END, "table") for text in texts]
+    lines = ",\n".join(map(json.dumps, graph_rows))
     write_atomic(file, f"[\n{lines}\n]\n")
     for page, text in zip(pages, written, strict=True):
         write_atomic(page, text)

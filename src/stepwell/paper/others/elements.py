@@ -37,14 +37,14 @@ def line(balloons: tuple[tuple[float, float, float], ...]) -> Chain:
 def arrows(graph: TransitionGraph) -> _Arrows:
     """Where each state leads, states in transit left out."""
     ways = product(graph.vertices, (+1, -1))
-    found = {way: next_state(graph, *way) for way in ways}
-    return {way: target for way, target in found.items() if target != "nowhere"}
+    targets = {way: next_state(graph, *way) for way in ways}
+    return {way: target for way, target in targets.items() if target != "nowhere"}
 
 
 @claim(MUHAXHERI, "a Preisach model of hysterons that do not interact", "exact")
 def balloons_under_pressure() -> Finding:
     """Under a prescribed pressure balloons on one line are independent hysterons."""
-    right, told = True, []
+    right, counts = True, []
     for balloons in (PAIR, TRIPLE):
         chain = line(balloons)
         graph = chain.graph("force")
@@ -53,10 +53,10 @@ def balloons_under_pressure() -> Finding:
         wanted = {way: to for way in ways if (to := _relay(*way, fields)) is not None}
         memory = graph.reading.return_point_memory.holds
         right &= arrows(graph) == wanted and memory
-        told.append(f"{len(wanted)} arrows of {len(balloons)} balloons")
+        counts.append(f"{len(wanted)} arrows of {len(balloons)} balloons")
     return judged(
         right,
-        f"{' and '.join(told)}, one balloon each; return points are remembered",
+        f"{' and '.join(counts)}, one balloon each; return points are remembered",
         note=f"Each balloon goes at its own two pressures. {LAW}",
         otherwise="An arrow is not that of independent hysterons, or a return point is forgotten.",
     )
@@ -65,17 +65,17 @@ def balloons_under_pressure() -> Finding:
 @claim(MUHAXHERI, "coupled; avalanches, return points forgotten", "some of each")
 def balloons_under_volume() -> Finding:
     """Under a prescribed volume they are coupled: graphs change, and memory of turns is lost."""
-    told, avalanches, memory = [], 0, True
+    changes, avalanches, memory = [], 0, True
     for balloons in (PAIR, TRIPLE):
         chain = line(balloons)
         volume = chain.graph()
-        found = _changed(arrows(chain.graph("force")), arrows(volume))
-        avalanches += len(found)
+        changed = _changed(arrows(chain.graph("force")), arrows(volume))
+        avalanches += len(changed)
         memory &= volume.reading.return_point_memory.holds
-        told += [f"{_arrow(way)}{after}, not {before}" for way, before, after in found]
+        changes += [f"{_arrow(way)}{after}, not {before}" for way, before, after in changed]
     return judged(
         avalanches > 0 and not memory,
-        "; ".join(told),
+        "; ".join(changes),
         note="Each is an avalanche: as one balloon takes the air, another gives its own back. "
         f"The three balloons forget return points; with pressure they do not. {LAW}",
     )
@@ -84,7 +84,7 @@ def balloons_under_volume() -> Finding:
 @claim(MUHAXHERI, "silent on air", f"{_CLOSE:.0%} of the stiffness")
 def balloons_with_air() -> Finding:
     """Air in the line leads from one graph to the other, each arrow at a stiffness of its own."""
-    told, single = [], True
+    thresholds, single = [], True
     for balloons in (PAIR, TRIPLE):
         chain = line(balloons)
         ends = [arrows(chain.graph(drive)) for drive in ("force", None)]
@@ -93,10 +93,10 @@ def balloons_with_air() -> Finding:
             single &= stiffness is not None
             if stiffness is not None:
                 size = f"{stiffness * 1e-6:.2g} kPa/L ({_ATMOSPHERE / stiffness:.2g} m³)"
-                told.append(f"{_arrow(way)}{after} above {size}")
+                thresholds.append(f"{_arrow(way)}{after} above {size}")
     return judged(
-        single and bool(told),
-        "; ".join(told),
+        single and bool(thresholds),
+        "; ".join(thresholds),
         note=f"In brackets the air at one atmosphere that is as stiff, K = p/V. {LAW}",
         otherwise="An arrow leads elsewhere in between.",
     )
@@ -215,11 +215,11 @@ WEAK, STRONG = 0.040, 0.045
 def kresling_pair() -> Finding:
     """Two Kresling folds in series go through one sequence when only their length is controlled."""
     weak, strong = kresling(deployed=WEAK), kresling(deployed=STRONG)
-    told, ties, same = list[str](), 0, True
+    sequences, ties, same = list[str](), 0, True
     for folds in ((weak, strong), (strong, weak)):
         chain = Chain(folds)
         cycle = chain.cycle()
-        told.append(str(cycle.sequence))
+        sequences.append(str(cycle.sequence))
         ties += len(cycle.degenerate)
         low, high = drive_range(chain)
         events = chain.path((low, high, low, high, low)).events
@@ -228,10 +228,10 @@ def kresling_pair() -> Finding:
             a.arrivals == b.arrivals and abs(a.drive - b.drive) <= 1e-9 * (high - low)
             for a, b in zip(events[:half], events[half:], strict=True)
         )
-    right = told == ["00>10>11>01>00", "00>01>11>10>00"]
+    right = sequences == ["00>10>11>01>00", "00>01>11>10>00"]
     return judged(
         right and same and not ties,
-        f"{told[0]}, and {told[1]} with the folds exchanged",
+        f"{sequences[0]}, and {sequences[1]} with the folds exchanged",
         note="The fold that takes less force goes first both ways, so that the pair goes through "
         "all four states in a circle, and the next cycle is the same. Truss model of Yasuda and "
         f"Yang 2015; deployed heights {to_unit(WEAK, 'mm'):g} and {to_unit(STRONG, 'mm'):g} mm are "

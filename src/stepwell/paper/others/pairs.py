@@ -36,8 +36,8 @@ def graphs() -> tuple[Graph, ...]:
     Source: the model is that of van Hecke 2021, Phys. Rev. E 104, 054608, and of Teunisse and van
     Hecke 2025, R. Soc. Open Sci. 12, 250753; the enumeration is ours.
     """
-    found = {graph for fields in _orders() if (graph := _graph(fields)) is not None}
-    return tuple(sorted({canonical(graph) for graph in found}))
+    graphs = {graph for fields in _orders() if (graph := _graph(fields)) is not None}
+    return tuple(sorted({canonical(graph) for graph in graphs}))
 
 
 def canonical(graph: Graph) -> Graph:
@@ -266,13 +266,13 @@ class Inequalities:
             matrix[k, list(row)] = list(row.values())
         bounds = [room, compliance, *[(-_REACH, _REACH)] * (self.size - 2)]
         right = np.zeros(len(self.rows))
-        found = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
-        return found.x if found.status == 0 and found.x[goal] > _LEAST else None
+        optimum = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
+        return optimum.x if optimum.status == 0 and optimum.x[goal] > _LEAST else None
 
-    def points(self, cell: int, found: Floats) -> Points:
+    def points(self, cell: int, solution: Floats) -> Points:
         """The curve of an element of a solution, straight between points by arc [mm, N]."""
         phases = [
-            [(float(found[number]), float(self.forces[k])) for k, number in there.items()]
+            [(float(solution[number]), float(self.forces[k])) for k, number in there.items()]
             for there in (self.travel[cell, 0], self.travel[cell, 1])
         ]
         (s, force), (t, high) = phases[0][0], phases[1][-1]
@@ -307,12 +307,12 @@ def _first(graph: Graph, begin: str) -> int:
 def _areas(there: list[tuple[int, int]], forces: Floats, start: float) -> list[tuple[_Sum, float]]:
     """∫ travel dλ from the first of some places to each of them, and the force there."""
     area: _Sum = {}
-    found = [(area, start)]
+    areas = [(area, start)]
     for (a, x), (b, y) in pairwise(there):
         step = float(forces[b] - forces[a]) / 2.0
         area = _sum(area, {x: step, y: step})
-        found.append((area, float(forces[b])))
-    return found
+        areas.append((area, float(forces[b])))
+    return areas
 
 
 def _sum(one: _Sum, other: _Sum, times: float = 1.0) -> _Sum:
@@ -375,17 +375,17 @@ def design(graph: Graph) -> tuple[Points, Points] | None:
                 asked.fold(cell)
             else:
                 asked.fall(cell, alone=True)
-        found = asked.solution(_SHARE_OF_ROOM)
-        if found is not None:
-            return asked.points(0, found), asked.points(1, found)
+        solution = asked.solution(_SHARE_OF_ROOM)
+        if solution is not None:
+            return asked.points(0, solution), asked.points(1, solution)
     return None
 
 
 @cache
 def pairs() -> dict[Graph, Chain]:
     """The pair of every graph for which a design was found."""
-    found = ((graph, design(graph)) for graph in graphs())
-    return {graph: Chain([straight(one) for one in curves]) for graph, curves in found if curves}
+    designs = ((graph, design(graph)) for graph in graphs())
+    return {graph: Chain([straight(one) for one in curves]) for graph, curves in designs if curves}
 
 
 def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
@@ -394,21 +394,21 @@ def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
     Where a way leads tells the transition graph; which cell goes first tell the forces at which
     phases end, since both feel one force.
     """
-    found = chain.graph(drive)
+    graph = chain.graph(drive)
     fields = [cell.fields[0] for cell in chain.elements]
     ways: list[str] = []
     for state, sign in _WAYS:
         phase, first = (0, min) if sign == "+" else (1, max)
         cells = [cell for cell in (0, 1) if state[cell] == str(phase)]
         leaving = first(cells, key=lambda cell, phase=phase: fields[cell][phase])
-        end = next_state(found, state, +1 if sign == "+" else -1)
+        end = next_state(graph, state, +1 if sign == "+" else -1)
         ways.append(way_to(state, sign, leaving, end))
     return tuple(sorted(ways))
 
 
-def next_state(found: TransitionGraph, state: str, direction: int) -> str:
+def next_state(graph: TransitionGraph, state: str, direction: int) -> str:
     """The next state with all cells in a phase, where the drive leads from one."""
-    while (way := found.transition(state, direction)) is not None:
+    while (way := graph.transition(state, direction)) is not None:
         state = way[0]
         if "-" not in state:
             return state.partition("#")[0]
@@ -418,10 +418,10 @@ def next_state(found: TransitionGraph, state: str, direction: int) -> str:
 @claim(WHERE, "35", "exact")
 def two_hysterons() -> Finding:
     """Two hysterons with fields that depend on the state have 35 transition graphs."""
-    found = graphs()
+    all_graphs = graphs()
     return judged(
-        len(found) == 35,
-        str(len(found)),
+        len(all_graphs) == 35,
+        str(len(all_graphs)),
         note="All orders of the eight fields in which every state stands at some drive; graphs "
         "that differ by the numbers of the hysterons count once, and none has a loop or a race.",
     )
@@ -430,8 +430,8 @@ def two_hysterons() -> Finding:
 @claim(WHERE, "13", "exact")
 def two_hysterons_reached() -> Finding:
     """Without their Gardens of Eden they are 13."""
-    found = _seen(graphs())
-    return judged(found == 13, str(found), note="States that no drive leads to from 00 left out.")
+    count = _seen(graphs())
+    return judged(count == 13, str(count), note="States that no drive leads to from 00 left out.")
 
 
 @claim(OURS, "not asked", "each design followed, the others excluded")
@@ -462,8 +462,8 @@ def pairs_behind_a_spring() -> Finding:
 @claim(OURS, "not asked", "each design followed")
 def pairs_that_fold() -> Finding:
     """With curves that fold back, pairs make all of the 13, under a length and behind a spring."""
-    found = pairs().items()
-    made = {g for g, chain in found if all(_makes(chain, g, drive) for drive in (None, SPRING))}
+    designs = pairs().items()
+    made = {g for g, chain in designs if all(_makes(chain, g, drive) for drive in (None, SPRING))}
     never = [graph for graph in graphs() if not possible(graph, plain=False)]
     undecided = len(graphs()) - len(made) - len(never)
     folded = [folding(pairs()[graph]) for graph in made]
@@ -500,9 +500,9 @@ def _makes(chain: Chain, graph: Graph, drive: float | None) -> bool:
     return canonical(graph_of(chain, drive)) == graph
 
 
-def _seen(found: Iterable[Graph]) -> int:
+def _seen(graphs: Iterable[Graph]) -> int:
     """How many graphs are left without Gardens of Eden."""
-    return len({canonical(reached(graph)) for graph in found})
+    return len({canonical(reached(graph)) for graph in graphs})
 
 
 def _share(made: set[Graph]) -> str:

@@ -94,21 +94,21 @@ def trilinear_branches() -> Finding:
 @claim(WHERE, "N Δ (F+ - F- - k Δ/N)", "1e-9 of its size")
 def trilinear_hard_device() -> Finding:
     """A hard device turns springs over one by one, and its hysteresis grows with their number."""
-    worst, one_by_one, told = 0.0, True, []
+    worst, one_by_one, energies = 0.0, True, []
     for cells in LENGTHS:
         chain, each = Chain((spring(),) * cells), hysteresis(cells) / cells
         for n in sorted({0, cells // 2, cells - 1}):
             snaps = _snap(chain, n, +1), _snap(chain, n + 1, -1)
             one_by_one &= all(map(_single, snaps))
             worst = max(worst, abs(sum(snap.released for snap in snaps) - each) / each)
-        told.append(f"{to_unit(each, 'mJ'):.4g} mJ a spring of {cells}")
+        energies.append(f"{to_unit(each, 'mJ'):.4g} mJ a spring of {cells}")
     cycle = Chain((spring(),) * _CYCLED).cycle()
     one_by_one &= len(cycle.snaps) == 2 * _CYCLED and all(map(_single, cycle.snaps))
     worst = max(worst, abs(cycle.dissipated - hysteresis(_CYCLED)) / hysteresis(_CYCLED))
     soft = to_unit(transformation() * (PEAK[1] - VALLEY[1]), "mJ")
     return judged(
         worst <= _SAME and one_by_one,
-        ", ".join(told),
+        ", ".join(energies),
         note=f"Towards the {soft:g} mJ of a soft device as N grows. The first, the middle and the "
         f"last spring there and back, and all of {_CYCLED}. Equal springs tie: which goes first is "
         f"free, what the chain does is not.",
