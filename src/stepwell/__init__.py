@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from stepwell.statics import Event, Path
     from stepwell.studies import sweep
 
-# Rooms open when a name is first asked for: `import stepwell` costs nothing.
+# Packages are imported when a name is first used: `import stepwell` is fast.
 _DOORS = {
     "base": ("InputError", "Measure", "StepwellError", "__version__", "bar"),
     "design": (
@@ -89,7 +89,7 @@ _DOORS = {
 }
 
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
-# and commands are nobody's to call.
+# and commands are private.
 _ROOMS = (
     *("accounts", "base", "concave", "design", "figures", "files", "lab"),
     *("mechanism", "paper", "reports", "robot", "sequences", "simulation", "statics"),
@@ -148,22 +148,21 @@ __all__ = [
 ]
 
 
-# A union would make every caller narrow by hand what the name of its file already says;
-# `stepwell.files.load` is typed.
+# A union would make every caller narrow the type; `stepwell.files.load` is typed.
 def load(design: str | os.PathLike[str]) -> Any:
-    """The chain or the robot that a design file describes, in SI.
+    """Load the chain or the robot of a design file, in SI.
 
     Args:
         design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
             `presets` lists, for example "preset:paper-forward".
 
     Returns:
-        A Chain, or a Robot where the file has [[leg]]; `stepwell.files.load` also has the text and
-        the program.
+        A Chain, or a Robot if the file has [[leg]]; `stepwell.files.load` also returns the text
+        and the program.
 
     Raises:
-        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
-            be; its text has one line for every problem.
+        DesignError: the file is missing, is not text or TOML, or describes an impossible
+            mechanism; its text has one line for every problem.
     """
     from stepwell import files
 
@@ -172,7 +171,7 @@ def load(design: str | os.PathLike[str]) -> Any:
 
 def __getattr__(name: str) -> Any:
     if name in _ROOMS:
-        # The room itself: once it is open, Python puts it under this name.
+        # The package itself: after its import, Python keeps it under this name.
         return import_module(f"stepwell.{name}")
     for room, names in _DOORS.items():
         if name in names:
@@ -181,6 +180,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    # What scripts use; the rooms below them can be had too.
+    # Names for scripts; the lower layers can be imported too.
     inner = {"accounts", "base", "concave", "statics", "studio"}
     return sorted({*__all__, *_ROOMS} - inner)

@@ -1,4 +1,4 @@
-"""What `stepwell` and `python -m stepwell` start."""
+"""Entry point of `stepwell` and `python -m stepwell`."""
 
 import gc
 import os
@@ -9,15 +9,15 @@ from stepwell.crash import leave, reported
 
 
 def main() -> None:
-    """Open the command line; until it is open, Ctrl-C ends the program at once.
+    """Run the command line; until it is imported, Ctrl-C ends the program at once.
 
-    An error that nothing expected, of any package, ends in one line and a report of it.
+    An unexpected error of any package ends in one line and a report.
     """
     signal.signal(signal.SIGINT, leave)
     # Matrices are small here. Threads of the linear algebra would wait for each other: a fit takes
     # ten times as long on a busy machine. NumPy reads this as it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Most of what a command makes it keeps: looking for what can be freed took a tenth of its time.
+    # A command keeps most objects that it makes: garbage collection took a tenth of its time.
     gc.set_threshold(10_000, 10, 10)
     try:
         from stepwell.cli import main

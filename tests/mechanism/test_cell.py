@@ -124,7 +124,7 @@ def test_a_cubic_law_and_a_table_of_it_pull_alike():
         ),
         (lambda: sw.Table((0.0, 0.01), (0.1, 0.2)), r"must start at \(0, 0\)"),
         (lambda: sw.Table((0.0, 0.0), (0.0, 0.2)), "values must rise"),
-        (lambda: sw.Load((0.0,), (1.0, 2.0)), "must be as many"),
+        (lambda: sw.Load((0.0,), (1.0, 2.0)), "must be equal"),
         (lambda: sw.Chain([]), "one cell or more"),
         (lambda: sw.Chain([CELL], actuator_stiffness=-1), "use math.inf"),
         (lambda: CELL.force(1.0), "must be between the stops"),

@@ -1,4 +1,4 @@
-"""What every room stands on: values, checks, errors, limits, units, files written whole."""
+"""Lowest layer: values, checks, errors, limits, units, atomic writing of files."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -86,7 +86,7 @@ if TYPE_CHECKING:
     from stepwell.base.installed import Installation, installation
 
 
-# With NumPy, or with the versions of packages: they take longer to open than `stepwell --help`.
+# They import NumPy or read package versions, which takes longer than `stepwell --help`.
 def __getattr__(name: str) -> Any:
     if name in ("Installation", "installation"):
         return getattr(import_module("stepwell.base.installed"), name)

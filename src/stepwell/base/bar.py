@@ -1,4 +1,4 @@
-"""Bars that tell how far long work is: in notebooks, on terminals, and nowhere else."""
+"""Progress bars for long work, in notebooks and on terminals only."""
 
 import sys
 from collections.abc import Callable, Collection, Iterator
@@ -7,39 +7,39 @@ from time import monotonic
 from typing import Any, TypeVar
 
 T = TypeVar("T")
-# Called with (done, total) while work goes on; None where nothing is to be reported.
+# Called with (done, total) during the work; None if no progress is reported.
 Progress = Callable[[int, int], None] | None
 Shows = Callable[[float, float], None]  # What a bar is called with.
 
 
 def notify(progress: Callable[[T, T], None] | None, done: T, total: T) -> None:
-    """Report how much of some work is done, if that is wanted."""
+    """Call `progress` with (done, total), unless it is None."""
     if progress is not None:
         progress(done, total)
 
 
 def tracked(items: Collection[T], progress: Progress) -> Iterator[T]:
-    """The items one by one; how many are done is reported before each, and at the end."""
+    """The items one by one; the number done is reported before each item and at the end."""
     for done, item in enumerate(items):
         notify(progress, done, len(items))
         yield item
     notify(progress, len(items), len(items))
 
 
-# Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
-# pieces has an estimate too [s].
+# Time between two updates of the bar [s], and the window over which the pace is averaged [s]: long
+# enough for work in large pieces.
 _EVERY, _REMEMBERED = 0.1, 600.0
 
 
 @contextmanager
 def on_terminal(label: str | Callable[[], str]) -> Iterator[Shows | None]:
-    """What to call with (done, total); None where standard error is no terminal.
+    """A function to call with (done, total); None if standard error is no terminal.
 
-    The bar shows how much is done and how long the rest will take. It goes to standard error, so
-    that it never mixes with results, and vanishes when done. A label that is a function is asked
-    again as work goes on.
+    The bar shows the fraction done and the estimated remaining time. It is written to standard
+    error, so that it never mixes with results, and is removed at the end. A label that is a
+    function is called at each update.
     """
-    said = label if callable(label) else lambda: label
+    text = label if callable(label) else lambda: label
     if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
@@ -48,21 +48,21 @@ def on_terminal(label: str | Callable[[], str]) -> Iterator[Shows | None]:
 
     console = Console(stderr=True)
     with Progress(console=console, transient=True, speed_estimate_period=_REMEMBERED) as shown:
-        task = shown.add_task(said(), total=None)
+        task = shown.add_task(text(), total=None)
         last = -_EVERY
 
         def update(done: float, total: float) -> None:
             nonlocal last
             now = monotonic()
             if done >= total or now - last >= _EVERY:
-                shown.update(task, completed=done, total=total, description=said())
+                shown.update(task, completed=done, total=total, description=text())
                 last = now
 
         yield update
 
 
 class _Bar:
-    """One bar at a time; work that begins anew begins a new one."""
+    """One bar at a time; less `done` than before starts a new bar."""
 
     def __init__(self) -> None:
         self._open = ExitStack()
@@ -84,10 +84,10 @@ class _Bar:
 
 @contextmanager
 def in_notebook() -> Iterator[Shows]:
-    """What to call with (done, total) for a bar below a notebook's cell; it vanishes when done.
+    """A function to call with (done, total) for a bar below a notebook's cell.
 
-    The bar is plain HTML: what a saved notebook keeps of it is nothing, or, of work that was
-    interrupted, how far it came.
+    The bar is plain HTML and is removed at the end. A saved notebook keeps it only if the work was
+    interrupted.
     """
     display: Any = sys.modules["IPython"].display
     place = display.display(display.HTML(""), display_id=True)
@@ -120,7 +120,7 @@ def _span(seconds: float) -> str:
 
 
 def _notebook() -> bool:
-    """Whether a notebook's kernel runs this; a shell of IPython is a terminal."""
+    """Whether this process is the kernel of a notebook; an IPython shell is a terminal."""
     if "IPython" not in sys.modules:
         return False
     shell: Any = sys.modules["IPython"].get_ipython()
@@ -131,10 +131,10 @@ _bar = _Bar()
 
 
 def bar(done: float, total: float) -> None:
-    """A bar for long work: pass it as `progress=`, as in `chain.yields(progress=sw.bar)`.
+    """Show a progress bar; pass it as `progress=`, as in `chain.yields(progress=sw.bar)`.
 
-    In a notebook it stands below the cell, on a terminal on standard error, with the time that is
-    left; it vanishes when all is done. Elsewhere it is silent. Less `done` than before begins a new
-    bar.
+    In a notebook the bar is below the cell, on a terminal on standard error, with the remaining
+    time. It is removed at the end. Without a notebook or terminal nothing is shown. Less `done`
+    than before starts a new bar.
     """
     _bar(done, total)

@@ -1,4 +1,4 @@
-"""Checks of numbers that are given, what is taken where none are, and bisection."""
+"""Checks of numbers, default tolerances, and bisection."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -8,13 +8,13 @@ from typing import Any
 
 from stepwell.base.errors import InputError
 
-# What a careful workshop with a bag of rubber bands can do: every anchor within this radius [m],
-# and the standard deviation of a band's stiffness over its mean [1].
+# Default tolerances of a careful workshop with a bag of rubber bands: radius around every anchor
+# [m], and standard deviation of a band's stiffness over its mean [1].
 USUAL_ANCHOR = 0.0003
 USUAL_STIFFNESS = 0.05
-# How far an anchor is moved to see what changes [m].
+# Largest displacement of an anchor in a search for changes [m].
 REACH = 0.020
-# Mechanisms made for a yield: judged by their end forces, or followed one by one by the engine.
+# Samples of a yield: decided by the critical forces, or followed one by one by the engine.
 QUICKLY, ONE_BY_ONE = 100_000, 500
 
 
@@ -60,7 +60,7 @@ def whole(name: str, value: float, least: int) -> int:
 
 
 def short(number: float) -> str:
-    """A bound as messages write it: 1e-6, 0.01."""
+    """A bound as text for messages: 1e-6, 0.01."""
     return f"{number:g}".replace("e-0", "e-").replace("e+", "e")
 
 
@@ -74,7 +74,7 @@ def vector(name: str, value: Sequence[float], unit: str = "m") -> Vec2:
 
 
 def one_of(name: str, value: object, kind: type[StrEnum]) -> StrEnum:
-    """`value` as a member of an enum; raises ValueError, which names them all, otherwise."""
+    """`value` as a member of an enum; raises ValueError, which lists all members, otherwise."""
     try:
         return kind(value)
     except ValueError:
@@ -83,7 +83,7 @@ def one_of(name: str, value: object, kind: type[StrEnum]) -> StrEnum:
 
 
 def fields(value: object, check: Callable[[str, Any, Any], Any], **units: Any) -> None:
-    """Put fields of a frozen value through a check, each with its unit; they keep what it gives."""
+    """Replace fields of a frozen value by the results of a check, each called with its unit."""
     for name, unit in units.items():
         object.__setattr__(value, name, check(name, getattr(value, name), unit))
 
@@ -105,15 +105,17 @@ def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[f
 def as_many(
     name: str, values: Iterable[float], unit: str, beside: str, count: int
 ) -> tuple[float, ...]:
-    """`values` as floats, if they are as many as those of `beside`; raises ValueError otherwise."""
+    """`values` as floats, if their number is that of `beside`; raises ValueError otherwise."""
     numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
     if len(numbers) != count:
-        raise InputError(f"{name} has {len(numbers)} values, {beside} {count}: must be as many.")
+        raise InputError(
+            f"{name} has {len(numbers)} values, {beside} {count}: the numbers must be equal."
+        )
     return numbers
 
 
 def pulls(name: str, values: Sequence[float], unit: str) -> None:
-    """Raise ValueError where a band would push."""
+    """Raise ValueError if a force of a band is negative, a push."""
     for i, pull in enumerate(values):
         if pull < 0:
             raise InputError(
@@ -125,9 +127,10 @@ def pulls(name: str, values: Sequence[float], unit: str) -> None:
 def bisected(
     holds: Callable[[float], bool], good: float, bad: float, halvings: int
 ) -> tuple[float, float]:
-    """The last place found where it still `holds`, and the first where it does not any more.
+    """Bracket of a change by bisection: the last value at which it `holds`, the first without.
 
-    It holds at `good` and not at `bad`, above it or below; of several changes some one is found.
+    It holds at `good` and not at `bad`, which may be larger or smaller. Of several changes one is
+    bracketed.
     """
     for _ in range(halvings):
         middle = (good + bad) / 2

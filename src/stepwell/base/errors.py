@@ -1,4 +1,4 @@
-"""What every error of Stepwell is, and words in errors that come with advice."""
+"""Exceptions of Stepwell, and helpers for their messages."""
 
 import ast
 import difflib
@@ -12,9 +12,9 @@ from typing import Any, Self, cast
 
 
 class StepwellError(Exception):
-    """Base of every error of Stepwell: the text says what came, what is allowed, what to do.
+    """Base of every error of Stepwell: the text has the input, the allowed values and an action.
 
-    An error comes out of a pickle, as from another process, with all that it holds.
+    Pickling, as between processes, keeps all attributes of an error.
     """
 
     def __reduce__(self):
@@ -22,15 +22,15 @@ class StepwellError(Exception):
 
 
 class InputError(StepwellError, ValueError):
-    """An argument, or what a file or a command says, that cannot be taken."""
+    """An invalid argument, or invalid content of a file or a command."""
 
 
 class SettingError(InputError):
-    """A setting of the environment that cannot be understood."""
+    """An invalid environment variable."""
 
 
 class ExtraError(StepwellError, ModuleNotFoundError):
-    """A package that one of the extras brings is not there; the text says how to get it."""
+    """A package of an optional extra is not installed; the text has the command to install it."""
 
 
 def _unpickled(
@@ -42,14 +42,14 @@ def _unpickled(
 
 
 def printable(text: str) -> str:
-    """`text` on one line, with whatever a terminal cannot show, or obeys, escaped."""
+    """`text` on one line, with unprintable and control characters escaped."""
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text
     )
 
 
 def described(function: Callable[..., object]) -> str:
-    """The docstring of a function, from its source where PYTHONOPTIMIZE=2 removed it."""
+    """The docstring of a function, read from its source if PYTHONOPTIMIZE=2 removed it."""
     if function.__doc__ is None and sys.flags.optimize > 1:
         with suppress(OSError, SyntaxError):  # there is no source
             node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
@@ -58,19 +58,19 @@ def described(function: Callable[..., object]) -> str:
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str | None:
-    """The known word that was probably meant, if any is near."""
+    """The known word closest to `word`; None if none is close."""
     folded = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower()[:80], folded, n=1)
     return folded[near[0]] if near else None
 
 
 class Advised(StrEnum):
-    """A word, as JSON and comparisons have it, and what it means and what to do about it."""
+    """A word, as in JSON and comparisons, with its meaning and an action as `advice`."""
 
     advice: str
 
     def __new__(cls, word: str, advice: str) -> Self:
-        """Of a word and its advice."""
+        """A member from its word and its advice."""
         member = str.__new__(cls, word)
         member._value_, member.advice = word, advice
         return member

@@ -1,4 +1,4 @@
-"""What opens only when it is needed: late names of a room, and the packages of the extras."""
+"""Lazy imports: names of a package on first use, and the optional extras."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
@@ -10,9 +10,9 @@ from stepwell.base.errors import ExtraError
 
 
 class Extra(NamedTuple):
-    """What `pip install 'stepwell[NAME]'` adds: packages, each with its module, and texts.
+    """Content of `pip install 'stepwell[NAME]'`: packages, each with its module, and texts.
 
-    `needs` is a sentence that says what needs what, `note` what to know before installing them.
+    `needs` is a sentence on which feature needs which package, `note` a remark on the installation.
     """
 
     packages: dict[str, str]
@@ -21,7 +21,7 @@ class Extra(NamedTuple):
     note: str = ""
 
 
-# As pyproject.toml has them, of which a test makes sure.
+# As in pyproject.toml; a test compares both.
 EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
     {
         "figures": Extra(
@@ -74,9 +74,9 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
 def late(
     room: str, files: Mapping[str, Sequence[str]], names: Iterable[str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """The functions `__getattr__` and `__dir__` of a room whose files open with their first use.
+    """The functions `__getattr__` and `__dir__` of a package that imports modules on first use.
 
-    `files` have the late names by file within the room, `names` is what it offers to scripts.
+    `files` maps each module of the package to its lazy names; `names` are the public ones.
     """
     homes = {name: file for file, its_names in files.items() for name in its_names}
 
@@ -89,12 +89,12 @@ def late(
 
 
 def have(*names: str) -> bool:
-    """Whether all packages of these extras are installed; none of them is imported."""
+    """Whether all packages of these extras are installed, checked without importing them."""
     return not _lacking(names)
 
 
 def missing(*names: str, note: str = "") -> ExtraError:
-    """The error that says which of these extras are not installed, how to get them, and a note."""
+    """The error for missing extras: which are missing, the command to install them, and a note."""
     lacking = _lacking(names)
     extras = [EXTRAS[name] for name in lacking]
     first, *more = (one.needs for one in extras)
@@ -110,16 +110,16 @@ def missing(*names: str, note: str = "") -> ExtraError:
 
 
 def need(*names: str, note: str = "") -> None:
-    """Raise ExtraError, with the command to run, before work begins that takes a missing extra.
+    """Raise ExtraError, with the command to run, if an extra is missing.
 
-    The note is a sentence on what one can do without it.
+    The note is a sentence on what is possible without the extra.
     """
     if not have(*names):
         raise missing(*names, note=note)
 
 
 def _lacking(names: tuple[str, ...]) -> dict[str, str]:
-    """The extras that are not all installed, each with the first module that is not there."""
+    """The extras with missing packages, each with its first missing module."""
     absent = {
         name: [module for module in EXTRAS[name].packages.values() if find_spec(module) is None]
         for name in names

@@ -1,4 +1,4 @@
-"""What is installed here, what is kept and what does not work."""
+"""Report on the installation: packages, extras, tools, and parts that do not work."""
 
 import os
 import platform
@@ -18,8 +18,8 @@ from stepwell.base.value import ByValue
 T = TypeVar("T")
 Probes = Mapping[str, Callable[[], Any]]
 
-# As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
-# nothing of it. What extras bring is in `extras`.
+# As in pyproject.toml; a test compares both. A checkout that is not installed has no metadata to
+# read. Packages of the extras are in `extras`.
 NEEDED = (
     "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy",
     "tomli-w", "typer",
@@ -27,7 +27,7 @@ NEEDED = (
 
 
 class Package(NamedTuple):
-    """A package that Stepwell needs, and its version; None where it is missing."""
+    """A package that Stepwell needs, and its version; None if it is missing."""
 
     name: str
     version: str | None
@@ -48,7 +48,7 @@ class InstalledExtra(NamedTuple):
 
 
 class Tool(NamedTuple):
-    """A program or a device, and by what it was found; None where it was not."""
+    """A program or a device, and its path or name; None if it is missing."""
 
     name: str
     used_for: str
@@ -56,7 +56,7 @@ class Tool(NamedTuple):
 
 
 class Broken(NamedTuple):
-    """A part that is installed and does not work."""
+    """A part that is installed but does not work."""
 
     part: str
     reason: str
@@ -64,17 +64,17 @@ class Broken(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Installation(ByValue, Shown):
-    """What is installed here; cores and kernels are None before all needed packages are there.
+    """Installed packages and tools; cores and kernels are None if a needed package is missing.
 
     Attributes:
-        ok: whether all packages that are needed are installed and work.
+        ok: whether all needed packages are installed and work.
         python, system: version, and operating system with processor.
-        packages: that are needed.
-        extras: whether they are needed or not.
+        packages: the needed ones.
+        extras: the optional ones, installed or not.
         tools: programs and devices.
         broken: parts that do not work.
-        cores: that may be used.
-        kernels: compiled kernels, as `kernels.kept` has them.
+        cores: number of usable cores.
+        kernels: compiled kernels, as in `kernels.kept`.
     """
 
     ok: bool
@@ -125,10 +125,10 @@ def installation(probes: Probes) -> Installation:
 
 
 def _checked(part: str, check: Callable[[], T], broken: list[Broken]) -> T | None:
-    """What a check finds; None, and an entry in what is broken, where it fails."""
+    """The result of a check; None, and an entry in `broken`, if it fails."""
     try:
         return check()
-    except Exception as error:  # whatever a package that is broken raises
+    except Exception as error:  # a broken package may raise any error
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         broken.append(Broken(part, printable(reason)))
         return None

@@ -1,4 +1,4 @@
-"""How big an input may be, and how somebody who means it allows more."""
+"""Size limits of inputs, and the environment variable that raises them."""
 
 import os
 import stat
@@ -12,14 +12,14 @@ VARIABLE = "STEPWELL_LIMITS"
 
 
 class Limit(NamedTuple):
-    """The most that is taken of something, and what it is called where it is counted."""
+    """The largest number allowed, and the name of the things counted."""
 
     most: int
     of: str
 
 
-# What a machine is made of, what may be asked of it, and how long a file is. docs/limits.md has
-# the table and the reasons.
+# Parts of a design, sizes of a computation, lengths of files. docs/limits.md has the table and the
+# reasons.
 LIMITS = {
     "cells": Limit(10_000, "cells in a chain"),
     "bands": Limit(100, "bands on a cell"),
@@ -49,22 +49,22 @@ LIMITS = {
 
 
 def most(name: str) -> int:
-    """How many are allowed now; SettingError where STEPWELL_LIMITS cannot be understood."""
+    """The current limit; raises SettingError if STEPWELL_LIMITS is invalid."""
     text = os.environ.get(VARIABLE, "")
     return _raised(text).get(name, LIMITS[name].most)
 
 
 def require(name: str, count: float, what: str = "") -> None:
-    """Raise ValueError, with the way to allow them, for more than a limit takes.
+    """Raise ValueError, with the setting that allows more, if `count` exceeds a limit.
 
-    `what` says who has them, and where the number comes from.
+    `what` is the subject of the message: the part that has them, or the source of the number.
     """
     if count > most(name):
         raise InputError(problem(name, count, what))
 
 
 def problem(name: str, count: float, what: str = "", *, so_far: bool = False) -> str:
-    """The sentence that tells that there are too many; `so_far` where they are still counted."""
+    """The message for a count over its limit; `so_far` if counting is not finished."""
     shown = f"{count:.0f}" if count < 1e18 else f"{count:.3g}"
     raised = f"{most(name) * 10}" if so_far or count >= 1e18 else shown
     return (
@@ -74,7 +74,7 @@ def problem(name: str, count: float, what: str = "", *, so_far: bool = False) ->
 
 
 def content_of(path: Path, name: str) -> bytes:
-    """The content of an ordinary file that is no longer than the limit of that name, or OSError."""
+    """The content of a regular file within the limit `name`; raises OSError otherwise."""
     kind = path.stat()
     if stat.S_ISDIR(kind.st_mode):
         raise OSError("it is a folder")

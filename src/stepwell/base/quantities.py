@@ -1,4 +1,4 @@
-"""What a result holds: names, units and words, of which JSON, CSV, xarray and tables are made."""
+"""Schemas of results: names, units and words from which JSON, CSV, xarray and tables are made."""
 
 import math
 import os
@@ -21,14 +21,14 @@ _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 
 
 class Measure(Enum):
-    """What travel and force are in a chain: the words and SI units of a conjugate pair.
+    """The conjugate pair of a chain, travel and force or another one: words and SI units.
 
     All statements on travel and force hold for the other pairs too; `Quantity` and `display_unit`
-    have the units in which results are reported.
+    have the units of reports.
 
     Attributes:
-        travel, force: what a cell gives and what it resists with, in a word.
-        travel_unit, force_unit, stiffness_unit: SI units of these, and of force by travel.
+        travel, force: the words for the displacement of a cell and for its resistance.
+        travel_unit, force_unit, stiffness_unit: SI units of travel, force, and force over travel.
     """
 
     TRAVEL = "travel", "m", "force", "N", "N/m"
@@ -41,17 +41,17 @@ class Measure(Enum):
 
     @property
     def stroke(self) -> str:
-        """What the actuator gives to the whole chain, in a word."""
+        """The word for the displacement of the whole chain by the actuator."""
         return "stroke" if self is Measure.TRAVEL else self.travel
 
     @property
     def words(self) -> tuple[str, str, str]:
-        """Travel, stroke and force."""
+        """The words for travel, stroke and force."""
         return self.travel, self.stroke, self.force
 
     @property
     def units(self) -> tuple[str, str, str]:
-        """In which units people are told travel, force and stiffness."""
+        """The units in which travel, force and stiffness are reported."""
         travel, force, stiffness = self.travel_unit, self.force_unit, self.stiffness_unit
         return display_unit(travel)[0], display_unit(force)[0], display_unit(stiffness)[0]
 
@@ -61,20 +61,20 @@ class Quantity:
     """One name in the schema of a result.
 
     Args:
-        name: of the attribute; in JSON and in CSV the unit stands behind it.
-        unit: in which it is told, such as "mm"; "over_kr" and such for ratios; "" for words,
-            counts and flags.
-        head: of its column in tables, without the unit; without a head it is in no table.
+        name: of the attribute; JSON and CSV append the unit.
+        unit: of reports, such as "mm"; "over_kr" and such for ratios; "" for words, counts and
+            flags.
+        head: heading of its column in tables, without the unit; "" for no column.
         read: another attribute, or a function of the value.
-        form: digits in tables, or a format, or a function of what is told.
-        doc: what it is, in words.
-        none: what tables tell where there is none.
-        left: whether its column starts at the left; words do.
+        form: digits in tables, or a format, or a function of the reported value.
+        doc: its meaning, in words.
+        none: text in tables for a missing value.
+        left: whether its column is aligned at the left, as words are.
         dims: further dimensions in xarray.
-        holds: what JSON has of it: a type, a union of types, a schema, a list of one of these, or a
-            dictionary from `str` to one of these; a number where it has a unit, else text. The unit
-            is that of all numbers in it.
-        missing: whether JSON has null where there is none; of numbers it always has.
+        holds: its type in JSON: a type, a union of types, a schema, a list of one of these, or a
+            dictionary from `str` to one of these. By default a number if it has a unit, else text.
+            The unit is that of all numbers in it.
+        missing: whether JSON may have null; numbers always may.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Quantity:
 
     @property
     def attribute(self) -> str:
-        """The attribute that it reads; its own name where a function reads it."""
+        """The attribute that it reads; its own name if a function reads it."""
         return self.read if isinstance(self.read, str) and self.read else self.name
 
     @property
@@ -106,12 +106,12 @@ class Quantity:
 
     @property
     def factor(self) -> float:
-        """How many of the unit that is told make one in SI."""
+        """How many of its unit make one SI unit."""
         return UNITS[self.unit].per_si if self.unit in UNITS else 1.0
 
     @property
     def sign(self) -> str:
-        """How the unit is written beside a number; "" for a bare one."""
+        """The unit as written after a number; "" for a bare number."""
         if self.unit.startswith(_RATIO):
             return ""
         return UNITS[self.unit].sign if self.unit in UNITS else self.unit
@@ -127,15 +127,15 @@ class Quantity:
         return bool(self.unit) if self.left is None else not self.left
 
     def of(self, value: Any) -> Any:
-        """What a value has of it, in SI."""
+        """The quantity of a value, in SI."""
         return self.read(value) if callable(self.read) else _part(value, self.attribute)
 
     def cell(self, row: Mapping[str, Any]) -> str:
-        """What a table tells of it, read off a record."""
+        """Its text in a table, read from a record."""
         return self.text(row[self.key])
 
     def text(self, value: Any) -> str:
-        """What a table tells of what a record holds."""
+        """The text in a table for a value of a record."""
         if value is None:
             return self.none
         if callable(self.form):
@@ -149,7 +149,7 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a table that tells several quantities of a row in words of its own."""
+    """A column of a table with text made from several quantities of a row."""
 
     heading: str
     cell: Callable[[Mapping[str, Any]], str]
@@ -157,7 +157,7 @@ class Column:
 
 
 def _part(value: Any, path: str) -> Any:
-    """What a value has at the path of an attribute; a row of a table has it under a key."""
+    """The attribute of a value at a dotted path; of a row of a table, the value of a key."""
     if isinstance(value, dict):
         key, _, path = path.partition(".")
         value = value[key]
@@ -169,10 +169,10 @@ Columns = Sequence[Quantity | Column]
 
 
 def keys(**holds: Any) -> tuple[Quantity, ...]:
-    """Quantities that are read off the attributes of their names and that are in no table.
+    """Quantities read from the attributes of their names, without a column in tables.
 
-    Each has its unit, such as "mm", or what JSON has of it, such as `int`, `[str]` or a schema, see
-    `Quantity`; `int | None` where JSON has null if there is none. Of a pair the second is `read`.
+    Each argument is a unit, such as "mm", or a type in JSON, such as `int`, `[str]` or a schema
+    (see `Quantity`); `int | None` if JSON may have null. The second item of a pair is `read`.
     """
     return tuple(_quantity(*one) for one in holds.items())
 
@@ -188,9 +188,9 @@ def _quantity(name: str, holds: Any) -> Quantity:
 
 
 def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
-    """A value as JSON can hold it: each quantity under its name and unit.
+    """A value as a JSON object: each quantity under its name and unit.
 
-    The value has attributes, or keys of a row; `given` are quantities that it does not have itself.
+    The value has attributes, or keys of a row; `given` are quantities missing in the value.
     """
     values = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
     return {q.key: _held(q.holds, one, q.factor) for q, one in values}
@@ -209,9 +209,9 @@ def _held(holds: Any, value: Any, factor: float) -> Any:
 
 
 def in_measure(schema: Schema, measure: Measure) -> Schema:
-    """A schema written for travel and force, of a chain that has another pair.
+    """A schema for travel and force, translated to another conjugate pair.
 
-    Its words in names, heads and docs and its units change; the quantities read what they did.
+    Names, heads, docs and units change; the quantities read the same attributes.
     """
     usual = Measure.TRAVEL
     if measure is usual:
@@ -247,12 +247,12 @@ def _measured(holds: Any, measure: Measure) -> Any:
 
 
 def read_off(schema: Schema, part: str) -> Schema:
-    """The same quantities, read off an attribute of a value."""
+    """The same quantities, read from an attribute of a value."""
     return tuple(replace(q, read=lambda value, q=q: q.of(_part(value, part))) for q in schema)
 
 
 def plain(value: Any, factor: float = 1.0) -> Any:
-    """What JSON can hold of a value: numbers in another unit, None where they are not finite."""
+    """A value in types of JSON: numbers in another unit, None for numbers that are not finite."""
     if type(value).__module__ == "numpy" and not is_array(value):
         value = value.item()
     if value is None or isinstance(value, str | bool):
@@ -270,12 +270,12 @@ def plain(value: Any, factor: float = 1.0) -> Any:
 
 
 def rows_of(columns: Mapping[str, Iterable[Any]]) -> list[dict[str, Any]]:
-    """The rows of a table of which the columns are known, each by its name."""
+    """The rows of a table from its columns by name."""
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
-    """The values of each key, keys and values in the order in which they come."""
+    """The values of each key, keys and values in input order."""
     groups: dict[K, list[V]] = {}
     for key, value in pairs:
         groups.setdefault(key, []).append(value)
@@ -283,14 +283,14 @@ def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
 
 
 def shown(schema: Columns) -> list[Quantity | Column]:
-    """The columns that tables have of a schema."""
+    """The quantities and columns of a schema that have a heading."""
     return [column for column in schema if column.heading]
 
 
 def write_csv(
     file: str | os.PathLike[str], columns: Iterable[tuple[Quantity, Any]], digits: int = 12
 ) -> None:
-    """Write columns of values in SI as CSV, whole or not at all, with the unit in every heading."""
+    """Write columns of values in SI as CSV, atomically, with the unit in every heading."""
     head, values = zip(
         *((q.key, _texts(q, values_si, digits)) for q, values_si in columns), strict=True
     )
@@ -307,17 +307,17 @@ def _texts(quantity: Quantity, values: Any, digits: int) -> list[str]:
 
 
 def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
-    """The variables that xarray has of a value, in SI, with units and meaning as attributes."""
+    """Variables for an xarray data set, in SI, with units and meaning as attributes."""
     about = [{"units": q.si} | ({"long_name": q.doc} if q.doc else {}) for q in schema]
     described = zip(schema, about, strict=True)
     return {q.name: ((*dims, *q.dims), q.of(value), texts) for q, texts in described}
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number for people; an empty place where there is none.
+    """A number as text; "" for None.
 
-    Digits are decided here alone: four of what is computed, fewer only where a schema says that
-    fewer mean something, and no power of ten for what has up to six before the point.
+    All rounding of reports is here: four digits of computed numbers, fewer only if a schema asks
+    for fewer, and no power of ten below one million.
     """
     if value is None:
         return ""
@@ -326,32 +326,32 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:
-    """A number in SI for people, with the unit in which they are told."""
+    """A number in SI as text, in its display unit."""
     display, factor = display_unit(unit)
     return f"{number(value * factor, digits)} {Quantity('', display).sign}"
 
 
 def percent(share: float) -> str:
-    """A share for people, with digits enough that 99.99 % is not told as certain."""
+    """A fraction in percent as text, with enough digits that 99.99 % is not shown as 100 %."""
     digits = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
     return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
 
 
 def percent_at_most(share: float) -> str:
-    """An upper bound of a share for people, rounded up: 0.0495 is "5 %", 0.0501 is "5.1 %"."""
+    """An upper bound of a fraction as text, rounded up: 0.0495 is "5 %", 0.0501 is "5.1 %"."""
     digits = 0 if share >= 0.1 else 1
     return f"{math.ceil(round(share * 10.0 ** (digits + 2), 6)) / 10.0**digits:g} %"
 
 
 def headed(heading: str) -> str:
-    """The heading of a column, with a capital where it begins with a word and no symbol or key."""
+    """The heading of a column, with a capital if it begins with a word, not a symbol or a key."""
     word = heading.partition(" ")[0]
     plain = len(word) > 1 and word.rstrip(":,").replace("-", "").isalpha()
     return heading[:1].upper() + heading[1:] if plain else heading
 
 
 def counted(count: int, what: str) -> str:
-    """How many there are of something that has a plural in s."""
+    """A count with its noun, which has a plural in s: "1 cell", "2 cells"."""
     return f"{number(count)} {what}{'s' * (count != 1)}"
 
 
@@ -362,7 +362,7 @@ def join_first(words: Sequence[str], most: int, what: str = "more", between: str
 
 
 def signed(value: float) -> str:
-    """A change for people, with its sign."""
+    """A change as text, with its sign."""
     return f"{_whole(value):+.4g}"
 
 

@@ -1,4 +1,4 @@
-"""What values offer to be looked at: a card in a notebook, and their usual figure."""
+"""Display of values: a card in a notebook, the default figure, a short representation."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 class Shown:
-    """A value that a notebook shows as a card: what it is, what it says, its main numbers."""
+    """A value that a notebook shows as a card: its kind, its statement, its main numbers."""
 
     __slots__ = ()
 
@@ -22,18 +22,18 @@ class Shown:
 
 
 class Drawn:
-    """A value of which there is a usual figure."""
+    """A value with a default figure."""
 
     __slots__ = ()
 
     def plot(self, **options: Any) -> "Figure":
-        """Its usual figure, which a notebook shows by itself.
+        """Plot the default figure, which a notebook displays.
 
         Args:
             options: of the function in `stepwell.figures` that draws it, see `figures.plot`.
 
         Raises:
-            ValueError: it holds nothing that can be drawn, or more than can be seen.
+            ValueError: the value has nothing to draw, or too much for a readable figure.
         """
         from stepwell.figures import plot
 
@@ -41,9 +41,9 @@ class Drawn:
 
 
 def brief(value: Any) -> str:
-    """What a dataclass or named tuple prints: every number with as many digits as mean something.
+    """Representation of a dataclass or named tuple, with numbers rounded to four digits.
 
-    Fields count that its own representation would show.
+    It has the fields of the default representation.
     """
     known = getattr(value, "_fields", None)
     names = known or [one.name for one in fields(value) if one.repr]
@@ -65,9 +65,9 @@ def _value_text(value: Any) -> str:
 
 
 def of_kind(table: Mapping[str, T], value: object) -> T | None:
-    """What a table has for a value, by the name of its class or of the nearest one above it.
+    """The entry of a table for the class of a value, or for its nearest base class, by name.
 
-    By names, because a class that nobody asked about need not be opened: MuJoCo's, for instance.
+    By names, so that unused modules, such as MuJoCo's, are not imported.
     """
     ours = (kind for kind in type(value).__mro__ if kind.__module__.startswith("stepwell."))
     return next((table[kind.__name__] for kind in ours if kind.__name__ in table), None)

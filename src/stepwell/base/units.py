@@ -1,7 +1,7 @@
 """The only table of units: the SI unit of each and how many SI units make one.
 
-Values are in SI everywhere inside. `to_unit` and `from_unit` convert at the edges, where a person
-or a file has another unit.
+All internal values are in SI. `to_unit` and `from_unit` convert at inputs and outputs with another
+unit.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ GRAVITY = 9.80665  # [m/s²], the standard acceleration of free fall
 _POUND = 0.45359237  # [kg]
 
 # By SI unit: the spellings of each unit, and how many SI units make one. A whole number is a power
-# of ten. The first spelling is the one that is shown.
+# of ten. The first spelling is used for display.
 _TABLE: dict[str, dict[tuple[str, ...], int | float]] = {
     "1": {("1",): 0, ("%", "percent"): -2},
     "m": {
@@ -75,7 +75,7 @@ _TABLE: dict[str, dict[tuple[str, ...], int | float]] = {
     "N m/rad": {("N m/rad",): 0},
     "N m s/rad": {("N m s/rad",): 0},
 }
-# In what users read an SI unit; all others are shown as they are.
+# Display unit of an SI unit; all others are displayed in SI.
 _SHOWN = {
     "m": "mm",
     "J": "mJ",
@@ -90,10 +90,10 @@ _SHOWN = {
 
 
 class Unit(NamedTuple):
-    """A unit: its SI unit, how it is written, and both factors as the nearest floats.
+    """A unit: its SI unit, its symbol, and both factors as the nearest floats.
 
     `size` is how many SI units make one, `per_si` how many of it make one SI unit, `places` the
-    power of ten of `size`, None where it is not one.
+    power of ten of `size`, None if `size` is none.
     """
 
     si: str
@@ -131,18 +131,19 @@ def to_unit(value: Number, unit: str) -> Number:
 def from_unit(value: Number, unit: str) -> Number:
     """A value in a unit of the table, or an array of them, in SI: 10 "mm" is 0.01 m.
 
-    A division, for 1e3 is a float and 1e-3 is not: the result is the float nearest to the decimal.
+    A division, since 1e3 is exact as a float and 1e-3 is not: the result is the float nearest to
+    the decimal.
     """
     return value / UNITS[unit].per_si
 
 
 def in_names(unit: str) -> str:
-    """A unit as names of keys spell it: N m/rad is N_m_per_rad, 1/mm² is per_mm2."""
+    """A unit as part of a key: N m/rad is N_m_per_rad, 1/mm² is per_mm2."""
     spelled = unit.replace("/", "_per_").replace(" ", "_").replace("²", "2")
     return spelled.removeprefix("1_")
 
 
 def display_unit(unit: str) -> tuple[str, float]:
-    """The unit in which users read a number in SI, and how many of it make one."""
+    """The display unit of an SI unit, and how many of it make one SI unit."""
     shown = _SHOWN.get(unit, unit)
     return shown, UNITS[shown].per_si if shown in UNITS else 1.0

@@ -1,4 +1,4 @@
-"""What it means for two values to be equal."""
+"""Equality and hashes of values, arrays included."""
 
 import math
 import sys
@@ -13,12 +13,11 @@ if TYPE_CHECKING:
 
 
 class ByValue(Shown):
-    """A frozen dataclass that equals another where all their fields do.
+    """A frozen dataclass that equals another if all their fields are equal.
 
-    Arrays are compared number by number, and what is not a number equals what is not a number:
-    a result equals its copy, its unpickled self, and what the same call gives again. Equal values
-    have equal hashes. To be used with `@dataclass(frozen=True, eq=False)`; with `repr=False` too it
-    prints what `brief` makes of it.
+    Arrays are compared number by number, and NaN equals NaN: a result equals its copy, its
+    unpickled copy, and the result of the same call. Equal values have equal hashes. To be used with
+    `@dataclass(frozen=True, eq=False)`; with `repr=False` too, its representation is `brief`.
     """
 
     __slots__ = ()
@@ -36,7 +35,7 @@ class ByValue(Shown):
 
 
 class ReadOnly(Mapping[str, Any]):
-    """A mapping that nobody changes, and that can be copied and pickled."""
+    """An immutable mapping that can be copied and pickled."""
 
     __slots__ = ("_held",)
 
@@ -57,7 +56,7 @@ class ReadOnly(Mapping[str, Any]):
 
 
 def deep_equal(a: Any, b: Any) -> bool:
-    """Whether two values of any kind are equal, arrays and what holds them included."""
+    """Whether two values of any kind are equal, arrays and containers of arrays included."""
     if a is b:
         return True
     if is_array(a) or is_array(b):
@@ -76,7 +75,7 @@ def deep_equal(a: Any, b: Any) -> bool:
 
 
 def is_array(value: Any) -> "TypeGuard[np.ndarray[Any, Any]]":
-    """Whether it is an array of NumPy, which is not opened for that: it takes its time."""
+    """Whether it is an array of NumPy, tested without the slow import of NumPy."""
     numpy = sys.modules.get("numpy")
     return numpy is not None and isinstance(value, numpy.ndarray)
 
@@ -94,13 +93,13 @@ def _same_arrays(a: Any, b: Any) -> bool:
 
 
 def _held(value: Any, *, hashed: bool = False) -> tuple[Any, ...]:
-    """What the fields hold that count."""
+    """The values of the fields that are compared."""
     count = (one for one in fields(value) if one.compare and not (hashed and one.hash is False))
     return tuple(getattr(value, field.name) for field in count)
 
 
 def _digest(value: Any) -> Any:
-    """Something with a hash that is equal for all values that are the same."""
+    """A hashable digest, equal for equal values."""
     if isinstance(value, float):
         return "nan" if math.isnan(value) else value
     if is_array(value):

@@ -1,4 +1,4 @@
-"""The version of Stepwell, written here and nowhere else, and those of what it computes with."""
+"""The version of Stepwell, defined only here, and the versions of its numerical packages."""
 
 __version__ = "0.1.0"
 

@@ -21,23 +21,23 @@ _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")
 
 
 def refuse_address(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError for an address, as file:///x or s3://x, where a file of here is meant."""
+    """Raise ValueError for an address, as file:///x or s3://x, given as a local path."""
     if _ADDRESS.match(os.fspath(path)):
         raise InputError(
-            f"{printable(os.fspath(path))}: is an address, and results go into files of this "
-            f"machine. Give a path, such as results or /tmp/results."
+            f"{printable(os.fspath(path))}: is an address, but results are written to local files. "
+            f"Give a path, such as results or /tmp/results."
         )
 
 
 def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
-    """Write a file whole or not at all: a new name beside it, synced, then renamed over it.
+    """Write a file atomically: a temporary file in the same folder, synced, then renamed.
 
-    A link is followed, and an existing file keeps its permissions; text is written as UTF-8 with
-    the line ends it has.
+    A link is followed, and an existing file keeps its permissions. Text is written as UTF-8 with
+    its line ends unchanged.
 
     Raises:
-        OSError: the folder is missing or cannot be written, or the disk is full; it names `path`,
-            and nothing has changed then.
+        OSError: the folder is missing or cannot be written, or the disk is full. The error names
+            `path`, and the file is unchanged.
         ValueError: `path` is an address.
     """
     refuse_address(path)
@@ -66,12 +66,12 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
 
 
 def write_netcdf(path: str | os.PathLike[str], data: "xarray.Dataset") -> None:
-    """Write data as NetCDF; the file appears whole or not at all."""
+    """Write data as NetCDF, atomically."""
     write_atomic(path, bytes(data.to_netcdf(engine="scipy")))
 
 
 def csv_text(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table as CSV; whatever a name holds, it stays in its cell."""
+    """A table as CSV; commas, quotes and line ends within a cell are quoted."""
     # csv.writer leaves a bare carriage return unquoted where lines end in a line feed.
     return "".join(",".join(map(_quoted, row)) + "\n" for row in (head, *rows))
 
@@ -81,13 +81,13 @@ def _quoted(cell: str) -> str:
 
 
 def draft_beside(target: Path) -> Path:
-    """A hidden name in the same folder that nothing else uses."""
+    """An unused hidden name in the same folder."""
     return target.with_name(f".{target.name[:80]}.{secrets.token_hex(6)}.tmp")
 
 
 @contextmanager
 def naming(draft: Path, target: Path) -> Iterator[None]:
-    """Errors name the file that the user asked for, not its draft, and never no file at all."""
+    """Let errors name the target file instead of its draft, and always name a file."""
     try:
         yield
     except OSError as error:
@@ -100,8 +100,8 @@ def naming(draft: Path, target: Path) -> Iterator[None]:
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the folder's names to the disk: only then does a rename survive a power cut."""
-    # Windows has no such call, and some network folders refuse it: there the file alone is synced.
+    """Sync the folder's entries to disk, so that a rename survives a power cut."""
+    # Windows has no such call, and some network folders refuse it; then only the file is synced.
     if not hasattr(os, "O_DIRECTORY"):
         return
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)

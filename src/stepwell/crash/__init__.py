@@ -1,3 +1,3 @@
-"""What is left of an error that nothing expected: one line, and a file to report it with."""
+"""Reports of unexpected errors: one line on the terminal, and a file to attach."""
 
 from stepwell.crash.report import leave, reported

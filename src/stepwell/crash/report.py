@@ -1,6 +1,6 @@
-"""A report of an error that nothing expected, and the line that names it.
+"""Report file of an unexpected error, and the line that names it.
 
-Nothing but Python's own modules is imported at once: the package that fails may be any.
+Only the standard library is imported at once, since any package may be the one that fails.
 """
 
 import os
@@ -15,15 +15,15 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-# Reports that are kept, letters of the line, and bytes of a file that a report holds.
+# Number of reports kept, characters of the line, and bytes of a file copied into a report.
 KEPT, _LETTERS, _BYTES = 20, 300, 1 << 20
-# What only a checkout has, as the package's own record says it.
+# Extras that only a checkout has, as in the package's metadata.
 _OF_OURS = re.compile(r"extra == .(dev|docs)\b")
 _SECRET = re.compile(r"(?<=://)[^/@\s]+(?=@)")
 
 
 def leave(*_: object) -> None:
-    """End the program at once, with a line: what Ctrl-C does until a command runs."""
+    """End the program at once, with a line: the action of Ctrl-C until a command runs."""
     os.write(2, b"Interrupted before anything was done.\n")
     os._exit(130)
 
@@ -32,9 +32,9 @@ def reported(error: BaseException, arguments: list[str], design: str = "") -> st
     """Write a report of an error into a file, and return the line that names it.
 
     Args:
-        error: that ended a command.
+        error: the one that ended a command.
         arguments: of the command, without its name.
-        design: on which it worked, where no argument names its file.
+        design: the text of its design, if no argument names the file.
     """
     words = " ".join(str(error).split())
     what = f"{type(error).__name__}: {words}" if words else type(error).__name__
@@ -43,16 +43,16 @@ def reported(error: BaseException, arguments: list[str], design: str = "") -> st
     try:
         file = _kept("".join(_parts(error, arguments, design)))
     except OSError as why:
-        return f"{what} (unexpected; and no report of it could be written: {why})"
+        return f"{what} (unexpected; no report could be written: {why})"
     return f"{what} (unexpected). To report this error, attach {file}"
 
 
 def _parts(error: BaseException, arguments: list[str], design: str) -> Iterator[str]:
-    """The report, whose parts never keep each other from being written."""
+    """The parts of the report; an error in one part does not prevent the others."""
     yield (
         "A report of an unexpected error of Stepwell: the command, settings that begin with\n"
-        "STEPWELL_, versions, the trace, and the text files that the command names. Read it before "
-        "you share it.\n"
+        "STEPWELL_, versions, the trace, and the text files in the arguments. Read it before you "
+        "share it.\n"
     )
     for head, find in {
         "Command": lambda: _SECRET.sub("...", shlex.join(["stepwell", *arguments])),
@@ -69,7 +69,7 @@ def _parts(error: BaseException, arguments: list[str], design: str) -> Iterator[
         try:
             text = find()
         except Exception as why:
-            text = f"cannot be told: {type(why).__name__}: {why}"
+            text = f"not available: {type(why).__name__}: {why}"
         yield f"\n== {head}\n{text.rstrip()}\n"
 
 
@@ -96,7 +96,7 @@ def _text(name: str) -> str:
 
 
 def _kept(text: str) -> Path:
-    """The file of a report, beside the last ones."""
+    """Write a report to a new file, delete the oldest reports, and return the path."""
     name = f"stepwell-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt"
     failed = OSError("no folder to write into")
     for folder in _folders():
@@ -113,11 +113,11 @@ def _kept(text: str) -> Path:
 
 
 def _folders() -> Iterator[Path]:
-    """Where reports go: with this user's logs, or else with what is temporary."""
+    """Folders for reports: the user's log folder, else the temporary folder."""
     try:
         import platformdirs
 
         yield platformdirs.user_log_path("stepwell")
-    except Exception:  # whatever keeps platformdirs from being imported
+    except Exception:  # platformdirs may be missing or broken
         pass
     yield Path(tempfile.gettempdir()) / "stepwell"
