@@ -73,7 +73,7 @@ def test_every_key_is_read_in_its_unit():
         ),
         (
             "start_mm = [10, 0]\n[[cylinder]]\nat_mm = [0, 0]",
-            "arena.toml: start = (10, 0) mm lies 15 mm inside an obstacle; move it.",
+            "arena.toml: start = (10, 0) mm lies 15 mm inside an obstacle; move the start.",
         ),
         (
             "[wall]\nfrom_mm = [0, 0]",
@@ -115,7 +115,7 @@ def test_every_key_is_read_in_its_unit():
         ),
         (
             "cell 20 mm\nSo",
-            "arena.toml: start = (10, 10) mm lies 5 mm inside an obstacle; move it.",
+            "arena.toml: start = (10, 10) mm lies 5 mm inside an obstacle; move the start.",
         ),
         (
             "cell 100 mm\nS" + 160_000 * ".",

@@ -45,7 +45,7 @@ def test_a_foot_rises_all_the_way_as_its_cell_opens(foot, travel):
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: Foot(below=-1e-3), "feet above the plane"),
+        (lambda: Foot(below=-1e-3), "never touch the floor"),
         (lambda: Foot(span=0.070), "use longer links"),
         (lambda: Foot(mass=0.0), "mass = 0"),
         (lambda: Body(supports=((0.0, 0.0), (0.1, 0.0))), "3 or more"),
@@ -61,7 +61,7 @@ def test_a_foot_rises_all_the_way_as_its_cell_opens(foot, travel):
         (lambda: Leg("left", sw.Chain([CELL]), (0.0, 0.05)), "2 or more"),
         (
             lambda: Leg("left", sw.Chain([CELL, CELL], actuator_stiffness=100.0), (0.0, 0.05)),
-            "the drive's",
+            "robot's drive",
         ),
         (lambda: Antenna("a", (0.1, 0.0), 0.1, 0.0, "left", (0.01, 0.0)), "between 0 and 180"),
         (lambda: Antenna("a", (0.1, 0.0), 0.1, 1.0, "left", (0.0, 0.0)), "connected = False"),

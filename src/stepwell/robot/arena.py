@@ -1,4 +1,4 @@
-"""Where a robot is put: the floor, walls, cylinders, a start and a goal, and others like them."""
+"""Arenas: floor, walls, cylinders, start and goal, and random variants of an arena."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ import numpy as np
 from stepwell.base import ByValue, InputError, Vec2, check, require, to_unit
 from stepwell.robot.fit import of_arena, refuse_slips
 
-# Declared before any run: what a start or a layout may differ by.
+# Largest random deviations of a start or a layout, fixed before any run.
 PLACE = 0.040  # [m]
 HEADING = math.radians(10.0)
 ANGLE = math.radians(8.0)
@@ -20,7 +20,7 @@ class Floor(ByValue):
     """A level floor; a `ValueError` refuses values out of range.
 
     Args:
-        drag: force that pulls the robot along on its T-foot alone [N], >= 0.
+        drag: force that pulls the robot along on its passive support (T-foot) alone [N], >= 0.
         foot_friction: Coulomb's coefficient between a foot and the floor, > 0.
         gravity: [m/s²], >= 0; 0 hangs the robot in the air.
 
@@ -78,7 +78,7 @@ class Cylinder(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Goal(ByValue):
-    """A disc that the body's origin has to reach, about `at` (x, y) [m].
+    """A disc around `at` (x, y) [m] that the body's origin has to reach.
 
     Its `radius` [m] is > 0, or a `ValueError`.
     """
@@ -102,10 +102,10 @@ class Arena(ByValue):
     Args:
         walls, cylinders: none or several.
         start: (x, y) of the body's origin at the beginning [m].
-        heading: direction it faces there [rad] from the x axis, to the left.
-        goal: where it should go, if anywhere.
-        title: what reports call it.
-        unusual: True where an arena smaller than a hand or larger than a field is meant.
+        heading: direction of the robot at the start [rad] from the x axis, to the left.
+        goal: disc to reach, None for none.
+        title: name in reports.
+        unusual: True to accept an arena smaller than a hand or larger than a field.
 
     Raises:
         ValueError: a start inside a wall or a cylinder, or sizes probably in another unit.
@@ -118,7 +118,7 @@ class Arena(ByValue):
     goal: Goal | None = None
     title: str = ""
     unusual: bool = field(default=False, compare=False)
-    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    # Whether the sizes were checked for wrong units; `replace` passes it on to the copies.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):
@@ -132,7 +132,7 @@ class Arena(ByValue):
         if gap <= 0:
             raise InputError(
                 f"start = ({to_unit(self.start[0], 'mm'):.6g}, {to_unit(self.start[1], 'mm'):.6g}) "
-                f"mm lies {to_unit(-gap, 'mm'):.3g} mm inside an obstacle; move it."
+                f"mm lies {to_unit(-gap, 'mm'):.3g} mm inside an obstacle; move the start."
             )
 
     def clearance(self, x: float, y: float) -> float:
@@ -147,7 +147,7 @@ class Arena(ByValue):
         return min(gaps)
 
     def from_start(self, start: Vec2, heading: float) -> "Arena":
-        """The same arena entered at another place [m] and heading [rad]."""
+        """The same arena with another start [m] and heading [rad]."""
         return replace(self, start=start, heading=heading)
 
     def __repr__(self):
@@ -159,20 +159,20 @@ class Arena(ByValue):
 def other_start(
     arena: Arena, seed: int, *, place: float = PLACE, heading: float = HEADING
 ) -> Arena:
-    """The same arena, entered a little elsewhere, drawn by a seed.
+    """The same arena with a start near its own, drawn at random from a seed.
 
-    It shifts by `place` at most along x and along y [m], and turns by `heading` [rad]. A
-    `ValueError` says that the start lies inside an obstacle.
+    The start shifts by at most `place` along x and along y [m], and turns by at most `heading`
+    [rad]. A `ValueError` refuses a start inside an obstacle.
     """
     dx, dy, turn = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * (place, place, heading)
     return arena.from_start((arena.start[0] + dx, arena.start[1] + dy), arena.heading + turn)
 
 
 def other_layout(arena: Arena, seed: int, *, place: float = PLACE, angle: float = ANGLE) -> Arena:
-    """The same start among walls and cylinders that stand a little differently, drawn by a seed.
+    """The same start with obstacles near their own places, drawn at random from a seed.
 
-    Each shifts by `place` at most along x and along y [m], and walls turn by `angle` about their
-    middle [rad]. A `ValueError` says that the start lies inside an obstacle.
+    Each obstacle shifts by at most `place` along x and along y [m], and walls turn by at most
+    `angle` about their middle [rad]. A `ValueError` refuses a start inside an obstacle.
     """
     rng = np.random.default_rng(seed)
     walls = []

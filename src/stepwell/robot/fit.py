@@ -1,4 +1,4 @@
-"""What keeps a robot from walking before it takes a step, and slips of unit in its sizes."""
+"""Geometric checks of a robot before it walks, and checks for sizes in a wrong unit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from stepwell.robot.robot import Robot
 
 
-# Strokes that differ by less than this [m] are the same stroke.
+# Strokes that differ by less than this [m] count as equal.
 SAME = 1e-7
 
 
@@ -31,7 +31,7 @@ def _legs(robot: Robot) -> Iterator[str]:
         yield f"legs: {len(robot.legs)} given: a robot has 2 or more."
     names = [leg.name for leg in robot.legs]
     for name in {name for name in names if names.count(name) > 1}:
-        yield f"legs: two are called {name!r}: give each leg a name of its own."
+        yield f"legs: two have the name {name!r}: give each leg its own name."
     for a, b in combinations(robot.legs, 2):
         apart = abs(a.at[1] - b.at[1])
         # From a leg's first moving block to its last, fully open.
@@ -65,8 +65,8 @@ def _reach(robot: Robot) -> Iterator[str]:
             )
         elif robot.foot.below >= robot.foot.depth(0.0) - robot.foot.depth(widest - robot.foot.span):
             yield (
-                f"leg {leg.name!r}: its foot stands {to_unit(robot.foot.below, 'mm'):.6g} mm below "
-                f"the supports and cannot be lifted off the floor; let the feet stand less deep."
+                f"leg {leg.name!r}: foot.below = {to_unit(robot.foot.below, 'mm'):.6g} mm is a "
+                f"preload depth that its last cell cannot lift; reduce it."
             )
     if robot.pivot_height <= 0:
         yield (
@@ -96,7 +96,7 @@ def _standing(robot: Robot) -> Iterator[str]:
     for x, y in supports:
         if supports.count((x, y)) > 1:
             at = f"({to_unit(x, 'mm'):.6g}, {to_unit(y, 'mm'):.6g}) mm"
-            yield f"body.supports: {at} stands there twice."
+            yield f"body.supports: {at} is given twice; remove or move one."
             return
     x, y, _ = robot.body.centre
     # Distance from there to the edge of the hull of the supports, negative outside.
@@ -107,8 +107,8 @@ def _standing(robot: Robot) -> Iterator[str]:
     if gap <= 0:
         yield (
             f"body.centre = ({to_unit(x, 'mm'):.6g}, {to_unit(y, 'mm'):.6g}) mm "
-            f"lies {to_unit(-gap, 'mm'):.3g} mm outside its supports: it falls over when the feet "
-            f"lift; move the mass or a support."
+            f"lies {to_unit(-gap, 'mm'):.3g} mm outside its supports, so the robot falls over when "
+            f"the feet lift; move the mass or a support."
         )
 
 
@@ -121,7 +121,7 @@ def _antennas(robot: Robot) -> Iterator[str]:
             yield f"antenna {antenna.name!r}: leg = {antenna.leg!r}: must be one of {allowed}."
             continue
         leg = robot.leg(antenna.leg)
-        # The leg and the cell whose anchor it moves, by what both are called.
+        # Names of the leg and of the cell whose anchor it moves.
         moved.append((leg.name, f"{antenna.cell!r}, which is no cell,"))
         try:
             cell = leg.cell_index(antenna.cell)
@@ -139,23 +139,23 @@ def _antennas(robot: Robot) -> Iterator[str]:
         yield f"antennas: two move the anchor of {cell} of leg {name!r}: give it one."
 
 
-# Weights over what the bands of a leg pull with: of the body, and of parts that a leg moves.
+# Weights over the force of the bands of a leg: of the body, and of parts that a leg moves.
 _BODY, _PART = (1 / 50, 50.0), (1 / 2000, 10.0)
-# How far an arena goes, and how thick what stands in it is [m].
+# Distance of the farthest point of an arena, and thickness of its obstacles [m].
 FARTHEST = 0.010, 100.0
 THICKNESS = 5e-4, 10.0
 
 
 def refuse_slips(value: Robot | Arena, slips: Iterable[Slip]) -> None:
-    """Refuse sizes in another unit, once: what `replace` makes of a value is not asked again."""
+    """Refuse sizes that are probably in another unit; copies by `replace` are not checked again."""
     if not (value.unusual or value._asked) and (suspects := tuple(slips)):
         raise SlipError(suspects, "If it is meant so, say unusual=True.")
     object.__setattr__(value, "_asked", True)
 
 
 def of_robot(robot: Robot) -> Iterator[Slip]:
-    """All numbers of a robot that are probably in another unit; of its chains, their cells tell."""
-    # Lengths are beside the longest stroke of a leg, as those of a cell are beside its lever.
+    """All numbers of a robot, without its chains, that are probably in another unit."""
+    # Lengths are compared with the longest stroke of a leg, as those of a cell with its lever.
     size = max((leg.chain.full_stroke for leg in robot.legs), default=0.0)
     cells = [cell for leg in robot.legs for cell in leg.chain.levers]
     own = max((sizes.own_force(cell, cell.lever) for cell in cells), default=0.0)
@@ -218,5 +218,5 @@ def of_arena(arena: Arena) -> Iterator[Slip]:
     thick += [(f"cylinder[{i}].radius", one.radius) for i, one in enumerate(arena.cylinders)]
     for name, value in thick:
         if not low <= value <= high:
-            why = f"what stands in an arena is from {to_unit(low, 'mm'):g} mm to {high:g} m thick"
+            why = f"obstacles are from {to_unit(low, 'mm'):g} mm to {high:g} m thick"
             yield Slip(name, value, sizes.meant(value, low, high), "m", why)

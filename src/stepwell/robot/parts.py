@@ -1,4 +1,4 @@
-"""What a robot is made of: body, legs, antennas and the one actuator. Values only."""
+"""Parts of a robot as values: body, legs, antennas and the shared actuator."""
 
 import math
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from stepwell.mechanism import Chain
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Antenna(ByValue):
-    """A rod on a vertical hinge, coupled to the anchor p of one cell.
+    """A rod on a vertical hinge, with contact-triggered displacement of the anchor p of one cell.
 
-    Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact turns it
-    back by up to `swing`, and the anchor moves with it, in proportion, by up to `moves`. A
+    Without contact the rod rests at `angle`, held by the pull of the band on the anchor. A contact
+    turns it back by up to `swing` and moves the anchor in proportion by up to `moves`. A
     `ValueError` refuses values out of range.
 
     Args:
-        name: what messages and figures call it.
+        name: used in messages and figures.
         pivot: (x, y) of the hinge [m] from the body's origin.
         length, mass: of the rod [m], [kg], > 0.
         angle: from straight ahead at rest [rad], 0 to π; negative for a tip on the right.
@@ -31,8 +31,8 @@ class Antenna(ByValue):
         hook, hook_angle: length of the bent tip [m], >= 0, and its angle from the rod [rad].
         damping: of the hinge [N m s/rad], > 0.
         friction: Coulomb's coefficient between rod and walls, >= 0.
-        connected: False leaves the rod but takes its lever off the anchor; a weak spring then holds
-            the rod at rest. The control experiment.
+        connected: False disconnects the rod from the anchor; a weak spring then holds the rod at
+            rest. The control experiment.
 
     Source: Kamp et al. 2024, Fig. 4, for the idea; the geometry is ours.
     """
@@ -64,8 +64,8 @@ class Antenna(ByValue):
             )
         if math.hypot(*self.moves) == 0:
             raise InputError(
-                f"moves = (0, 0) of antenna {self.name!r}: must be a displacement; to take the "
-                f"lever off, set connected = False."
+                f"moves = (0, 0) of antenna {self.name!r}: must not be zero; to disconnect the "
+                f"antenna, set connected = False."
             )
 
     @property
@@ -81,16 +81,16 @@ class Antenna(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body(ByValue):
-    """A rigid body on a T-foot.
+    """A rigid body on a passive support, the T-foot.
 
     The origin lies at the height of the legs' pivots; x points forward, y to the left. A
-    `ValueError` refuses values out of range, and too few supports to stand on.
+    `ValueError` refuses values out of range, and fewer than three supports.
 
     Args:
         mass: without blocks, feet and antennas [kg], > 0.
         centre: (x, y, z) of its centre of mass [m].
         supports: (n, 2) points of the T-foot that touch the floor [m], n >= 3.
-        length, width: outline that meets walls [m], > 0, about the origin.
+        length, width: outline in contact with walls [m], > 0, centred at the origin.
         wall_friction: Coulomb's coefficient between walls and body or blocks, >= 0.
 
     Source: Kamp et al. 2024, Fig. 3, for the T-foot; the numbers are assumed.
@@ -115,19 +115,19 @@ class Body(ByValue):
         if len(supports) < 3:
             raise InputError(
                 f"supports has {len(supports)} points: must have 3 or more, or the body falls over "
-                f"when the feet lift."
+                f"when the feet lift; add a support."
             )
 
 
 class Profile(StrEnum):
-    """How the command runs from 0 to the amplitude and back."""
+    """Shape of the command over time, from 0 to the amplitude and back."""
 
     TRIANGLE = "triangle"
     SINE = "sine"
     TRAPEZOID = "trapezoid"
 
 
-# A trapezoid rests at each end for this share of the period.
+# A trapezoid rests at each end for this fraction of the period.
 REST = 0.125
 
 
@@ -136,11 +136,11 @@ class Drive(ByValue):
     """The position command that all legs share; a `ValueError` refuses values out of range.
 
     Args:
-        amplitude: the stroke it goes out to [m], > 0.
-        period: of one cycle out and back [s], > 0.
+        amplitude: largest stroke [m], > 0.
+        period: of one cycle, loading and unloading [s], > 0.
         profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth of
             the period at both ends (trapezoid).
-        stiffness: of the actuator that follows it [N/m], > 0.
+        stiffness: of the actuator that follows the command [N/m], > 0.
 
     Source: Kamp et al. 2024, for 0 to 40 to 0 mm; period and stiffness are assumed.
     """
@@ -168,13 +168,13 @@ class Drive(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks(ByValue):
-    """What every block of every leg weighs and how it is damped; within range or a `ValueError`.
+    """Mass, damping and size of the blocks of every leg; a `ValueError` refuses other values.
 
     Args:
         mass: of each block that moves [kg], > 0.
         carriage: of the actuator's moving part, which joins the outermost blocks [kg], > 0.
-        damping: of each cell's travel [N s/m], > 0, for the loss in the rubber and the joints.
-        width, length: outline that meets walls and other legs [m], > 0.
+        damping: of each cell's travel [N s/m], > 0, for losses in rubber and joints.
+        width, length: outline in contact with walls and other legs [m], > 0.
     """
 
     mass: float = 0.006
@@ -200,8 +200,9 @@ class Foot(ByValue):
         link: length of each link [m], > 0.
         span: distance of the two pivots with the outermost cell at 0 [m], > 0.
         mass: of the foot [kg], > 0.
-        below: depth of the feet below the plane of the supports, every cell at 0 [m], >= 0.
-        radius: of the ball that touches the floor [m], > 0.
+        below: preload depth of the feet below the plane of the supports, every cell at 0 [m],
+            >= 0.
+        radius: of the ball in contact with the floor [m], > 0.
 
     Source: Kamp et al. 2024, Fig. 3, for the idea, their notes for `link`, `span` and `mass`;
     `below` and `radius` are ours.
@@ -218,8 +219,8 @@ class Foot(ByValue):
         check.fields(self, check.finite, below="m")
         if self.below < 0:
             raise InputError(
-                f"below = {to_unit(self.below, 'mm'):.6g} mm: must be >= 0; feet above the plane "
-                f"of the supports never touch the floor."
+                f"below = {to_unit(self.below, 'mm'):.6g} mm: must be >= 0, or the feet never "
+                f"touch the floor."
             )
         if self.span >= 2 * self.link:
             raise InputError(
@@ -237,7 +238,7 @@ class Foot(ByValue):
         return np.sqrt(np.maximum(self.link**2 - width**2 / 4.0, 0.0))
 
     def lever(self, travel: ArrayLike) -> Floats:
-        """Force that opens the outermost cell per newton that the foot carries [1], at travels [m].
+        """Opening force on the outermost cell over ground reaction force [1], at travels [m].
 
         By virtual work -d(depth)/d(travel) = (span + travel) / (4 depth).
         """
@@ -246,7 +247,7 @@ class Foot(ByValue):
 
     @property
     def contact_travel(self) -> float:
-        """Travel of the outermost cell [m] past which the supports carry the body alone."""
+        """Travel of the outermost cell [m] beyond which the foot has no contact."""
         depth = float(self.depth(0.0)) - self.below
         if depth <= 0.0:
             return 2 * self.link - self.span
@@ -257,13 +258,12 @@ class Foot(ByValue):
 class Leg(ByValue):
     """A chain that carries a foot.
 
-    The innermost block is part of the body and the chain extends backwards, so that a cell that
-    opens while the foot is planted drives the body forward. The last cell lifts the foot, the cells
-    before it make the step. A `ValueError` refuses too short a chain, or one with an actuator of
-    its own stiffness.
+    The innermost block is part of the body and the chain extends backwards. A cell that opens
+    during stance drives the body forward. The last cell lifts the foot, the cells before it make
+    the step. A `ValueError` refuses a chain of one cell, or one with a finite actuator stiffness.
 
     Args:
-        name: what messages and figures call it.
+        name: used in messages and figures.
         chain: two cells or more, inner first, driven by a prescribed stroke.
         at: (x, y) of the foot [m] from the body's origin with every cell at 0; x forward, y left.
             Anchors' first coordinate points away from the midline.
@@ -288,7 +288,7 @@ class Leg(ByValue):
         if self.chain.actuator_stiffness != float("inf"):
             raise InputError(
                 f"leg {self.name!r}: actuator_stiffness = {self.chain.actuator_stiffness:g} N/m: "
-                f"must be infinite; the stiffness that a robot's legs share is the drive's."
+                f"must be infinite; set the stiffness of the actuator in the robot's drive."
             )
 
     @property
@@ -298,13 +298,13 @@ class Leg(ByValue):
 
     @property
     def stroke(self) -> float:
-        """Σ S_i over the cells that make the step [m]: u_max, the most one cycle can advance."""
+        """Σ S_i over the cells that make the step [m]: u_max, the largest advance per cycle."""
         return self.chain.full_stroke - self.chain.cells[-1].full_travel
 
     def with_anchors(self, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None) -> "Leg":
-        """The same leg with the anchors p, q [m] of one cell moved, None where one stays.
+        """The same leg with the anchors p, q [m] of one cell moved; None keeps an anchor.
 
-        The cell is given as for `cell_index`; a `ValueError` refuses anchors that no cell can have.
+        The cell is given as for `cell_index`; a `ValueError` refuses impossible anchors.
         """
         cells, index = list(self.chain.levers), self.cell_index(cell)
         cells[index] = cells[index].with_anchors(p, q)

@@ -1,4 +1,4 @@
-"""What a robot will do, from statics alone: gait, advance, drag and antenna limits, and doubts."""
+"""Prediction of a robot from statics: gait, advance, drag and antenna limits, uncertainty."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -12,7 +12,16 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, Vec2, bisected, to_unit
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import ROUNDING, Round, asked, footing, gait, go_round, go_rounds, rounds
+from stepwell.robot.rounds import (
+    ROUNDING,
+    Round,
+    drive_forces,
+    footing,
+    gait,
+    go_round,
+    go_rounds,
+    rounds,
+)
 from stepwell.robot.slide import STEPS, Slide, slide
 from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
@@ -23,10 +32,10 @@ HALVINGS = 8
 def changes(
     answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
 ) -> Iterator[tuple[float, str]]:
-    """Every value along `values` at which the answer changes, with the answer just past it.
+    """Every value along `values` at which the answer changes, with the answer just beyond it.
 
-    Each value is looked at in turn, from the first on, and the stretch in which the answer changes
-    is halved; a change that is undone between two neighbouring values goes unseen.
+    The values are evaluated in order, and an interval in which the answer changes is bisected. A
+    change that is undone between two neighbouring values is missed.
     """
     ask = cache(answer)
 
@@ -40,22 +49,22 @@ def changes(
         before = value
 
 
-# A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
+# A robot walks if it advances by this fraction of the largest step, and turns from this angle on.
 WALKS = 0.1
 TURNS = math.radians(3.0)
-PUSHES = 0.1  # a push shorter than this share of the largest step is none
-# Tolerances on the states beside the usual one, which the gait must not depend on.
+PUSHES = 0.1  # a push shorter than this fraction of the largest step is none
+# Other tolerances on the states, on which the gait must not depend.
 TOLERANCES = (0.15, 0.25)
-LOOKS = 17  # steps in which an antenna's swing is looked at before its threshold is closed in on
-# Forces [N] at which the margin is looked for: no cell of a robot that walks needs more.
+LOOKS = 17  # values of an antenna's swing that are evaluated before its threshold is bisected
+# Forces [N] at which the margin is searched: no cell of a robot that walks needs more.
 FORCES = (0.0, *np.geomspace(0.004, 2.0, 10).tolist())
-# How much deeper the feet are put in looking for where the gait changes [m], and how often the last
-# of these stretches is halved: close to the feet to a hundredth of a millimetre.
+# Increases of the preload depth in the search for a change of gait [m], and bisections of the last
+# interval: to a hundredth of a millimetre near the feet.
 DEEPER = tuple(1e-4 * 2.0**k for k in range(7))
 DEPTH_HALVINGS = 4
-# Between which shares and multiples of the largest force over the command the least stiffness of
-# a drive is looked for; how close; in how many steps where the ways alone do not tell it, and how
-# often the last of these stretches is halved.
+# Search for the least stiffness of a drive: range, as a factor on the largest force over the
+# command; tolerance; number of values if the half cycles alone do not decide it; and number of
+# bisections of the last interval.
 STIFFNESSES = 1e4
 WITHIN = 0.01
 LOOKS_FOR_STIFFNESS = 7
@@ -67,47 +76,47 @@ ASSUMPTIONS = (
     "Feet share the weight with the supports by the lever rule at every step.",
     "Friction is Coulomb's, the same at rest and in motion, and decides by least dissipation "
     "which feet stick and how the body turns.",
-    "A snap is overdamped and takes no time, and a foot grips at once; really the stroke goes on "
-    "meanwhile, so that a forward step is shorter and a backward one longer than is said here.",
-    "All legs end at one carriage behind the drive's spring. Where its force lets the carriage go "
-    "at once, the cells still follow their equilibria stroke by stroke.",
-    "The robot starts from rest with every cell at 0, far from walls, and each cycle where the one "
-    "before it ended.",
+    "A snap is overdamped and takes no time, and a foot grips at once. In reality the stroke "
+    "changes meanwhile: forward steps are shorter and backward steps longer than predicted.",
+    "All legs end at one carriage behind the drive's spring. If the carriage jumps, the cells "
+    "still follow their equilibria stroke by stroke.",
+    "The robot starts from rest with every cell at 0, far from walls, and each cycle starts where "
+    "the previous one ended.",
 )
 
 
 class Motion(Enum):
-    """Where a cycle takes a robot."""
+    """Kind of motion in a cycle."""
 
     FORWARD = "walks forward"
     BACKWARD = "walks backward"
     LEFT = "turns left"
     RIGHT = "turns right"
-    NONE = "stays where it is"
+    NONE = "stays in place"
 
 
 class PushEnd(Enum):
-    """What ends a push when the floor drags more."""
+    """Event that ends a push as the floor's drag increases."""
 
     SLIP = "the foot slips"
     GAIT = "the gait changes"
-    NOTHING = "nothing: this foot never has to hold against the drag"
+    NOTHING = "nothing: the drag never loads this foot"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Push(ByValue):
-    """A foot that pushes the body over the floor, in one way of the actuator.
+    """A push of a foot that moves the body over the floor, in loading or unloading.
 
     Attributes:
-        loading: True on the way out, False on the way back.
-        step: how far the foot goes back under the body while it stands [m]; negative for a step
-            that takes the body backwards.
-        gain, slip: how far the body goes over the foot, and how far the foot slides [m].
-        load: what the foot carries while it pushes, on average [N].
+        loading: True for loading, False for unloading.
+        step: backward travel of the foot under the body in stance [m]; negative for a step that
+            moves the body backwards.
+        gain, slip: advance of the body over the foot, and sliding of the foot [m].
+        load: mean ground reaction force of the foot during the push [N].
         drag: of the floor on the whole robot [N], as given.
-        largest_drag: up to which this push goes on [N], in the terms of `Floor.drag` and at that
-            average load; infinite where nothing ends it.
-        limit: what then happens.
+        largest_drag: largest drag at which this push works [N], defined as `Floor.drag`, at that
+            mean load; infinite without a limit.
+        limit: event at that drag.
     """
 
     loading: bool
@@ -121,7 +130,7 @@ class Push(ByValue):
 
     @property
     def safety(self) -> float:
-        """Largest over given drag [1]; below 1 the foot slips already."""
+        """Largest drag over given drag [1]; below 1 the foot slips."""
         return self.largest_drag / self.drag if self.drag > 0 else math.inf
 
     def __repr__(self):
@@ -140,10 +149,10 @@ class Flip(ByValue):
     Attributes:
         antenna, leg: names.
         displacement: of the anchor [m] along the antenna's `moves`.
-        earliest, latest: between which displacements [m] the change comes, given what the
-            prediction cannot know; `latest` is infinite where it may not come at all.
+        earliest, latest: range of displacements [m] of the change within the uncertainty of the
+            prediction; `latest` is infinite if the change may be missing.
         swing: of the antenna [rad] at `displacement`.
-        before, gait: the gait up to there and past it.
+        before, gait: the gait below and above that displacement.
     """
 
     antenna: str
@@ -165,27 +174,27 @@ class Flip(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LegPrediction(ByValue):
-    """What one leg will do.
+    """Prediction for one leg.
 
     Attributes:
         name: of the leg.
-        gait: states as "00>10>11>01>00", a cell within a fifth of its travel from a stop counting
-            as there; of the cycle that repeats itself.
-        advance: how far a cycle takes the body over this leg's foot while it stands, over u_max,
-            the leg's largest step [1].
-        slip: how far the foot slides on the floor in a cycle [m].
-        margin: the smallest constant force [N] that, added to the travel of one cell, in one sense
-            or the other, changes the gait; infinite where 2 N do not.
-        nearest: what it then becomes, or "".
-        uncertainty: force [N] that this prediction does not know: damping at the drive's speed and
-            what the middle blocks lag behind where the drive turns.
-        alternatives: gaits that come out where what is assumed is changed within reason: no drag,
-            other feet in the air, a cell within 0.15 or 0.25 of its stop counting as there.
-        pushes: of its foot, on the way out and back.
-        flips: what its antennas do to it, in the order in which they come.
-        first_gait: of the first cycle, from all cells at 0; another where the drive is too soft to
-            bring the leg back. Then margin, alternatives and flips are those of the first cycle.
-        rigid_gait: of a drive that does not give.
+        gait: states as "00>10>11>01>00" of the cycle that repeats itself; a cell within a fifth of
+            its travel from a stop counts as at the stop.
+        advance: advance of the body over this leg's foot in stance per cycle, over u_max, the
+            leg's largest step [1].
+        slip: sliding of the foot on the floor in a cycle [m].
+        margin: the smallest constant force [N] on the travel of one cell, in either direction,
+            that changes the gait; infinite if 2 N do not change it.
+        nearest: the gait after that change, or "".
+        uncertainty: force [N] that statics neglects: damping at the drive's speed, and the lag of
+            the middle blocks where the drive turns.
+        alternatives: gaits under other plausible assumptions: no drag, other feet in flight, a
+            cell within 0.15 or 0.25 of its stop counting as at the stop.
+        pushes: of its foot, in loading and unloading.
+        flips: changes of gait by its antennas, by increasing displacement.
+        first_gait: of the first cycle, from all cells at 0; it differs if the drive is too soft to
+            return the leg. Then margin, alternatives and flips are those of the first cycle.
+        rigid_gait: with a rigid drive.
     """
 
     name: str
@@ -203,7 +212,7 @@ class LegPrediction(ByValue):
 
     @property
     def near_boundary(self) -> bool:
-        """Whether the gait may be another: margin below uncertainty, or an alternative."""
+        """Whether the gait is uncertain: margin below uncertainty, or an alternative."""
         return self.margin < self.uncertainty or bool(self.alternatives)
 
     @property
@@ -221,12 +230,12 @@ class LegPrediction(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveNeeds(ByValue):
-    """What a motor must have for the gait that a robot has behind a drive that does not give.
+    """Requirements on the actuator for the gaits that a robot has with a rigid drive.
 
     Attributes:
-        push, pull: largest force on the carriage on the way out and back [N], with the damping of
+        push, pull: largest force on the carriage in loading and unloading [N], with the damping of
             the cells at the drive's mean speed.
-        stiffness: least, to 1 %, at which all legs keep their gaits [N/m]; 0 where any will do.
+        stiffness: least, to 1 %, at which all legs keep their gaits [N/m]; 0 if any is enough.
     """
 
     push: float
@@ -236,17 +245,17 @@ class DriveNeeds(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prediction(ByValue, Drawn):
-    """What a robot will do in a cycle, computed without simulation.
+    """Prediction of a robot's motion in a cycle, computed without simulation.
 
     Attributes:
-        robot, legs: which, and what each of its legs will do.
+        robot, legs: the robot, and the prediction for each leg.
         advance, sideways: displacement forward and to the left in the cycle that repeats itself,
             over u_max, the legs' largest step [1].
         turn: rotation to the left in that cycle [rad].
         first_advance: displacement forward in the first cycle over u_max [1].
         strokes: least and largest stroke of the carriage [m].
-        too_soft: what the drive's spring does to the gait, in words; "" where it changes nothing.
-        assumptions: what all of this rests on.
+        too_soft: effect of the drive's compliance on the gait, in words; "" without one.
+        assumptions: of the prediction.
     """
 
     robot: Robot
@@ -261,25 +270,25 @@ class Prediction(ByValue, Drawn):
 
     @property
     def drive_needs(self) -> DriveNeeds:
-        """What a motor must have for the gait; worked out when it is first asked for."""
+        """Requirements on the actuator for the gait; computed on first access."""
         return drive_needs(self.robot)
 
     @property
     def depths(self) -> tuple[tuple[float, float], ...]:
-        """For each leg the depths of the feet [m] between which it surely keeps its gait.
+        """For each leg the range of preload depths [m] in which it certainly keeps its gait.
 
-        They are worked out when first asked for, in as long as the prediction took.
+        Computed on first access, which takes as long as the prediction.
         """
         return depths(self.robot)
 
     @property
     def known_depths(self) -> tuple[tuple[float, float] | None, ...]:
-        """The same, None for every leg where statics cannot determine them."""
+        """The same as `depths`, None for every leg if statics cannot determine them."""
         return known_depths(self.robot)
 
     @property
     def motion(self) -> Motion:
-        """In a word; a robot that turns by 3° or more in a cycle turns, however far it goes."""
+        """The kind of motion; a turn of 3° or more in a cycle counts before any advance."""
         if abs(self.turn) >= TURNS:
             return Motion.LEFT if self.turn > 0 else Motion.RIGHT
         if abs(self.advance) >= WALKS:
@@ -293,7 +302,7 @@ class Prediction(ByValue, Drawn):
 
     @property
     def near_boundary(self) -> bool:
-        """Whether any leg may do otherwise."""
+        """Whether the gait of any leg is uncertain."""
         return any(leg.near_boundary for leg in self.legs)
 
     @property
@@ -303,7 +312,7 @@ class Prediction(ByValue, Drawn):
 
     @property
     def flips(self) -> tuple[Flip, ...]:
-        """What the antennas change, over all legs."""
+        """Changes of gait by antennas, of all legs."""
         return tuple(flip for leg in self.legs for flip in leg.flips)
 
     def leg(self, name: str) -> LegPrediction:
@@ -315,28 +324,29 @@ class Prediction(ByValue, Drawn):
         near = [leg.name for leg in self.legs if leg.near_boundary]
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         soft = f"; {self.too_soft}" if self.too_soft else ""
-        # The depths at which all legs keep their gaits.
+        # The preload depths at which all legs keep their gaits.
         lows, highs = zip(*self.depths, strict=True)
         least, most = to_unit(max(lows), "mm"), to_unit(min(highs), "mm")
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {self.advance:z.2f}, turn "
-            f"{math.degrees(self.turn):z.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt}{soft})"
+            f"{math.degrees(self.turn):z.1f}°; preload depth {least:.2f} to {most:.2f} mm{doubt}"
+            f"{soft})"
         )
 
 
 def predict(robot: Robot) -> Prediction:
-    """Predict what a robot does in a cycle, without simulation. All else as for `Robot.predict`."""
+    """Predict a cycle of a robot from statics, without simulation; see `Robot.predict`."""
     cycles = rounds(robot)
     slid, firsts = slide(robot, cycles), tuple(one.first for one in cycles)
     x, y, turn = slid.displacement()
-    begun = x if firsts == cycles else slide(robot, firsts).displacement()[0]
+    first_x = x if firsts == cycles else slide(robot, firsts).displacement()[0]
     rigid, softer = _other_drives(robot, cycles)
-    # What can be doubted of legs that are alike, and what antennas do to them, is the same.
-    doubts = cache(lambda i: _doubts(firsts[i]))
+    # Equal legs have equal uncertainties and equal thresholds of antennas.
+    margins = cache(lambda i: _margin_and_alternatives(firsts[i]))
     flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
     legs: list[LegPrediction] = []
     for i, (one, first) in enumerate(zip(cycles, _first_alike(cycles), strict=True)):
-        margin, nearest, alternatives = doubts(first)
+        margin, nearest, alternatives = margins(first)
         legs.append(
             LegPrediction(
                 one.leg.name,
@@ -358,7 +368,7 @@ def predict(robot: Robot) -> Prediction:
                 rigid[i],
             )
         )
-    ways = x / robot.u_max, y / robot.u_max, turn, begun / robot.u_max
+    ways = x / robot.u_max, y / robot.u_max, turn, first_x / robot.u_max
     strokes = cycles[0].turns.back, cycles[0].turns.out
     return Prediction(robot, tuple(legs), *ways, strokes, too_soft(robot))
 
@@ -369,13 +379,13 @@ def predicted_gaits(robot: Robot) -> tuple[str, ...]:
 
 
 def too_soft(robot: Robot) -> str:
-    """What the drive's spring does to the gait, in words; "" where it changes nothing."""
+    """Effect of the drive's compliance on the gait, in words; "" without one."""
     cycles, stiffness = rounds(robot), robot.drive.stiffness
     gaits = _gaits(cycles)
-    if _passes(robot, cycles, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
+    if _completes(robot, cycles, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
         return ""
     text = (
-        f"the drive is too soft: with {stiffness:g} N/m the legs go from "
+        f"the drive is too soft: with {stiffness:g} N/m the legs move from "
         f"{to_unit(cycles[0].turns.back, 'mm'):.1f} to {to_unit(cycles[0].turns.out, 'mm'):.1f} mm "
         f"of {to_unit(robot.drive.amplitude, 'mm'):g} mm"
     )
@@ -385,8 +395,8 @@ def too_soft(robot: Robot) -> str:
     advance = slide(robot, firsts).displacement()[0] / robot.u_max
     states = ", ".join(dict.fromkeys(gait or "none" for gait in gaits))
     stuck = all(">" not in gait for gait in gaits)
-    then = f"is stuck in state {states}" if stuck else f"goes on as {states}"
-    return f"{text}; the first cycle goes {advance:.2f} of u_max, then the robot {then}"
+    then = f"is stuck in state {states}" if stuck else f"continues with the gait {states}"
+    return f"{text}; the first cycle advances by {advance:.2f} u_max, then the robot {then}"
 
 
 def _gaits(cycles: Sequence[Round]) -> tuple[str, ...]:
@@ -396,31 +406,31 @@ def _gaits(cycles: Sequence[Round]) -> tuple[str, ...]:
 def _other_drives(
     robot: Robot, cycles: tuple[Round, ...]
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Gaits of all legs behind a drive that does not give; and with what is not known of forces.
+    """Gaits of all legs with a rigid drive, and gaits with the uncertain force added or removed.
 
-    Where the drive has force to spare they are those found, and nothing is followed again.
+    If the drive has enough force for both, they are the gaits of `cycles`, without a new path.
     """
     unknown = sum(_uncertainty(robot, one.leg) for one in cycles)
-    if _passes(robot, cycles, robot.drive.stiffness, unknown):
+    if _completes(robot, cycles, robot.drive.stiffness, unknown):
         return _gaits(cycles), []
     stances = [one.stances for one in cycles]
     others = (go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown))
     return _gaits(rounds(robot, math.inf)), list(map(_gaits, others))
 
 
-def _passes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
-    """Whether a drive takes the carriage all the way out and back along these rounds."""
+def _completes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
+    """Whether the carriage reaches both ends of its stroke in these cycles."""
     spring = Spring(robot.drive.amplitude, stiffness, more)
     reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in cycles))
-    out, back = spring.stops(asked(cycles, 0), 1), spring.stops(asked(cycles, 1), -1)
+    out, back = spring.stops(drive_forces(cycles, 0), 1), spring.stops(drive_forces(cycles, 1), -1)
     return out >= reach - ROUNDING and back <= ROUNDING
 
 
-def _visits(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
-    """Whether it takes it so far that the legs visit the same states on these ways."""
+def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
+    """Whether the legs visit the same states in the strokes that the carriage reaches."""
     spring = Spring(robot.drive.amplitude, stiffness)
     for half, way in enumerate((1, -1)):
-        end = spring.stops(asked(cycles, half), way)
+        end = spring.stops(drive_forces(cycles, half), way)
         for one in cycles:
             ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
             gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
@@ -432,22 +442,22 @@ def _visits(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
 
 @lru_cache(maxsize=32)
 def drive_needs(robot: Robot) -> DriveNeeds:
-    """What a motor must have for the gait that a robot has behind a drive that does not give."""
+    """Requirements on the actuator for the gaits that a robot has with a rigid drive."""
     cycles = rounds(robot, math.inf)
-    push, pull = largest(asked(cycles, 0), 1), largest(asked(cycles, 1), -1)
+    push, pull = largest(drive_forces(cycles, 0), 1), largest(drive_forces(cycles, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
 
     def least(holds: Callable[[float], bool]) -> float:
-        """The least stiffness that does, by what is known of these ways alone."""
+        """The least stiffness for which a condition on these half cycles holds."""
         if holds(softest):
             return softest
         logs = math.log(stiffest), math.log(softest)
         return math.exp(bisected(lambda log: holds(math.exp(log)), *logs, 30)[0])
 
-    # Between these two the drive stops the carriage past the last state that a leg visits.
-    enough = least(partial(_passes, robot, cycles))
-    needed = min(enough, least(partial(_visits, robot, cycles)))
+    # Between these two the carriage stops beyond the last state that a leg visits.
+    enough = least(partial(_completes, robot, cycles))
+    needed = min(enough, least(partial(_visits_same_states, robot, cycles)))
 
     def gaits(stiffness: float) -> str:
         return str(_gaits(go_rounds(robot, [one.stances for one in cycles], stiffness)))
@@ -460,10 +470,10 @@ def drive_needs(robot: Robot) -> DriveNeeds:
 
 @lru_cache(maxsize=32)
 def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
-    """Between which depths below the supports [m] each leg surely keeps the gait predicted.
+    """Range of preload depths [m] in which each leg certainly keeps the predicted gait.
 
-    There its gait is the same whatever the force that the prediction does not know, all else as it
-    is; both are the feet's own depth where it may be another already.
+    In this range the gait does not depend on the uncertain force. If the gait is uncertain at the
+    feet's own depth, both ends are that depth.
     """
     cycles = tuple(one.first for one in rounds(robot))
     own = cache(lambda i: _depths(robot, i, cycles))
@@ -471,7 +481,7 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
 
 
 def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
-    """The same, None for every leg where the engine could not go on."""
+    """The same as `depths`, None for every leg if the path could not be followed."""
     try:
         return depths(robot)
     except StaticsError:
@@ -479,33 +489,33 @@ def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
 
 
 def _first_alike(cycles: Sequence[Round]) -> list[int]:
-    """For each leg the number of the first one that is the same, or is so in a mirror."""
+    """For each leg the index of the first equal leg, or of the first mirror image."""
     return [[other.alike(one.leg, one.stances) for other in cycles].index(True) for one in cycles]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
-    """Force [N] between two cells that the drive's speed may add or take."""
+    """Uncertain force [N] between two cells, from the speed of the drive."""
     speed = 2.0 * robot.drive.amplitude / robot.drive.period
     damping = robot.blocks.damping
-    # Half of the damping is the lag that the round has as friction: which of two cells bears it
-    # depends on how they start. A block follows its neighbour m/2c late, and meanwhile the
+    # Half of the damping is the lag that is in the cycle as friction: it depends on the start which
+    # of two cells bears it. A block follows its neighbour with a delay of m/2c, and meanwhile the
     # cells' forces fall at this rate.
     late = robot.blocks.mass / (2.0 * damping)
     falls = max(abs(c.force_0 - c.force_1) / c.full_travel for c in leg.chain.levers)
     return damping * speed / 2.0 + falls * speed * late
 
 
-def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
-    """Smallest force [N] on one cell that changes the gait, what it becomes, and alternatives."""
+def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
+    """Smallest force [N] on one cell that changes the gait, the new gait, and alternatives."""
     cells = len(one.leg.chain)
-    # At a given stroke a force on one of two cells does what its opposite does on the other.
+    # At a given stroke a force on one of two cells acts as the opposite force on the other.
     tried = (cells - 1,) if cells == 2 else range(cells)
     margin, nearest = math.inf, ""
     for cell, sense in product(tried, (1.0, -1.0)):
 
         def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
             extra = {cell: sense * force}
-            # Without a force it is the round that is known.
+            # Without a force it is the known cycle.
             return go_round(one.leg, one.stances, one.turns, extra).gait() if force else one.gait()
 
         nearer = [force for force in FORCES if force < margin]
@@ -513,7 +523,7 @@ def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
         change = next(changes(pushed, looks), None)
         if change is not None and change[0] < margin:
             margin, nearest = change
-    # What the floor does to the foot may be another: no drag, or one load however far it steps.
+    # Other forces of the floor: no drag, or a load that does not depend on the step.
     others = {one.gait(tolerance) for tolerance in TOLERANCES}
     for out, back in (
         [replace(foot, drags=False) for foot in one.stances],
@@ -524,13 +534,13 @@ def _doubts(one: Round) -> tuple[float, str, tuple[str, ...]]:
 
 
 def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, float]:
-    """Depths of the feet [m] between which a leg keeps its gait, whatever is not known."""
+    """Range of preload depths [m] in which a leg keeps its gait despite the uncertain force."""
     foot, leg = robot.foot, robot.legs[index]
     unknown, gait = _uncertainty(robot, leg), cycles[index].gait()
-    # No robot's feet stand deeper than its cells can lift them.
+    # The preload depth cannot exceed the lift of the last cell.
     deepest = 0.999 * float(foot.depth(0.0) - foot.depth(leg.chain.cells[-1].full_travel))
 
-    def deep(below: float) -> str:
+    def gait_at(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
         stances = footing(other, index, cycles, leaning(other))
         for force in (unknown, -unknown):
@@ -538,22 +548,22 @@ def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, f
             try:
                 after = go_round(leg, stances, cycles[index].turns, extra).gait()
             except StaticsError:
-                return "not followed"  # so it is not sure
+                return "not followed"  # counts as another gait
             if after != gait:
                 return after
         return gait
 
-    def until(looks: list[float]) -> float:
-        return next(changes(deep, [foot.below, *looks], DEPTH_HALVINGS), (looks[-1], ""))[0]
+    def first_change(looks: list[float]) -> float:
+        return next(changes(gait_at, [foot.below, *looks], DEPTH_HALVINGS), (looks[-1], ""))[0]
 
-    if deep(foot.below) != gait:
+    if gait_at(foot.below) != gait:
         return foot.below, foot.below
     deeper = [foot.below + more for more in DEEPER if foot.below + more < deepest]
-    return until([foot.below / 2, 0.0]), until([*deeper, max(deepest, foot.below)])
+    return first_change([foot.below / 2, 0.0]), first_change([*deeper, max(deepest, foot.below)])
 
 
 def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float) -> Iterator[Flip]:
-    """What an antenna that moves this anchor p changes; it is not named yet."""
+    """Changes of gait as an antenna moves this anchor p; the antenna's name is left empty."""
     unknown, length, before = _uncertainty(robot, one.leg), math.hypot(*moves), one.gait()
 
     def thresholds(force: float) -> list[tuple[float, str]]:
@@ -565,7 +575,7 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
 
     around = [thresholds(force) for force in (unknown, -unknown)]
     for share, after in thresholds(0.0):
-        # The same change where the unknown force is added and taken.
+        # The same change with the uncertain force added and removed.
         same = [next((s for s, g in changed if g == after), math.inf) for changed in around]
         early, late = min(share, *same) * length, max(share, *same) * length
         yield Flip("", one.leg.name, share * length, early, late, share * swing, before, after)
@@ -579,7 +589,7 @@ def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]
         total = float(step.sum())
         if abs(total) < PUSHES * one.leg.stroke:
             continue
-        # While it pushes the way it ends up going, and not while the weight passes over.
+        # Only pushes in the direction of the total, not those during the handover of weight.
         pushing = np.maximum(np.sign(total) * step, 0.0)
         carries = float(pushing @ load / pushing.sum())
         feet = (slid.load[rows] > 0.0).sum(axis=1)
@@ -590,7 +600,7 @@ def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]
 
 
 def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, PushEnd]:
-    """The floor's drag [N] at which a foot slips or its leg steps otherwise."""
+    """The floor's drag [N] at which a foot slips or the gait of its leg changes."""
     left = robot.weight - sharing * load
     if left <= 0.0 or robot.floor.gravity == 0.0:
         return math.inf, PushEnd.NOTHING

@@ -21,24 +21,24 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot(ByValue, Drawn):
-    """Legs on one actuator, under a body that rests on a T-foot.
+    """Legs on one actuator, under a body on a passive support, the T-foot.
 
     Args:
         legs: two or more, all with the same full stroke.
-        body: what they carry.
+        body: carried by the legs.
         foot, blocks: the V and the foot, and the moving blocks, of every leg.
-        floor: where it stands.
+        floor: under the robot.
         drive: the command that all legs share.
         antennas: none or several.
-        title: what reports call it.
-        sources: where numbers come from: keys of its design file, "paper", "authors' notes",
-            "measured" or "assumed" each. Keys that are not in it are assumed.
-        unusual: True where sizes far off the legs' stroke and bands are meant, as for a Cell.
+        title: name in reports.
+        sources: source of each number, by key of the design file: "paper", "authors' notes",
+            "measured" or "assumed". Missing keys are assumed.
+        unusual: True to accept sizes far off the legs' stroke and bands, as for a Cell.
 
     Raises:
-        ValueError: a geometry that cannot walk, with every reason found: strokes that do not match
-            the drive, legs or supports that collide, a centre of mass outside the supports, links
-            that do not reach, an antenna on no leg; or sizes that are probably in another unit.
+        ValueError: a geometry that cannot walk, with every reason: strokes that do not match the
+            drive, legs or supports that collide, a centre of mass outside the supports, links that
+            are too short, an antenna on no leg; or sizes that are probably in another unit.
 
     Source: Kamp et al. 2024, Figs. 3 and 4.
     """
@@ -53,7 +53,7 @@ class Robot(ByValue, Drawn):
     title: str = ""
     sources: Mapping[str, str] = field(default_factory=dict, hash=False, repr=False)
     unusual: bool = field(default=False, compare=False)
-    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    # Whether the sizes were checked for wrong units; `replace` passes it on to the copies.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):
@@ -68,7 +68,7 @@ class Robot(ByValue, Drawn):
 
     @property
     def mass(self) -> float:
-        """Of everything together [kg]."""
+        """Total mass [kg]."""
         blocks = sum(self.blocks.mass * len(leg.chain) + self.foot.mass for leg in self.legs)
         antennas = sum(antenna.mass for antenna in self.antennas)
         return self.body.mass + self.blocks.carriage + blocks + antennas
@@ -85,7 +85,7 @@ class Robot(ByValue, Drawn):
 
     @property
     def support_friction(self) -> float:
-        """Coulomb's coefficient [1] under the T-foot that gives the floor's drag."""
+        """Coulomb's coefficient [1] under the passive support, from the floor's drag."""
         return self.floor.drag / (self.mass * 9.81)
 
     @property
@@ -103,17 +103,17 @@ class Robot(ByValue, Drawn):
     def with_anchors(
         self, leg: str, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None
     ) -> Robot:
-        """The same robot with the anchors p, q [m] of one cell of one leg moved; None leaves one.
+        """The same robot with the anchors p, q [m] of one cell of one leg moved; None keeps one.
 
-        The cell is an index, 0 for the innermost, or a name. A `ValueError` refuses others, and
-        anchors that no cell can have.
+        The cell is an index, 0 for the innermost, or a name. A `ValueError` refuses other cells and
+        impossible anchors.
         """
         return self._with_leg(self.leg(leg).with_anchors(cell, p, q))
 
     def pressed(self, swings: Mapping[str, float]) -> Robot:
-        """The same robot with antennas held back by `swings` [rad], as anchors that have moved.
+        """The same robot with antennas pressed by `swings` [rad], as displaced anchors.
 
-        A `ValueError` refuses other antennas, and rotations that are not from 0 to its `swing`.
+        A `ValueError` refuses unknown antennas, and rotations outside 0 to the antenna's `swing`.
         """
         robot, antennas = self, {antenna.name: antenna for antenna in self.antennas}
         for name, swing in swings.items():
@@ -135,15 +135,15 @@ class Robot(ByValue, Drawn):
         return replace(self, legs=tuple(leg if one.name == leg.name else one for one in self.legs))
 
     def predict(self) -> Prediction:
-        """Predict what a robot does in a cycle, without simulation.
+        """Predict gait, advance and limits of a cycle from statics, without simulation.
 
-        Every leg is followed exactly through its equilibria, with the weight on its foot and the
-        floor's drag as loads; then friction decides how the body slides. The theory of the robot
-        derives both. That gives gait, advance, drag limits and antenna thresholds of every leg, and
-        doubts.
+        Every leg is followed exactly through its equilibria, with the ground reaction force on its
+        foot and the floor's drag as loads; then friction decides how the body slides. The theory
+        page of the robot derives both. The result has gait, advance, drag limits, antenna
+        thresholds and uncertainties of every leg.
 
         Raises:
-            StaticsError: the engine could not go on; its text says what to do.
+            StaticsError: the quasi-static path could not be followed; the text has an action.
         """
         from stepwell.robot.prediction import predict
 
@@ -158,21 +158,22 @@ class Robot(ByValue, Drawn):
         start: Walk | None = None,
         progress: Progress | None = None,
     ) -> Walk:
-        """Drive a robot's actuator out and back and let physics do the rest.
+        """Simulate a walk in MuJoCo, driven by loading and unloading of the actuator.
 
-        The position command is the only input. Nothing else is scripted. The same robot, settings
-        and machine give identical numbers.
+        The position command is the only input. The same robot, settings and computer give identical
+        numbers.
 
         Args:
-            cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
-            arena: obstacles and where it starts; a bare floor by default.
+            cycles: number of cycles of loading and unloading, > 0; fractions are allowed.
+            arena: obstacles and start; a bare floor by default.
             settings: of the simulation.
-            start: an earlier walk to go on from, of this robot or of one whose numbers alone have
-                changed, an anchor say. The command goes on from where it was.
+            start: an earlier walk to continue, of this robot or of one with other numbers only, for
+                example another anchor. The command continues without a jump.
             progress: called with (done, total) [s].
 
         Raises:
-            ValueError: no cycles, a start that ended early, or what the simulator has no terms for.
+            ValueError: no cycles, a start that ended early, or a part that the simulator does not
+                support.
             ModuleNotFoundError: MuJoCo is not installed.
         """
         from stepwell.simulation import walk
@@ -187,18 +188,18 @@ class Robot(ByValue, Drawn):
         settings: Settings | None = None,
         progress: Progress | None = None,
     ) -> Maze:
-        """Simulate a robot in an arena until it reaches the goal, is trapped or runs out of time.
+        """Simulate a robot in an arena until it reaches the goal, is trapped or the time is over.
 
-        The actuator goes out and back all the while and nothing steers but the antennas.
+        The actuator loads and unloads all the time, and only the antennas steer.
 
         Args:
-            arena: obstacles, start and goal; without a goal it walks until the time is out.
-            limit: time that it is given [s], > 0.
+            arena: obstacles, start and goal; without a goal the robot walks for the whole time.
+            limit: simulated time [s], > 0.
             settings: of the simulation.
             progress: called with (done, total) [s].
 
         Raises:
-            ValueError: no time, or a robot that the simulator has no terms for.
+            ValueError: no time, or a robot that the simulator does not support.
             ModuleNotFoundError: MuJoCo is not installed.
         """
         from stepwell.simulation import maze

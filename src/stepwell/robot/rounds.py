@@ -1,4 +1,4 @@
-"""The rounds of the legs: out and back through their equilibria, stance by stance."""
+"""Cycles of the legs: loading and unloading through equilibria, contact phase by phase."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
 from stepwell.robot.stance import HANDOVER, POINTS, Spring, Stance, leaning, stance, touch
 
-# A cell within this share of its full travel from a stop counts as being there: weight on a foot
-# holds its cell a little open, and a compliant drive stops short.
+# A cell within this fraction of its full travel from a stop counts as at the stop: the ground
+# reaction force holds the cell of a foot a little open, and a compliant drive stops short.
 TOLERANCE = 0.2
 
-# What one robot of many does in a cycle, see `stepwell.simulation.Trial`.
+# Results of one robot of many in a cycle, see `stepwell.simulation.Trial`.
 TRIAL: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form=".3f"),
     Quantity("sideways", "over_u_max"),
@@ -37,10 +37,10 @@ TRIAL: Schema = (
 
 
 def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
-    """States as "01", or None where a cell is in transit.
+    """States as "01", None for samples with a cell in transit.
 
-    Each of the n is told of `share` (n, cells), the travel of each cell over its full travel [1]; a
-    cell counts as at its stop within `tolerance`, a share of its travel.
+    `share` (n, cells) is the travel of each cell over its full travel [1]. A cell counts as at its
+    stop within `tolerance`, a fraction of its travel.
     """
     at_0, at_1 = np.asarray(share < tolerance), np.asarray(share > 1.0 - tolerance)
     resting = np.asarray((at_0 | at_1).all(axis=1))
@@ -51,7 +51,7 @@ def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
 
 
 def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
-    """The states that follow each other in a cycle, as "00>10>11>01>00"; "" without any."""
+    """The sequence of states in a cycle, as "00>10>11>01>00"; "" without any."""
     visited = filter(None, states(share, tolerance))
     return ">".join(state for state, _ in groupby(visited))
 
@@ -59,17 +59,17 @@ def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
 Extra = Mapping[int, float]
 Stances = tuple[Stance, Stance]
 
-MOST_PHASES = 16  # a foot that lands and lifts more often in one way is chattering
+MOST_PHASES = 16  # a foot that lands and lifts more often in one half cycle is chattering
 PASSES = 3
 SAMPLES = 12  # on each smooth branch
-SETTLED = 1e-4  # weights that differ by less [N] are the same
-MOST_CYCLES = 4  # after which a cycle that does not end where it began is taken as it is
-CLOSES = 0.02  # share of its travel by which every cell of a cycle may end beside its beginning
-ROUNDING = 1e-9  # strokes that differ by less [m] are the same
+SETTLED = 1e-4  # ground reaction forces that differ by less [N] count as equal
+MOST_CYCLES = 4  # the last one is used even if it does not end where it began
+CLOSES = 0.02  # a cycle is closed if every cell ends within this fraction of its travel
+ROUNDING = 1e-9  # strokes that differ by less [m] count as equal
 
 
 class Turns(NamedTuple):
-    """Where a cycle of a leg begins and turns."""
+    """Begin and turning points of a cycle of a leg."""
 
     begin: tuple[float, ...]  # (cells,) travels [m]
     out: float  # stroke at which it turns [m]
@@ -78,28 +78,29 @@ class Turns(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FootPhase:
-    """A part of a way in which the foot stands, or is in the air."""
+    """A part of a half cycle: stance, or flight of the foot."""
 
     foot: Stance
-    way: int  # +1 out, -1 back
+    way: int  # +1 loading, -1 unloading
     stands: bool
-    weighed: float  # step at which the weight was taken that the last cell feels [m]
+    weighed: float  # step at which the load on the last cell was evaluated [m]
     begin: Floats  # (cells,) travels at its start [m]
     travel: Floats  # (n, cells) [m]
     shared: Floats  # (n,) force that all cells share as they are followed [N], see `_loaded`
     added: Floats  # (k,) load of the stepping cell for the last one's, at the stance's steps [N]
 
     def force(self) -> Floats:
-        """(n,) force with which the drive pushes this leg's outermost block out [N]."""
-        # The same force on every cell moves nothing at a given stroke, and the cells are followed
-        # without it. The drive bears it: what holds the foot along the floor, less what the
-        # stepping cell was given in place of the last one, and the other half of the lag.
+        """(n,) force of the drive on this leg's outermost block, positive outwards [N]."""
+        # The same force on every cell changes no travel at a given stroke, and the cells are
+        # followed without it. The drive bears this force: the force along the floor on the foot,
+        # less the load put on the stepping cell in place of the last one, and the other half of
+        # the lag.
         foot, step = self.foot, self.travel[:, :-1].sum(axis=1)
         along = foot.hold(self.load(), step) + _lag(foot.robot)
         return self.shared + self.way * along - np.interp(step, foot.step, self.added)
 
     def load(self) -> Floats:
-        """(n,) force of the floor on the foot [N]."""
+        """(n,) ground reaction force of the foot [N]."""
         foot, edge = self.foot, touch(self.foot.robot)
         last, step = self.travel[:, -1], self.travel[:, :-1].sum(axis=1)
         most = np.interp(step, foot.step, foot.load)
@@ -108,7 +109,7 @@ class FootPhase:
         between = np.flatnonzero((last < edge) & (last > edge - HANDOVER) & (last > 0.0))
         if not len(between):
             return load
-        # There the balance says how much: what the last cell needs to stay where it is.
+        # There the balance gives the load: the one that the last cell needs to stay in place.
         at, carried = _handing_over(foot, self.weighed, 2 * edge)
         need = foot.push(np.interp(last[between], at, carried), edge, self.weighed, self.way)
         if self.stands:
@@ -123,7 +124,7 @@ class FootPhase:
 
 @dataclass(frozen=True, eq=False)
 class HalfRound:
-    """A leg's way out or back, in phases."""
+    """Loading or unloading of a leg, in contact phases."""
 
     phases: tuple[FootPhase, ...]
 
@@ -134,12 +135,12 @@ class HalfRound:
 
     @cached_property
     def load(self) -> Floats:
-        """(n,) force of the floor on the foot [N]."""
+        """(n,) ground reaction force of the foot [N]."""
         return np.concatenate([phase.load() for phase in self.phases])
 
     @cached_property
     def force(self) -> Floats:
-        """(n,) with which the drive pushes the outermost block out [N]."""
+        """(n,) force of the drive on the outermost block, positive outwards [N]."""
         return np.concatenate([phase.force() for phase in self.phases])
 
     @cached_property
@@ -158,10 +159,10 @@ class HalfRound:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A leg's way out and back, and how its foot stands on each."""
+    """A cycle of a leg: loading and unloading, with the stances of its foot."""
 
     leg: Leg
-    halves: tuple[HalfRound, HalfRound]  # out and back, as the stances of the foot
+    halves: tuple[HalfRound, HalfRound]  # loading and unloading, as the stances of the foot
     stances: Stances
     turns: Turns
     before: "Round | None" = None  # the cycle before, None for the first, from all cells at 0
@@ -172,21 +173,21 @@ class Round:
         return self if self.before is None else self.before.first
 
     def gait(self, tolerance: float = TOLERANCE) -> str:
-        """The states visited, as "00>10>11>01>00"."""
+        """The sequence of states, as "00>10>11>01>00"."""
         full = np.array(self.leg.chain.full_travels)
         return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
     def alike(self, leg: Leg, stances: Stances) -> bool:
-        """Whether another leg does what this one does: the same one, or so in a mirror."""
+        """Whether another leg has the same cycle: an equal leg, or its mirror image."""
         pairs = zip(self.stances, stances, strict=True)
         return self.leg.chain == leg.chain and all(own.alike(other) for own, other in pairs)
 
 
 @lru_cache(maxsize=32)
 def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
-    """The round of every leg, each with the others where they are at the same stroke.
+    """The cycle of every leg, with the other legs at the same stroke.
 
-    The drive has another `stiffness` [N/m] than its own where that is given.
+    `stiffness` [N/m] replaces that of the drive, if given.
     """
     setting_out = leaning(robot)
     cycles: tuple[Round, ...] = ()
@@ -199,12 +200,12 @@ def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
 def go_rounds(
     robot: Robot, stances: Sequence[Stances], stiffness: float, more: float = 0.0
 ) -> tuple[Round, ...]:
-    """Follow all legs from all cells at 0, cycle after cycle until one ends where it began.
+    """Follow all legs from all cells at 0, cycle after cycle, until a cycle ends where it began.
 
-    The legs' outermost blocks are one carriage that the drive pushes through a spring, against a
-    force `more` besides [N]. At every stroke the legs are chains of their own, and the carriage
-    stands where the spring gives the sum of their forces. It goes through a stretch in which they
-    fall faster than the spring's at once, and turns where the command takes it no further.
+    The legs' outermost blocks are one carriage that the drive pushes through a spring, against an
+    additional force `more` [N]. At every stroke the legs are separate chains. The carriage rests
+    where the spring force equals the sum of their forces, jumps where that sum falls faster than
+    the spring force, and turns at the end of the command.
     """
     spring = Spring(robot.drive.amplitude, stiffness, more)
     begins: list[tuple[float, ...]] = [(0.0,) * len(leg.chain) for leg in robot.legs]
@@ -216,7 +217,7 @@ def go_rounds(
         try:
             following = _cycle(robot, stances, spring, ends)
         except ValueError:
-            # It rests in the middle of a jump: the next cycle is not known.
+            # It would begin in the middle of a jump: the next cycle is not determined.
             break
         cycles = [
             replace(one, before=before) for before, one in zip(cycles, following, strict=True)
@@ -233,13 +234,13 @@ def _closes(one: Round, end: Sequence[float]) -> bool:
 def _cycle(
     robot: Robot, stances: Sequence[Stances], spring: Spring, begins: Sequence[tuple[float, ...]]
 ) -> list[Round]:
-    """All legs out and back, as far as the spring takes them."""
+    """Loading and unloading of all legs, up to the strokes that the spring reaches."""
 
     def go(out: float, back: float) -> list[Round]:
         done: list[Round] = []
         for leg, each, begin in zip(robot.legs, stances, begins, strict=True):
             turns = Turns(begin, out, back)
-            # What legs that are alike do is the same.
+            # Equal legs have equal cycles.
             twins = (one for one in done if one.turns == turns and one.alike(leg, each))
             twin = next(twins, None) or go_round(leg, each, turns)
             done.append(replace(twin, leg=leg))
@@ -247,29 +248,29 @@ def _cycle(
 
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     cycles = go(max(reach, math.fsum(begins[0])), 0.0)
-    out = spring.stops(asked(cycles, 0), 1)
+    out = spring.stops(drive_forces(cycles, 0), 1)
     if out < reach - ROUNDING:
         cycles = go(out, 0.0)
-    back = spring.stops(asked(cycles, 1), -1)
+    back = spring.stops(drive_forces(cycles, 1), -1)
     return cycles if back < ROUNDING else go(out, back)
 
 
-def asked(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
-    """What a `Spring` takes of every leg, its strokes [m] and forces [N], out (0) or back (1)."""
+def drive_forces(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
+    """Strokes [m] and forces [N] of every leg for a `Spring`, loading (0) or unloading (1)."""
     return [(one.halves[half].stroke, one.halves[half].force) for one in cycles]
 
 
 def footing(robot: Robot, index: int, cycles: Sequence[Round], setting_out: Floats) -> Stances:
-    """How the foot of one leg stands, out and back, while the other legs go as found.
+    """Stances of the foot of one leg, loading and unloading, for given cycles of the other legs.
 
-    All legs are taken to step alike while none is found. Before it has stepped the floor bears each
-    foot with the force `setting_out` (legs,) [N].
+    Without cycles, all legs are assumed to step alike. `setting_out` (legs,) [N] is the ground
+    reaction force of each foot before it has stepped.
     """
     share, leg = np.linspace(0.0, 1.0, POINTS)[:, None], robot.legs[index]
     stroke = np.linspace(0.0, leg.stroke, POINTS)
     out, back = (
         [
-            # Like legs step together, whatever either would do at that stroke alone.
+            # Equal legs step together, also where one alone would do otherwise at that stroke.
             share * np.append(one.chain.full_travels[:-1], 0.0)
             if not cycles or one.chain == leg.chain
             else cycles[k].first.halves[half].at(stroke)[0]
@@ -283,14 +284,14 @@ def footing(robot: Robot, index: int, cycles: Sequence[Round], setting_out: Floa
 def go_round(
     leg: Leg, stances: Stances, turns: Turns, extra: Extra = MappingProxyType({})
 ) -> Round:
-    """Follow a leg out and back; `extra` is a constant force against the travel of a cell [N]."""
+    """Follow one cycle of a leg; `extra` has constant forces against the travel of cells [N]."""
     begin = np.array(turns.begin)
     out = _half(leg, stances[0], 1, begin, turns.out, extra)
     try:
         back = _half(leg, stances[1], -1, out.travel[-1], turns.back, extra)
     except ValueError:
-        # The foot still stands where the drive turns, and cannot while the drag changes over from
-        # one way to the other in no time; without it both ways have one law.
+        # The foot is in stance where the drive turns: a sudden reversal of drag has no solution.
+        # Without drag, loading and unloading have the same law.
         quiet = replace(stances[0], drags=False)
         stances = (quiet, quiet)
         out = _half(leg, quiet, 1, begin, turns.out, extra)
@@ -299,7 +300,7 @@ def go_round(
 
 
 def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: Extra) -> HalfRound:
-    """Follow one way in phases, in each of which the foot stands or is in the air."""
+    """Follow one half cycle in phases, each with the foot in stance or in flight."""
     stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
     nothing = np.zeros_like(foot.step)
     phase = FootPhase(foot, way, stands, weighed, begin, begin[None], np.zeros(1), nothing)
@@ -312,20 +313,20 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
         except ValueError:
             if not phases:
                 raise
-            # It turns in the middle of a jump, where it cannot rest: it goes on as it did.
+            # It would turn in the middle of a jump, where no rest is possible: the phase goes on.
             break
         phases.append(phase)
         if not len(ahead.travel):
             return HalfRound(tuple(phases))
         phase = replace(phase, stands=not phase.stands, begin=phase.travel[-1])
-    # Here, or where it chatters: the rest of the way as it was last seen.
+    # After that, or if the foot chatters: the rest of the way as in the last phase.
     return HalfRound((*phases, ahead))
 
 
 def _phase(leg: Leg, phase: FootPhase, until: float, extra: Extra) -> tuple[FootPhase, FootPhase]:
-    """Follow until the foot lifts or lands: the phase, and what would come past its end."""
+    """Follow until the foot lifts or lands: the phase, and its continuation past the end."""
     foot, at = phase.foot, phase.begin
-    # Half a handover either side tells a foot that stands from one that does not.
+    # Half a handover on either side separates stance from flight.
     margin = HANDOVER / 2 if phase.stands else -HANDOVER / 2
     taken, shared, end = at[None], np.zeros(1), 0
     for _ in range(PASSES):
@@ -340,7 +341,7 @@ def _phase(leg: Leg, phase: FootPhase, until: float, extra: Extra) -> tuple[Foot
         lands = float(taken[end, :-1].sum())
         if phase.stands or abs(foot.load_at(lands) - foot.load_at(phase.weighed)) < SETTLED:
             break
-        # It comes down elsewhere, under another weight.
+        # The foot lands at another step, under another load.
         phase = replace(phase, weighed=lands)
     end += 1
     return (
@@ -355,14 +356,14 @@ def _lag(robot: Robot) -> float:
 
 
 def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
-    """The leg's chain with all that the floor does to it, as loads of its cells, and `added`.
+    """The leg's chain with all forces of the floor as loads of its cells, and `added`.
 
-    While the foot stands, the change of the weight that the last cell feels is a load on the cells
-    that step: at a given stroke it moves the chain as its opposite would on the last cell.
+    During stance, the change of the load on the last cell is put on the stepping cells with the
+    opposite sign: at a given stroke both move the chain alike.
     """
     foot, way, at = phase.foot, phase.way, phase.begin
-    # Damping holds back what moves and not what rests. Half of it as friction on every cell
-    # makes that difference: one half on the cell that moves, one on the cell that would start.
+    # Damping acts on moving cells only. Half of it as friction on every cell has the same effect:
+    # one half on the moving cell, one half on the cell that would start.
     lag = _lag(foot.robot)
     cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.levers]
     travel, load = _handing_over(foot, phase.weighed, cells[-1].full_travel)
@@ -375,12 +376,12 @@ def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
             full = cell.full_travel
             share, change = foot.step, more
             if len(cells) > 2:
-                # Of several stepping cells each takes its part of a straight line.
+                # Each of several stepping cells takes its part of a straight line.
                 slope = (more[-1] - more[0]) / foot.step[-1]
                 share, change = np.array([0.0, full]), slope * (np.array([0.0, full]) - at[i])
             if way > 0:
-                # More weight never lifts a foot: as a foot of which the weight is passing over
-                # is lifted where the stepping cell alone needs more force than at first.
+                # More weight never lifts a foot: a foot during the handover of weight lifts
+                # where the stepping cell alone needs more force than at first.
                 here = cell.force(cell.angle(np.append(share, at[i])))
                 change = np.minimum(change, np.maximum(here[-1] - here[:-1], 0.0))
             cells[i] = _with_load(cell, share, change)
@@ -392,12 +393,12 @@ def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
 
 
 def _handing_over(foot: Stance, step: float, full: float) -> tuple[Floats, Floats]:
-    """Travels [m] of the last cell and what the foot carries there [N]."""
+    """Travels [m] of the last cell and the load of the foot there [N]."""
     edge, load = touch(foot.robot), foot.load_at(step)
     low = edge - HANDOVER
     stood = np.linspace(0.0, low, 4) if low > 0 else np.zeros(1)
     lifted = np.linspace(edge, full, 6)[1:]
-    # As the weight passes over, the drag is straight in it up to where the foot begins to slip.
+    # During the handover the drag is linear in the load, until the foot begins to slip.
     slips = foot.slips_below(step) / load if load > 0.0 else 0.0
     passing = np.array([slips, 0.0] if 0.0 < slips < 1.0 else [0.0])
     at = np.concatenate([stood, edge - HANDOVER * passing, lifted])
@@ -406,7 +407,7 @@ def _handing_over(foot: Stance, step: float, full: float) -> tuple[Floats, Float
 
 
 def _with_load(cell: Cell, travel: Floats, force: Floats) -> Cell:
-    """The cell with one more force [N] against its travel, given at some travels [m]."""
+    """The cell with one more load [N] against its travel, given at some travels [m]."""
     if cell.load is not None:
         both = np.unique(np.concatenate([cell.load.travel, travel]))
         force = value(cell.load.pieces(), both) + np.interp(both, travel, force)

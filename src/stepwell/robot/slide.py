@@ -1,4 +1,4 @@
-"""How a robot slides on the floor while its feet move under it: least dissipation."""
+"""Sliding of a robot on the floor over its moving feet, by least dissipation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,23 +10,25 @@ from stepwell.robot.robot import Robot
 from stepwell.robot.rounds import Round
 from stepwell.robot.stance import feet_places, supports_load, touch
 
-STEPS = 320  # into which each way, out and back, is cut
-NONE = 1e-5  # slides shorter than this share of a step count as none
+STEPS = 320  # of loading, and of unloading
+NONE = 1e-5  # slides shorter than this fraction of a step count as none
 ROUNDS = 60
 
 
 @dataclass(frozen=True)
 class Slide:
-    """A cycle on the floor, in n steps of the stroke, out and then back."""
+    """A cycle on the floor, in n steps of the stroke, loading and then unloading."""
 
-    twist: Floats  # (n, 3) forward, to the left [m] and to the left [rad], as the body then stands
-    push: Floats  # (n, legs) how far each standing foot goes back under the body [m]
-    gain: Floats  # (n, legs) how far the body goes forward over each standing foot's place [m]
-    slip: Floats  # (n, legs) how far each standing foot slides on the floor [m]
-    load: Floats  # (n, legs) force of the floor on each foot [N]
+    twist: (
+        Floats  # (n, 3) forward, to the left [m], turn to the left [rad], in the frame of the body
+    )
+    push: Floats  # (n, legs) backward travel of each foot in stance under the body [m]
+    gain: Floats  # (n, legs) advance of the body at each foot in stance [m]
+    slip: Floats  # (n, legs) sliding distance of each foot in stance [m]
+    load: Floats  # (n, legs) ground reaction force of each foot [N]
 
     def displacement(self) -> tuple[float, float, float]:
-        """Forward, to the left [m] and to the left [rad], from the start of the cycle."""
+        """Displacement forward and to the left [m], and turn to the left [rad], of the cycle."""
         along, across, turn = self.twist.T
         yaw = np.cumsum(turn)
         ahead, aside = np.cos(yaw - turn / 2), np.sin(yaw - turn / 2)
@@ -35,11 +37,11 @@ class Slide:
 
 
 def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
-    """What the rounds of the legs do to the body on the floor.
+    """Motion of the body on the floor for given cycles of the legs.
 
-    At every step the body takes, of all small motions, the one in which friction under feet
-    and supports takes least: that is Coulomb's friction without inertia, with feet that stick
-    where that costs less than dragging them.
+    At every step the body makes the small motion with the least dissipation by friction under feet
+    and supports. That is Coulomb's friction without inertia: feet stick where sliding would cost
+    more.
     """
     edge, supports = touch(robot), np.asarray(robot.body.supports, float)
     halves: list[tuple[Floats, ...]] = []
@@ -51,7 +53,7 @@ def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
         middles, loads = zip(*(way.at((stroke[1:] + stroke[:-1]) / 2) for way in ways), strict=True)
         load = np.stack(loads, axis=1)
         back = -np.diff(feet_places(robot, followed)[..., 0], axis=0)
-        # The share of a step in which each foot touches.
+        # The fraction of a step in which each foot is in contact.
         last = np.stack([travel[:, -1] for travel in followed], axis=1)
         low, high = np.minimum(last[1:], last[:-1]), np.maximum(last[1:], last[:-1])
         part = np.where(high <= edge, 1.0, (edge - low) / np.where(high > low, high - low, 1.0))
@@ -79,7 +81,7 @@ def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]
     own = np.zeros((n, k, 2))
     own[..., 0] = moves
     floor = NONE * max(float(np.abs(moves).max(initial=0.0)), 1e-9)
-    # Reweighted least squares: each term over its last size is the sum of sizes in the end.
+    # Reweighted least squares: each square over the last size converges to the sum of sizes.
     speed = np.ones((n, k))
     twist = np.zeros((n, 3))
     scale = np.diag([1.0, 1.0, 1e-4]) * 1e-12

@@ -1,4 +1,4 @@
-"""What the floor does to feet and supports, and the drive's spring to the carriage."""
+"""Ground reaction forces of feet and supports, and the drive's spring on the carriage."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,41 +10,41 @@ import numpy as np
 from stepwell.base import Bools, Floats
 from stepwell.robot.robot import Robot
 
-# Travel [m] over which the weight passes from foot to supports: nothing beside a travel, and yet a
-# slope that the engine follows like any other.
+# Travel [m] over which the weight passes from foot to supports: negligible against a travel, and
+# yet a finite slope that the engine can follow.
 HANDOVER = 1e-6
-SAME = 1e-9  # heights of the body that differ by less [m] are the same way to stand
-POINTS = 8  # steps of a leg at which its stance is worked out
-HAIR = 1e-5  # travel by which a foot is lifted to see who carries its weight [m]
-CLOSE = 0.02  # a foot this share of its travel above the supports' plane is on its way down
+SAME = 1e-9  # heights of the body that differ by less [m] count as equal
+POINTS = 8  # steps of a leg at which its stance is computed
+HAIR = 1e-5  # travel by which a foot is lifted to compute the redistribution of weight [m]
+CLOSE = 0.02  # a foot within this fraction of its travel above the supports' plane is landing
 
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """How a foot of a leg stands, by how far the leg has stepped. k points."""
+    """Stance of a foot as a function of the step of its leg, at k points."""
 
     robot: Robot
     step: Floats  # (k,) travel of all cells but the last together [m], rising
-    load: Floats  # (k,) force of the floor on the foot [N], its own weight included
-    sharing: Floats  # (k,) how many feet stand there together
+    load: Floats  # (k,) ground reaction force of the foot [N], its own weight included
+    sharing: Floats  # (k,) number of feet in stance together
     drags: bool = True  # False leaves the drag out
 
     def alike(self, other: "Stance") -> bool:
-        """Whether another foot stands the same, but for rounding."""
+        """Whether another stance is the same, but for rounding."""
         pairs = ((self.step, other.step), (self.load, other.load), (self.sharing, other.sharing))
         return self.drags == other.drags and all(
             len(a) == len(b) and bool(np.all(np.abs(a - b) < 1e-9)) for a, b in pairs
         )
 
     def load_at(self, step: float) -> float:
-        """Force of the floor on the foot [N] when the leg has stepped that far [m]."""
+        """Ground reaction force of the foot [N] at a step of the leg [m]."""
         return float(np.interp(step, self.step, self.load))
 
     def hold(self, load: Floats, step: Floats | float) -> Floats:
         """Force along the floor [N] on the foot as it moves, carrying `load` [N].
 
-        The drag of the T-foot, which carries what the feet leave it, shared by those that
-        stand; or as much of it as the foot can hold before it slips.
+        The drag of the passive support, which carries the rest of the weight, is shared by the feet
+        in stance, up to the friction limit of the foot.
         """
         load = np.asarray(load, float)
         if not self.drags:
@@ -55,7 +55,7 @@ class Stance:
         return np.minimum(drag, self.robot.floor.foot_friction * load)
 
     def slips_below(self, step: float) -> float:
-        """Load [N] below which the foot slips and the body stays."""
+        """Load [N] below which the foot slips and the body stays in place."""
         sharing = float(np.interp(step, self.step, self.sharing))
         drag = self.robot.support_friction
         if not self.drags or drag == 0.0:
@@ -66,8 +66,8 @@ class Stance:
     def push(self, load: Floats, travel: Floats | float, step: Floats | float, way: int) -> Floats:
         """Force by which the floor opens the last cell [N], of the arguments' common shape.
 
-        The foot carries `load` [N] at a `travel` of the last cell and a `step` of those before [m];
-        `way` is +1 while it is pushed back (loading), -1 while it is pulled forward.
+        The foot carries `load` [N] at a `travel` of the last cell and a `step` of the others [m];
+        `way` is +1 for loading (foot pushed back), -1 for unloading.
         """
         # A force H along the floor acts on the tip, which goes back by the travels of all cells but
         # the last and by half of the last one's. The same force on every cell moves nothing at a
@@ -76,23 +76,22 @@ class Stance:
         return (load - own) * self.robot.foot.lever(travel) + way * self.hold(load, step) / 2
 
     def change(self, start: float, way: int) -> Floats:
-        """(k,) by how much more the floor opens the last cell than at `start` [m], in N."""
+        """(k,) change of the opening force on the last cell since the step `start` [m], in N."""
         each = self.push(self.load, 0.0, self.step, way)
         return each - np.interp(start, self.step, each)
 
 
 def touch(robot: Robot) -> float:
-    """Travel of the last cell [m] past which the foot carries nothing."""
+    """Travel of the last cell [m] beyond which the foot carries nothing."""
     return max(robot.foot.contact_travel, HANDOVER)
 
 
 def leaning(robot: Robot) -> Floats:
-    """Force of the floor on each foot (legs,) [N] as the actuator sets out from all cells at 0.
+    """Ground reaction force of each foot (legs,) [N] as the actuator sets out from all cells at 0.
 
-    Feet that stand alike share their weight alike. Where one leg would lift its foot and another
-    would rather step, the body leans from the one towards the other until both would lift, or
-    neither: what a last cell lacks to open is made equal by moving weight, as far as the body
-    can lean.
+    Equal feet share the weight equally. If one leg would lift its foot and another would step, the
+    body leans from the first towards the second until both lift or neither does. Moving weight
+    makes the forces missing to open the last cells equal, as far as the body can lean.
     """
     legs = range(len(robot.legs))
 
@@ -106,7 +105,7 @@ def leaning(robot: Robot) -> Floats:
     least = np.array([carried([i])[i] for i in legs])
     most = np.array([carried([k for k in legs if k != i])[i] for i in legs])
     chains = [leg.chain.levers for leg in robot.legs]
-    # By how much each last cell holds out longer than the others at 0 [N].
+    # Critical force of each last cell at 0, less the smallest of the others [N].
     lacks = np.array([c[-1].force_0 - min(cell.force_0 for cell in c[:-1]) for c in chains])
     leant = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
     return np.clip(leant, np.minimum(least, even), np.maximum(most, even))
@@ -115,10 +114,10 @@ def leaning(robot: Robot) -> Floats:
 def stance(
     robot: Robot, leg: int, others: list[Floats], setting_out: float | None = None
 ) -> Stance:
-    """How a foot stands with its last cell at 0.
+    """Stance of a foot with its last cell at 0.
 
     The `others` are for each leg (POINTS, cells) travels [m] at these steps of the leg, whose own
-    are not looked at; `setting_out` is the force on the foot before it has stepped [N].
+    entry is not used; `setting_out` is the force on the foot before it has stepped [N].
     """
     cells = robot.legs[leg].chain.cells
     full = np.array([cell.full_travel for cell in cells])
@@ -128,7 +127,7 @@ def stance(
         travels = [other[k].copy() for other in others]
         travels[leg] = np.append(part * full[:-1], 0.0)
         for travel, one in zip(travels, robot.legs, strict=True):
-            # A foot that only just touches is about to stand.
+            # A foot that barely touches is about to carry weight.
             if travel[-1] <= touch(robot) + CLOSE * one.chain.cells[-1].full_travel:
                 travel[-1] = 0.0
         loads.append(feet_load(robot, travels)[leg])
@@ -139,11 +138,11 @@ def stance(
 
 
 def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
-    """Force of the floor on each foot at rest (legs,) [N], by the lever rule.
+    """Ground reaction force of each foot at rest (legs,) [N], by the lever rule.
 
-    The body sinks as low as feet and supports let it: of all triangles of contacts round the
-    centre of mass it rests on the one that holds it lowest down, and where several do, on all
-    of them alike. A foot no deeper than the supports carries nothing. Travels are (cells,) [m].
+    The body rests on the triangle of contacts around the centre of mass that gives its lowest
+    position; several such triangles share the weight equally. A foot no deeper than the supports
+    carries nothing. Travels are (cells,) [m].
     """
     feet, foot = feet_places(robot, travels), robot.foot
     lift = foot.depth(0.0) - foot.depth(np.array([travel[-1] for travel in travels]))
@@ -159,7 +158,7 @@ def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
 
 
 def supports_load(robot: Robot, travels: Sequence[Floats], feet: Floats) -> Floats:
-    """Force of the floor on each support (..., supports) [N] while the feet carry `feet` [N]."""
+    """Ground reaction force of each support (..., supports) [N] while the feet carry `feet` [N]."""
     supports = np.asarray(robot.body.supports, float)
     own = robot.foot.mass * robot.floor.gravity
     weight, middle = _body_weight(robot, travels, feet - own)
@@ -168,21 +167,21 @@ def supports_load(robot: Robot, travels: Sequence[Floats], feet: Floats) -> Floa
 
 
 def stands_proud(robot: Robot, travel: Floats) -> bool:
-    """Whether a foot stands deeper than the supports, so that the body leans on it."""
+    """Whether a foot is deeper than the supports, so that it carries weight."""
     return bool(travel[-1] <= max(robot.foot.contact_travel - HANDOVER, 0.0))
 
 
 def feet_places(robot: Robot, travels: Sequence[Floats]) -> Floats:
-    """(..., legs, 2) of the feet in the body's frame [m], by travels (..., cells) of each leg."""
+    """Places of the feet (..., legs, 2) in the body's frame [m] at travels (..., cells)."""
     # A tip hangs midway between the block before the outermost one and that one.
     back = np.stack([s[..., :-1].sum(axis=-1) + s[..., -1] / 2 for s in travels], axis=-1)
     return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros_like(back)], axis=-1)
 
 
 def _body_weight(robot: Robot, travels: Sequence[Floats], lifted: Floats) -> tuple[Floats, Floats]:
-    """What feet that lift the body by these forces (..., legs) leave of its weight [N], and where.
+    """Weight [N] left for the supports by feet that carry `lifted` (..., legs), and its place.
 
-    It acts on the point (x, y) (..., 2) [m].
+    The place is the point of action (x, y) (..., 2) [m].
     """
     mass, centre = _without_feet(robot, travels)
     whole = mass * robot.floor.gravity
@@ -213,14 +212,14 @@ def _without_feet(robot: Robot, travels: Sequence[Floats]) -> tuple[float, Float
 
 
 def _shares(points: Floats, height: Floats, usable: Bools, middle: Floats) -> Floats:
-    """(..., points) share of a weight at (..., 2) [m] on each, 0 .. 1."""
+    """Fraction (..., points) of a weight at (..., 2) [m] on each point, 0 .. 1."""
     threes = np.array([*combinations(np.flatnonzero(usable), 3)])
     corners = np.insert(points[threes], 2, 1.0, axis=2).swapaxes(1, 2)
     wide = np.abs(np.linalg.det(corners)) >= 1e-12
     threes, corners = threes[wide], corners[wide]
     place = np.insert(middle, 2, 1.0, axis=-1)[..., None, :, None]
     weights = np.linalg.solve(corners, place)[..., 0]
-    # On an edge, rounding decides the side; outside of all, the nearest triangle carries.
+    # On an edge, rounding decides the side; outside of all triangles, the nearest one carries.
     outside = np.maximum(-weights, 0.0).sum(axis=-1)
     near = outside <= np.maximum(1e-9, outside.min(axis=-1, keepdims=True) + 1e-9)
     level = np.where(near, (weights * height[threes]).sum(axis=-1), np.inf)
@@ -238,19 +237,21 @@ class Spring(NamedTuple):
 
     amplitude: float  # of the command [m]
     stiffness: float  # [N/m]
-    more: float = 0.0  # force against the carriage besides that of the legs, in either way [N]
+    more: float = (
+        0.0  # force against the carriage in addition to the legs, loading and unloading [N]
+    )
 
     def stops(self, legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
         """The stroke at which the carriage stops as the command ends [m].
 
-        The spring holds the carriage at a stroke u while the command is u + Σ λ / stiffness, with
-        the force λ of every leg there. So it goes on until that takes more than the command has.
-        Each leg has (n,) strokes in the order in which they come [m], and the forces that push its
-        outermost block out there [N]; `way` is +1 out, -1 back.
+        The carriage is at stroke u if the command is u + Σ λ / stiffness, with the force λ of every
+        leg at u. So it stops where that exceeds the end of the command. Each leg has (n,) strokes
+        in the order of motion [m], and the forces on its outermost block, positive outwards [N];
+        `way` is +1 for loading, -1 for unloading.
         """
-        stroke, asked = _asked(legs, way)
+        stroke, asked = _summed_forces(legs, way)
         limit = self.amplitude if way > 0 else 0.0
-        # By how much the command would have to go past its end [m].
+        # Overshoot of the command beyond its end that would be needed [m].
         reaches, goes_on, most = stroke - way * limit + (asked + self.more) / self.stiffness
         over = np.flatnonzero(most > 10.0**-STROKE_DECIMALS)
         if not len(over):
@@ -263,14 +264,14 @@ class Spring(NamedTuple):
 
 
 def largest(legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
-    """The largest force that all legs together ask of the drive on a way [N], as for `stops`."""
-    return float(_asked(legs, way)[1][2].max())
+    """The largest force of the drive on all legs in a half cycle [N], as for `stops`."""
+    return float(_summed_forces(legs, way)[1][2].max())
 
 
-def _asked(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Floats]:
-    """Strokes (k,) on a way, which counts as rising [m], and what all legs ask of the drive there.
+def _summed_forces(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Floats]:
+    """Strokes (k,) of a half cycle, counted as rising [m], and the forces of the drive there.
 
-    That is (3, k) as the carriage comes there, as it goes on, and the largest between [N].
+    The forces (3, k) are those at arrival, at departure, and the largest between [N].
     """
     each: list[tuple[Floats, Floats]] = []
     for stroke, force in legs:
